@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -161,19 +162,10 @@ std::string RelativeInWords(const MapQuality& quality) {
 }
 
 std::string_view StatusInWords(MapStatus status) {
-  switch (status) {
-    case MapStatus::kReady:
-      return "Ready to use";
-    case MapStatus::kLimited:
-      return "Usable, with limits";
-    case MapStatus::kDoubtful:
-      return "Place in doubt";
-    case MapStatus::kUnplaced:
-      return "Not georeferenced";
-    case MapStatus::kUnknown:
-      return "Accuracy not known";
-  }
-  return "Not georeferenced";
+  constexpr std::array kWords = {"Ready to use", "Usable, with limits", "Place in doubt", "Not georeferenced",
+                                 "Accuracy not known"};
+  static_assert(kWords.size() == static_cast<std::size_t>(MapStatus::kUnknown) + 1);
+  return kWords[static_cast<std::size_t>(status)];
 }
 
 std::string QualityInWords(const MapQuality& quality) {

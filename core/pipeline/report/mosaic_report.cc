@@ -96,15 +96,8 @@ Json FootprintRing(const alignment::AlignedPhoto& photo, const geo::LocalFrame& 
 Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json HeldAgainstJson(bands::HeldAgainst held_against) {
-  switch (held_against) {
-    case bands::HeldAgainst::kPanel:
-      return "panel";
-    case bands::HeldAgainst::kTargets:
-      return "targets";
-    case bands::HeldAgainst::kNothing:
-      break;
-  }
-  return nullptr;
+  if (held_against == bands::HeldAgainst::kPanel) return "panel";
+  return held_against == bands::HeldAgainst::kTargets ? Json("targets") : Json(nullptr);
 }
 
 Json BandsJson(const bands::BandsReport& report) {

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -57,26 +58,11 @@ Json LogJson(const flight::LogFacts& log) {
   return json;
 }
 
-std::string_view FaultWord(flight::ListFault fault) {
-  switch (fault) {
-    case flight::ListFault::kNone:
-      return "none";
-    case flight::ListFault::kNamesNoPhoto:
-      return "names_no_photo";
-    case flight::ListFault::kNoSystem:
-      return "no_system";
-    case flight::ListFault::kNoPlace:
-      return "no_place";
-    case flight::ListFault::kFarAway:
-      return "far_away";
-    case flight::ListFault::kOtherShape:
-      return "other_shape";
-    case flight::ListFault::kOtherTime:
-      return "other_time";
-    case flight::ListFault::kOtherPixels:
-      return "other_pixels";
-  }
-  return "none";
+const char* FaultWord(flight::ListFault fault) {
+  constexpr std::array kWords = {"none",     "names_no_photo", "no_system",  "no_place",
+                                 "far_away", "other_shape",    "other_time", "other_pixels"};
+  static_assert(kWords.size() == static_cast<std::size_t>(flight::ListFault::kOtherPixels) + 1);
+  return kWords[static_cast<std::size_t>(fault)];
 }
 
 Json ListJson(const flight::ListUse& use) {
