@@ -1,8 +1,13 @@
 #include "core/flight/photo.h"
 
+#include <array>
 #include <tuple>
 
 namespace skyquilt::flight {
+
+std::string MakeAndModel(const Photo& photo) {
+  return photo.model.starts_with(photo.make) ? photo.model : photo.make + " " + photo.model;
+}
 
 bool ComesBefore(const Photo& a, const Photo& b) {
   if (a.captured_at.has_value() != b.captured_at.has_value()) return a.captured_at.has_value();
@@ -10,25 +15,11 @@ bool ComesBefore(const Photo& a, const Photo& b) {
 }
 
 const char* FocalSourceName(FocalSource source) {
-  switch (source) {
-    case FocalSource::kDewarpData:
-      return "dewarp_data";
-    case FocalSource::kCalibrated:
-      return "calibrated_focal_length";
-    case FocalSource::kXmpCamera:
-      return "xmp_camera";
-    case FocalSource::kFocalPlane:
-      return "focal_plane_resolution";
-    case FocalSource::kSensorTable:
-      return "sensor_table";
-    case FocalSource::k35mmEquivalent:
-      return "35mm_equivalent";
-    case FocalSource::kDoubtful:
-      return "doubtful";
-    case FocalSource::kAssumed:
-      return "assumed";
-  }
-  return "unknown";
+  constexpr std::array kNames = {
+      "dewarp_data",  "calibrated_focal_length", "xmp_camera", "focal_plane_resolution",
+      "sensor_table", "35mm_equivalent",         "doubtful",   "assumed"};
+  static_assert(kNames.size() == static_cast<std::size_t>(FocalSource::kAssumed) + 1);
+  return kNames[static_cast<std::size_t>(source)];
 }
 
 }  // namespace skyquilt::flight

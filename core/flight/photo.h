@@ -147,6 +147,9 @@ struct LeftOutPhoto {
   Remark reason = "";  // for the user, says what to do
 };
 
+// What took it, as a person says it: many makers repeat themselves in the model's name.
+std::string MakeAndModel(const Photo& photo);
+
 // The order of a flight: by time of capture, then by name; photos without a time come last.
 bool ComesBefore(const Photo& a, const Photo& b);
 

@@ -6,7 +6,6 @@
 #include <map>
 #include <mutex>
 #include <set>
-#include <tuple>
 
 #include "core/base/parallel_for.h"
 #include "core/base/text/file_names.h"

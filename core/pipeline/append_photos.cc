@@ -1,7 +1,5 @@
 #include "core/pipeline/append_photos.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <map>
 #include <set>
@@ -16,7 +14,6 @@
 #include "core/camera/footprint.h"
 #include "core/ground/extend_ground.h"
 #include "core/ground/model_ground.h"
-#include "core/poses/evidence/repeated_positions.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -259,31 +256,6 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   if (!placed.empty())
     grown.flight.warnings.push_back({flight::RemarkCode::kPhotosAdded, {{"photos", placed.size()}}});
   return std::optional<FlightFacts>(std::move(grown));
-}
-
-bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight& read) {
-  std::set<std::string> names;
-  for (const flight::Photo& photo : read.photos) names.insert(photo.name);
-  return std::all_of(known.photos.begin(), known.photos.end(),
-                     [&](const AlignedPhoto& photo) { return names.contains(photo.photo.name); });
-}
-
-void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
-  std::vector<flight::Photo> photos = read.photos;
-  // A fix that photos repeat is one, as it was when the map was made.
-  const bool repeats = std::any_of(
-      flight.warnings.begin(), flight.warnings.end(),
-      [](const flight::Remark& said) { return said.code == flight::RemarkCode::kPositionsRepeated; });
-  if (repeats) poses::MoveRepeatedPositions(photos);
-  std::map<std::string, const flight::Photo*> by_name;
-  for (const flight::Photo& photo : photos) by_name[photo.name] = &photo;
-  for (alignment::AlignedPhoto& photo : flight.photos) {
-    const auto found = by_name.find(photo.photo.name);
-    if (found == by_name.end()) continue;
-    const std::optional<flight::SampleRange> drawn_in = photo.photo.sample_range;
-    photo.photo = *found->second;
-    if (drawn_in) photo.photo.sample_range = drawn_in;
-  }
 }
 
 void KeepSampleRanges(const alignment::AlignedFlight& known, std::vector<flight::Photo>& photos) {

@@ -28,13 +28,6 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
 // The photos that came after the first `finished` ones, and those around them.
 alignment::AlignedFlight AddedAndAround(const alignment::AlignedFlight& flight, std::size_t finished);
 
-// Whether all photos of a finished map are still used as pictures: of two files that show one, another may be
-// read now (a copy with better tags that came later, say).
-bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight& read);
-
-// The photos of a recalled flight as they were read now (where their files are), drawn as they were.
-void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight);
-
 // New photos of a camera are drawn in the range of those of their kind that are drawn already.
 void KeepSampleRanges(const alignment::AlignedFlight& known, std::vector<flight::Photo>& photos);
 

@@ -1,6 +1,5 @@
 #include "core/pipeline/build_mosaic.h"
 
-#include <fmt/core.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -52,6 +51,47 @@ void WarnOfCoarserPixels(const render::MosaicPlan& plan, const alignment::Aligne
   if (pixel_m <= 1.001 * wanted_m) return;
   report.warnings.push_back(
       {flight::RemarkCode::kCoarserPixels, {{"pixel_mm", 1e3 * pixel_m}, {"wanted_mm", 1e3 * wanted_m}}});
+}
+
+// What the report says of the finished map.
+void DescribeMap(const FlightFacts& facts, const PlannedMap& planned,
+                 const std::optional<MapSurface>& surface, const render::SeamShift& seam_shift,
+                 const render::RenderReport& rendered, MosaicReport& report) {
+  const alignment::AlignedFlight& aligned = facts.flight;
+  const render::MosaicPlan& plan = planned.plan;
+  DescribePhotos(aligned, report);
+  report.seam_shift = seam_shift;
+  report.warnings = aligned.warnings;
+  if (GroundAsked(facts) == MapGround::kAuto) report.ground_choice = facts.ground_choice;
+  if (surface) TellSurface(surface->cell_m, surface->measured_share, report);
+  WarnOfCoarserPixels(plan, aligned, planned.gsd_m, report);
+  report.align_report = facts.align_report;
+  report.ground_report = facts.ground_report;
+  report.height_rule = facts.height_rule;
+  report.poses_report = facts.poses_report;
+  report.is_placed = facts.is_placed;
+  report.gsd_m = FinestShownM(plan, planned.gsd_m, aligned);
+  const JudgedMap judged{.flight = aligned,
+                         .poses = facts.poses_report,
+                         .alignment = facts.align_report ? &*facts.align_report : nullptr,
+                         .seams = seam_shift,
+                         .gsd_m = report.gsd_m,
+                         .is_placed = facts.is_placed,
+                         .is_by_images = facts.is_by_images,
+                         .is_by_hand = facts.is_by_hand};
+  report.quality = JudgeMap(judged);
+  if (auto remark = RemarkOnLean(judged)) report.warnings.push_back(*std::move(remark));
+  const double lat_deg = aligned.frame.origin().lat_deg;
+  const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
+  report.area_m2 = rendered.covered_merc_m2 * ground_per_merc * ground_per_merc;
+  report.bounds = geo::LatLonBoundsFromMerc(rendered.covered_in_merc).OnEarth();
+  report.min_zoom = plan.min_zoom;
+  report.max_zoom = plan.base_zoom;
+  report.tile_size_px = plan.tile_size_px;
+  report.tile_count = rendered.tiles;
+  report.blocks = rendered.blocks;
+  report.blocks_kept = rendered.blocks_kept;
+  report.peak_memory_bytes = PeakMemoryBytes();
 }
 
 }  // namespace
@@ -126,39 +166,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     return patches->Measure(part_cache, progress);
   });
 
-  DescribePhotos(aligned, report);
-  report.seam_shift = seam_shift;
-  report.warnings = aligned.warnings;
-  if (GroundAsked(facts) == MapGround::kAuto) report.ground_choice = facts.ground_choice;
-  if (surface) TellSurface(surface->cell_m, surface->measured_share, report);
-  WarnOfCoarserPixels(plan, aligned, planned.gsd_m, report);
-  report.align_report = facts.align_report;
-  report.ground_report = facts.ground_report;
-  report.height_rule = facts.height_rule;
-  report.poses_report = facts.poses_report;
-  report.is_placed = facts.is_placed;
-  report.gsd_m = FinestShownM(plan, planned.gsd_m, aligned);
-  const JudgedMap judged{.flight = aligned,
-                         .poses = facts.poses_report,
-                         .alignment = facts.align_report ? &*facts.align_report : nullptr,
-                         .seams = seam_shift,
-                         .gsd_m = report.gsd_m,
-                         .is_placed = facts.is_placed,
-                         .is_by_images = facts.is_by_images,
-                         .is_by_hand = facts.is_by_hand};
-  report.quality = JudgeMap(judged);
-  if (auto remark = RemarkOnLean(judged)) report.warnings.push_back(*std::move(remark));
-  const double lat_deg = aligned.frame.origin().lat_deg;
-  const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
-  report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;
-  report.bounds = geo::LatLonBoundsFromMerc(rendered->covered_in_merc).OnEarth();
-  report.min_zoom = plan.min_zoom;
-  report.max_zoom = plan.base_zoom;
-  report.tile_size_px = plan.tile_size_px;
-  report.tile_count = rendered->tiles;
-  report.blocks = rendered->blocks;
-  report.blocks_kept = rendered->blocks_kept;
-  report.peak_memory_bytes = PeakMemoryBytes();
+  DescribeMap(facts, planned, surface, seam_shift, *rendered, report);
   std::optional<BandedMap> banded =
       BandedMapOf(facts, std::move(placed.captures), geo::DegToRad(options.max_look_deg));
   BuiltMosaic built{aligned,

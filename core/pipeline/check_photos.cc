@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/alignment/scene/matches.h"
-#include "core/alignment/stages/align_options.h"
 #include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"

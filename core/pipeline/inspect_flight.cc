@@ -1,6 +1,5 @@
 #include "core/pipeline/inspect_flight.h"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/text/printable.h"
 #include "core/camera/footprint.h"
+#include "core/flight/bytes/written_time.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
@@ -33,17 +33,6 @@ using flight::RemarkCode;
 constexpr double kAlignSecondsPerPhoto = 0.45;
 constexpr double kDecodeSecondsPerMegapixel = 0.012;
 constexpr double kRenderSecondsPerMegapixel = 0.10;
-
-std::string IsoSecond(const flight::UtcTime& time) {
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
-}
-
-// Many makers repeat themselves in the model's name.
-std::string CameraName(const flight::Photo& photo) {
-  if (photo.model.rfind(photo.make, 0) == 0) return photo.model;
-  return photo.make + " " + photo.model;
-}
 
 // Share of a's footprint that b sees too, by a grid of points.
 double SharedGround(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b) {
@@ -151,6 +140,52 @@ void CountSources(const poses::PosedFlight& posed, const flight::Flight& flight,
   }
 }
 
+// What the photos record; all their megapixels.
+double DescribePictures(const flight::Flight& flight, FlightVerdict& verdict) {
+  double input_megapixels = 0.0;
+  for (const flight::Photo& photo : flight.photos) {
+    const auto& lens = photo.intrinsics;
+    ++verdict.cameras[fmt::format("{}, {} x {} px, focal {:.0f} px ({})", flight::MakeAndModel(photo),
+                                  lens.width_px, lens.height_px, lens.MeanFocalPx(),
+                                  flight::FocalSourceName(photo.focal_source))];
+    ++verdict.position_sources[photo.position ? photo.position->source : "none"];
+    ++verdict.attitude_sources[photo.attitude ? photo.attitude->source : "none"];
+    input_megapixels += 1e-6 * lens.width_px * lens.height_px;
+    if (!photo.captured_at) continue;
+    const std::string time = flight::WrittenSecond(*photo.captured_at);
+    if (verdict.first_capture.empty() || time < verdict.first_capture) verdict.first_capture = time;
+    verdict.last_capture = std::max(verdict.last_capture, time);
+  }
+  return input_megapixels;
+}
+
+// What the map will be, and what it will cost.
+void Foretell(const MosaicOptions& options, const alignment::AlignedFlight& placed,
+              const render::MosaicPlan& plan, double input_megapixels, FlightVerdict& verdict) {
+  verdict.gsd_m = plan.gsd_m;
+  if (const Result<void> sane = options.CheckGsd(plan.gsd_m); !sane)
+    verdict.warnings.push_back(flight::WhyOf(sane.error()));
+  verdict.max_zoom = plan.base_zoom;
+  verdict.tile_size_px = plan.tile_size_px;
+  const double pixel_m = geo::PixelSizeInMercM(plan.base_zoom, plan.tile_size_px) *
+                         geo::GroundMetresPerMercMetre(placed.frame.origin().lat_deg);
+  verdict.output_megapixels = 1e-6 * verdict.area_m2 / (pixel_m * pixel_m);
+  const int cores = ThreadCount(options.threads);
+  verdict.expected_seconds =
+      (kAlignSecondsPerPhoto * verdict.photos_placeable + kDecodeSecondsPerMegapixel * input_megapixels +
+       kRenderSecondsPerMegapixel * verdict.output_megapixels) /
+      std::min(cores, 8);
+  constexpr double kMib = 1 << 20;
+  FlightSize size;
+  size.photos = static_cast<std::int64_t>(placed.photos.size());
+  std::vector<std::int64_t> pixels;
+  for (const auto& photo : placed.photos)
+    pixels.push_back(std::int64_t{photo.intrinsics.width_px} * photo.intrinsics.height_px);
+  size.largest_pixels = *std::max_element(pixels.begin(), pixels.end());
+  size.photo_pixels = Median(std::move(pixels));
+  verdict.expected_memory_mib = static_cast<double>(ForetoldBytes(options, plan, size)) / kMib;
+}
+
 void AddAdvice(FlightVerdict& verdict) {
   if (verdict.photos_placeable >= 3 && verdict.forward_overlap < 0.4) {
     verdict.warnings.push_back(
@@ -172,20 +207,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   auto flight = flight::ReadFlight(files, options.threads, progress);
   if (!flight) return flight.error();
   FlightVerdict verdict;
-  double input_megapixels = 0.0;
-  for (const flight::Photo& photo : flight->photos) {
-    const auto& lens = photo.intrinsics;
-    ++verdict.cameras[fmt::format("{}, {} x {} px, focal {:.0f} px ({})", CameraName(photo), lens.width_px,
-                                  lens.height_px, lens.MeanFocalPx(),
-                                  flight::FocalSourceName(photo.focal_source))];
-    ++verdict.position_sources[photo.position ? photo.position->source : "none"];
-    ++verdict.attitude_sources[photo.attitude ? photo.attitude->source : "none"];
-    input_megapixels += 1e-6 * lens.width_px * lens.height_px;
-    if (!photo.captured_at) continue;
-    const std::string time = IsoSecond(*photo.captured_at);
-    if (verdict.first_capture.empty() || time < verdict.first_capture) verdict.first_capture = time;
-    verdict.last_capture = std::max(verdict.last_capture, time);
-  }
+  const double input_megapixels = DescribePictures(*flight, verdict);
   // Of each capture of several bands one photo is placed.
   bands::SetBandsApart(*flight, options.threads);
   const Result<void> compared = poses::CompareSources(*flight);
@@ -246,28 +268,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     verdict.warnings.push_back(flight::WhyOf(plan.error()));
     return verdict;
   }
-  verdict.gsd_m = plan->gsd_m;
-  if (const Result<void> sane = options.CheckGsd(plan->gsd_m); !sane)
-    verdict.warnings.push_back(flight::WhyOf(sane.error()));
-  verdict.max_zoom = plan->base_zoom;
-  verdict.tile_size_px = plan->tile_size_px;
-  const double pixel_m = geo::PixelSizeInMercM(plan->base_zoom, plan->tile_size_px) *
-                         geo::GroundMetresPerMercMetre(placed.frame.origin().lat_deg);
-  verdict.output_megapixels = 1e-6 * verdict.area_m2 / (pixel_m * pixel_m);
-  const int cores = ThreadCount(options.threads);
-  verdict.expected_seconds =
-      (kAlignSecondsPerPhoto * verdict.photos_placeable + kDecodeSecondsPerMegapixel * input_megapixels +
-       kRenderSecondsPerMegapixel * verdict.output_megapixels) /
-      std::min(cores, 8);
-  constexpr double kMib = 1 << 20;
-  FlightSize size;
-  size.photos = static_cast<std::int64_t>(placed.photos.size());
-  std::vector<std::int64_t> pixels;
-  for (const auto& photo : placed.photos)
-    pixels.push_back(std::int64_t{photo.intrinsics.width_px} * photo.intrinsics.height_px);
-  size.largest_pixels = *std::max_element(pixels.begin(), pixels.end());
-  size.photo_pixels = Median(std::move(pixels));
-  verdict.expected_memory_mib = static_cast<double>(ForetoldBytes(options, *plan, size)) / kMib;
+  Foretell(options, placed, *plan, input_megapixels, verdict);
   AddAdvice(verdict);
   return verdict;
 }

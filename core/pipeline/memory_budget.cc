@@ -22,7 +22,6 @@ render::PlanOptions PlanWithin(const MosaicOptions& options) {
   render::PlanOptions plan;
   plan.gsd_m = options.gsd_m;
   plan.not_finer_than_photos = options.not_finer_than_photos;
-  plan.feather_m = options.feather_m;
   if (options.boundary) plan.boundary = &*options.boundary;
   plan.max_block_bytes = options.max_memory_bytes - kProgramBytes - kMinCacheBytes - kThreadBytes;
   plan.max_seam_bytes = options.max_memory_bytes / 2;

@@ -44,9 +44,6 @@ Result<void> MosaicOptions::Validate() const {
         fmt::format("The origin is {}, {} but must be a latitude up to 85 and a longitude up to 180 degrees.",
                     origin->lat_deg, origin->lon_deg));
   }
-  if (!(feather_m >= 0.0 && feather_m <= 100.0)) {
-    return refuse(fmt::format("The option feather_m is {} but must be 0 to 100 metres.", feather_m));
-  }
   constexpr std::int64_t kMinMemory = std::int64_t{256} << 20;
   if (max_memory_bytes < kMinMemory) {
     return refuse(

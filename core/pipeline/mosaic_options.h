@@ -63,7 +63,6 @@ struct MosaicOptions {
   std::string dem_path;                    // --dem: a GeoTIFF of the ground's heights; empty: flat ground
   image::TileEncoding encoding = image::TileEncoding::kJpegWebp;  // --format
   int jpeg_quality = 85;                                          // --quality 1..100
-  double feather_m = 0.0;  // width of the seams' transition; 0 = chosen from the GSD
   std::int64_t max_memory_bytes = std::int64_t{1} << 30;  // --max-memory: budget for decoded photos and tiles
   int threads = 0;                                        // --threads: 0 = all cores
   std::vector<render::MapLayer> layers;                   // --layers: tilesets of their own beside the map

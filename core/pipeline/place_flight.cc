@@ -16,7 +16,6 @@
 #include "core/alignment/baselines/align_directly.h"
 #include "core/bands/calibrate_by_panels.h"
 #include "core/base/median.h"
-#include "core/base/parallel_for.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/try.h"
 #include "core/flight/photos/sample_format.h"
@@ -31,6 +30,7 @@
 #include "core/pipeline/placing/move_flight.h"
 #include "core/pipeline/placing/place_by_lists.h"
 #include "core/pipeline/placing/place_known.h"
+#include "core/pipeline/placing/recall_flight.h"
 #include "core/pipeline/surface/choose_ground.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/lists/compare_sources.h"
@@ -48,90 +48,6 @@ constexpr std::size_t kManyFiles = 500;  // whose features are most of the memor
 // An error of a photo's angles grows with the square of the tangent towards the horizon: what no other photo
 // has seen is drawn no further out than this.
 constexpr double kUntiedLookRad = 55.0 * std::numbers::pi / 180.0;
-
-std::vector<NamedDigest> DigestsOf(const std::vector<InputFile>& files,
-                                   const std::map<std::string, Digest>& known, int threads) {
-  std::vector<Result<Digest>> read(files.size(), Digest{});
-  ParallelFor(files.size(), threads, [&](std::size_t i) {
-    const auto found = known.find(files[i].name);
-    read[i] = found != known.end() ? Result<Digest>(found->second) : DigestOfFile(files[i].path);
-  });
-  std::vector<NamedDigest> digests;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    // A file that cannot be read is reported where it is needed; until then it has no twin.
-    digests.push_back({files[i], read[i] ? *read[i] : Digest{}});
-  }
-  return digests;
-}
-
-// What an earlier run placed, where it was asked for the same and all its files are still there.
-struct Recalled {
-  FlightFacts facts;
-  std::vector<NamedDigest> added;  // files that it did not have
-};
-
-// `apart`: names of files that may have come or changed since.
-std::optional<Recalled> RecallFiles(const pyramid::MapMemory& memory, const std::vector<NamedDigest>& inputs,
-                                    const std::set<std::string>& apart = {}) {
-  if (memory.Recall().empty()) return std::nullopt;
-  Result<FlightFacts> facts = ParseFacts(memory.Recall());
-  // Facts that cannot be read are as good as none: the flight is placed anew.
-  if (!facts || facts->inputs.empty()) return std::nullopt;
-  std::map<std::string, Digest> given;
-  for (const NamedDigest& input : inputs) {
-    if (!given.emplace(input.file.name, input.digest).second) return std::nullopt;  // which one was which?
-  }
-  std::set<std::string> known;
-  for (const NamedDigest& input : facts->inputs) {
-    if (apart.contains(input.file.name)) continue;
-    const auto same = given.find(input.file.name);
-    if (same == given.end() || same->second != input.digest) return std::nullopt;
-    known.insert(input.file.name);
-  }
-  Recalled recalled{*std::move(facts), {}};
-  for (const NamedDigest& input : inputs) {
-    if (!known.contains(input.file.name) && !apart.contains(input.file.name)) recalled.added.push_back(input);
-  }
-  return recalled;
-}
-
-std::optional<Recalled> Recall(const pyramid::MapMemory& memory, const MosaicOptions& options,
-                               const std::vector<NamedDigest>& inputs) {
-  std::optional<Recalled> recalled = RecallFiles(memory, inputs);
-  if (recalled && recalled->facts.options != DigestOfPlacing(options)) return std::nullopt;
-  // An earlier version did not ask whether anything leans.
-  if (recalled && options.surface == MapGround::kAuto && !recalled->facts.ground_choice) return std::nullopt;
-  return recalled;
-}
-
-// A flight that doubles is better aligned as a whole; so is one that was not finished, got other files than
-// photos, or has photos that no record places: the new ones may be like them.
-bool MayAppend(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
-  if (recalled.facts.is_by_images) return false;
-  if (!recalled.facts.appearance || 2 * recalled.added.size() > recalled.facts.flight.photos.size())
-    return false;
-  if (options.method != AlignMethod::kAuto && options.method != AlignMethod::kImu) return false;
-  std::set<std::string> photos;
-  for (const flight::Photo& photo : read.photos) photos.insert(photo.name);
-  for (const flight::LeftOutPhoto& photo : read.left_out) photos.insert(photo.name);
-  return std::all_of(recalled.added.begin(), recalled.added.end(),
-                     [&](const NamedDigest& input) { return photos.contains(input.file.name); });
-}
-
-std::set<std::string> NamesOf(const std::vector<flight::GcpList>& lists) {
-  std::set<std::string> names;
-  for (const flight::GcpList& list : lists) names.insert(list.file_name);
-  return names;
-}
-
-// The flight got its first surveyed points, and nothing else.
-bool MayMove(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
-  if (options.method != AlignMethod::kAuto || !recalled.facts.is_placed) return false;
-  const std::set<std::string> lists = NamesOf(read.gcp_lists);
-  return lists.size() == recalled.added.size() &&
-         std::all_of(recalled.added.begin(), recalled.added.end(),
-                     [&](const NamedDigest& input) { return lists.contains(input.file.name); });
-}
 
 Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOptions& options,
                                 const geo::DemSource* dem, StageRunner& stages, bool keep_unplaced = false) {
@@ -400,6 +316,20 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   return grown;
 }
 
+Result<flight::Flight> Read(const std::vector<InputFile>& files, const MosaicOptions& options,
+                            const flight::PhotoSource& source, bands::Captures& captures,
+                            Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(flight::Flight flight, flight::ReadFlight(files, options.threads, progress));
+  captures = bands::SetBandsApart(flight, options.threads);
+  SKYQUILT_TRY(poses::CompareSources(flight));
+  bands::CalibrateByPanels(flight, captures, source);
+  flight::ChooseSampleRanges(flight.photos, source, options.threads);
+  if (options.readout_s) {
+    for (flight::Photo& photo : flight.photos) photo.readout_s = options.readout_s;
+  }
+  return flight;
+}
+
 // A map that is brought elsewhere stays cut as it was.
 std::optional<geo::Boundary> BoundaryOf(const MosaicOptions& options, const pyramid::MapMemory* memory) {
   if (options.boundary || !options.placing || memory == nullptr) return options.boundary;
@@ -421,19 +351,10 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   const LargeBlocksApart features_apart(files.size() >= kManyFiles);
   std::vector<NamedDigest> inputs;
   bands::Captures captures;
-  auto read = stages.Run("read", [&]() -> Result<flight::Flight> {
+  auto read = stages.Run("read", [&] {
     if (memory != nullptr || !found.digests.empty())
       inputs = DigestsOf(files, found.digests, options.threads);
-    Result<flight::Flight> flight = flight::ReadFlight(files, options.threads, progress);
-    if (flight) {
-      captures = bands::SetBandsApart(*flight, options.threads);
-      SKYQUILT_TRY(poses::CompareSources(*flight));
-      bands::CalibrateByPanels(*flight, captures, source);
-      flight::ChooseSampleRanges(flight->photos, source, options.threads);
-    }
-    if (!flight || !options.readout_s) return flight;
-    for (flight::Photo& photo : flight->photos) photo.readout_s = options.readout_s;
-    return flight;
+    return Read(files, options, source, captures, progress);
   });
   if (!read) return read.error();
 
@@ -452,7 +373,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
       facts = std::move(placed.facts);
     }
   } else if (memory != nullptr) {
-    std::optional<Recalled> recalled = Recall(*memory, options, inputs);
+    std::optional<Recalled> recalled = RecallPlaced(*memory, options, inputs);
     if (recalled && recalled->facts.is_by_hand && read->gcp_lists.empty()) placed_by_hand = recalled->facts;
     if (recalled && HasAllPhotosOf(recalled->facts.flight, *read)) {
       if (recalled->added.empty()) {

@@ -1,7 +1,6 @@
 #include "core/pipeline/plan_map.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/base/try.h"
 #include "core/pipeline/memory_budget.h"

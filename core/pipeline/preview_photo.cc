@@ -24,8 +24,9 @@ Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::s
   const double shrink =
       std::max(1.0, static_cast<double>(std::max(lens.width_px, lens.height_px)) / options.longer_side_px);
   const double photo_pixel_m = std::max(1.0, one.photos[0].height_above_ground_m) / lens.MeanFocalPx();
-  SKYQUILT_TRY_ASSIGN(const auto plan,
-                      render::PlanMosaic(one, ground, {options.gsd_m.value_or(shrink * photo_pixel_m), 0.0}));
+  SKYQUILT_TRY_ASSIGN(
+      const auto plan,
+      render::PlanMosaic(one, ground, {.gsd_m = options.gsd_m.value_or(shrink * photo_pixel_m)}));
   SKYQUILT_TRY_ASSIGN(const render::Thumbnail thumbnail, render::MakeThumbnail(source, one.photos[0].photo));
   const render::ExposureModel exposure = render::ExposureModel::Even(1);
   const render::SeamMap seams = render::BuildSeamMap(

@@ -29,7 +29,6 @@ struct MosaicPlan {
   geo::Bounds2 bounds_in_merc;
   std::vector<geo::Bounds2> seen_in_merc;  // by photo: what it may see; empty when it sees no ground
   std::vector<RenderBlock> blocks;         // along the Hilbert curve, so that neighbours share decoded photos
-  double feather_m = 0.0;                  // width of the seams' transition; 0 = 16 pixels
   std::int64_t output_pixels = 0;          // upper bound
   // On the pixels of whole blocks; null: nothing is cut. Blocks wholly beyond it are not among those above.
   std::shared_ptr<const geo::BoundaryOnZoom> boundary_on_blocks;

@@ -172,7 +172,6 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   }
   plan.block_levels = 0;
   while (plan.block_levels < plan.base_zoom && plan.BlockSizePx() < kBlockSizePx) ++plan.block_levels;
-  plan.feather_m = options.feather_m;
   plan.max_seam_cells = options.max_seam_bytes / kSeamCellBytes;
 
   const int block_zoom = plan.base_zoom - plan.block_levels;

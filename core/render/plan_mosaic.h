@@ -16,7 +16,6 @@ namespace skyquilt::render {
 
 struct PlanOptions {
   std::optional<double> gsd_m;  // of the output; default: that of the photos
-  double feather_m = 0.0;       // 0 = 16 pixels
   // What one block may take while it is rendered: tiles do not grow beyond, and the pixels stay coarser.
   std::int64_t max_block_bytes = std::int64_t{600} << 20;
   std::int64_t max_seam_bytes = std::int64_t{1} << 30;  // of all photos' views of the seam grid

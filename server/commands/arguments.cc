@@ -14,22 +14,13 @@
 #include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
-namespace {
-
 namespace fs = std::filesystem;
-
-[[noreturn]] void RefuseArgument(const char* command, const std::string& why) {
-  Fail(command, {ErrorCode::kInvalidArgument, why, ""});
-}
-
-}  // namespace
 
 geo::LatLon ParseLatLon(const char* command, const char* option, const std::string& text) {
   geo::LatLon place;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%lf,%lf%c", &place.lat_deg, &place.lon_deg, &rest) == 2) return place;
-  RefuseArgument(command,
-                 fmt::format("{} is '{}'; write it as LAT,LON in degrees, like 46.80,7.10.", option, text));
+  Refuse(command, fmt::format("{} is '{}'; write it as LAT,LON in degrees, like 46.80,7.10.", option, text));
 }
 
 geo::Boundary ReadBoundary(const char* command, const fs::path& file) {
@@ -53,7 +44,7 @@ geo::Boundary ReadBoundary(const char* command, const fs::path& file) {
 void CheckServerAddress(const char* command, std::string& url) {
   while (url.ends_with('/')) url.pop_back();
   if (url.starts_with("http://") || url.starts_with("https://")) return;
-  RefuseArgument(command, url + " is no address of a server; one looks like http://127.0.0.1:8080.");
+  Refuse(command, url + " is no address of a server; one looks like http://127.0.0.1:8080.");
 }
 
 std::string NameOfInput(const fs::path& input) {
@@ -78,12 +69,11 @@ UploadedFlight UploadAtTerminal(const char* command, const std::vector<flight::I
 
 void CheckOutFile(const char* command, const fs::path& out, bool may_replace) {
   std::error_code error;
-  if (fs::is_directory(out, error))
-    RefuseArgument(command, out.string() + " is a folder; name a file in it.");
+  if (fs::is_directory(out, error)) Refuse(command, out.string() + " is a folder; name a file in it.");
   if (fs::exists(out, error) && !may_replace)
-    RefuseArgument(command, out.string() + " is there already. Choose another name, or say --overwrite.");
+    Refuse(command, out.string() + " is there already. Choose another name, or say --overwrite.");
   if (!fs::is_directory(out.parent_path(), error))
-    RefuseArgument(command, "The folder " + out.parent_path().string() + " is not there. Make it first.");
+    Refuse(command, "The folder " + out.parent_path().string() + " is not there. Make it first.");
 }
 
 WorkBeside::WorkBeside(const char* command, const fs::path& out)

@@ -6,20 +6,15 @@
 #include <fstream>
 
 #include "core/base/try.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::server {
 namespace {
 
-std::string Trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return "";
-  return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
-}
-
-std::string Unquoted(std::string text) {
+std::string Unquoted(std::string_view text) {
   const bool is_quoted =
       text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.back() == text.front();
-  return is_quoted ? text.substr(1, text.size() - 2) : text;
+  return std::string(is_quoted ? text.substr(1, text.size() - 2) : text);
 }
 
 Result<std::vector<std::string>> WordsOf(const std::string& path) {
@@ -32,10 +27,10 @@ Result<std::vector<std::string>> WordsOf(const std::string& path) {
   std::vector<std::string> words;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
-    const std::string text = Trimmed(line);
+    const std::string_view text = flight::Trim(line);
     if (text.empty() || text.front() == '#') continue;
     const std::size_t equals = text.find('=');
-    const std::string name = Trimmed(text.substr(0, equals));
+    const std::string name(flight::Trim(text.substr(0, equals)));
     const bool is_name = !name.empty() && name != "config" &&
                          name.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") == std::string::npos;
     if (equals == std::string::npos || !is_name) {
@@ -46,7 +41,7 @@ Result<std::vector<std::string>> WordsOf(const std::string& path) {
           ""};
     }
     if (std::getenv(VariableOf(name).c_str()) != nullptr) continue;
-    words.push_back(fmt::format("--{}={}", name, Unquoted(Trimmed(text.substr(equals + 1)))));
+    words.push_back(fmt::format("--{}={}", name, Unquoted(flight::Trim(text.substr(equals + 1)))));
   }
   return words;
 }

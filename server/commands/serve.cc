@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "api/build_api.h"
-#include "api/nodeodm/nodeodm.h"
 #include "api/uploads/unpack.h"
 #include "core/base/process/late_library.h"
 #include "core/base/text/printable.h"
@@ -226,12 +225,10 @@ void KeepFreedMemory() {
 
 void RunServer(const ServeOptions& options) {
   if (options.keep_days > 0 && options.trash_days == 0) {
-    Fail(
+    Refuse(
         "skyquilt serve",
-        {ErrorCode::kInvalidArgument,
-         "--keep-days puts flights that nobody changes into the trash, and with --trash-days 0 there is none. "
-         "Give --trash-days 1 or more, or leave --keep-days out.",
-         ""});
+        "--keep-days puts flights that nobody changes into the trash, and with --trash-days 0 there is none. "
+        "Give --trash-days 1 or more, or leave --keep-days out.");
   }
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();

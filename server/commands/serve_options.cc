@@ -66,8 +66,7 @@ void RefuseUnknownVariables(const CLI::App& command) {
       return option->get_envname() == name;
     });
     if (!is_known) {
-      Fail("skyquilt serve",
-           {ErrorCode::kInvalidArgument, fmt::format("The variable {} is not known.", name), ""});
+      Refuse("skyquilt serve", fmt::format("The variable {} is not known.", name));
     }
   }
 }

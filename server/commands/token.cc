@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "api/auth/access.h"
 #include "api/json/json_codec.h"
@@ -49,20 +50,12 @@ std::optional<std::chrono::seconds> ParseDuration(const std::string& text) {
   constexpr std::int64_t kMaxUnits = 100'000;  // of any unit
   if (parsed.ec != std::errc() || parsed.ptr + 1 != end || number < 1 || number > kMaxUnits)
     return std::nullopt;
-  switch (*parsed.ptr) {
-    case 's':
-      return std::chrono::seconds(number);
-    case 'm':
-      return std::chrono::minutes(number);
-    case 'h':
-      return std::chrono::hours(number);
-    case 'd':
-      return std::chrono::hours(24 * number);
-    case 'w':
-      return std::chrono::hours(7 * 24 * number);
-    default:
-      return std::nullopt;
+  constexpr std::pair<char, std::int64_t> kSecondsOf[] = {
+      {'s', 1}, {'m', 60}, {'h', 3600}, {'d', 24 * 3600}, {'w', 7 * 24 * 3600}};
+  for (const auto& [unit, seconds] : kSecondsOf) {
+    if (*parsed.ptr == unit) return std::chrono::seconds(seconds * number);
   }
+  return std::nullopt;
 }
 
 void RequireFlight(storage::CatalogueDb& db, const std::string& id) {
@@ -79,8 +72,7 @@ void Add(const TokenOptions& options) {
   if (!options.flight.empty()) {
     RequireFlight(*db, options.flight);
     if (options.scope != "read") {
-      Fail("skyquilt token",
-           {ErrorCode::kInvalidArgument, "A token for one flight only reads: leave --scope out.", ""});
+      Refuse("skyquilt token", "A token for one flight only reads: leave --scope out.");
     }
   }
   const std::string text = options.flight.empty() ? api::NewTokenText() : api::NewShareText();

@@ -11,6 +11,15 @@
 #include "storage/db/ids.h"
 
 namespace skyquilt::server {
+
+// Members that stand in JSON by their own names.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(UnitToDo, kind, number, count, blocks, looks)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchTask, files_dir, previous_dir, out_dir, options, title, units_dir,
+                                   renders, with_pmtiles, memory_bytes, cpu_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExportTask, map_dir, work_dir, out_name, request, threads, memory_bytes,
+                                   cpu_s, file_bytes)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PreviewPlace, files_dir, folder, memory_bytes)
+
 namespace {
 
 using Json = nlohmann::json;
@@ -144,21 +153,6 @@ Json JsonOf(const StitchOutcome& outcome) {
           {"stages_s", outcome.stages_s}};
 }
 
-Json JsonOf(const std::optional<UnitToDo>& unit) {
-  if (!unit) return nullptr;
-  return {{"kind", static_cast<int>(unit->kind)},
-          {"number", unit->number},
-          {"count", unit->count},
-          {"blocks", unit->blocks},
-          {"looks", unit->looks}};
-}
-
-std::optional<UnitToDo> UnitOf(const Json& json) {
-  if (json.is_null()) return std::nullopt;
-  return UnitToDo{static_cast<UnitKind>(json.at("kind").get<int>()), json.at("number"), json.at("count"),
-                  json.at("blocks"), json.at("looks")};
-}
-
 Json FilesJson(const std::vector<storage::StoredFile>& files) {
   Json list = Json::array();
   for (const storage::StoredFile& file : files) list.push_back({file.name, file.stored_name});
@@ -212,64 +206,26 @@ Result<PreviewMessage> CheckedDrawn(const Json& json) {
 std::string ToText(const StitchTask& task) {
   Json files = Json::array();
   for (const flight::InputFile& file : task.files) files.push_back({file.name, file.path.string()});
-  return Dump({{"files", files},
-               {"files_dir", task.files_dir.string()},
-               {"previous_dir", task.previous_dir.string()},
-               {"out_dir", task.out_dir.string()},
-               {"options", task.options},
-               {"title", task.title},
-               {"units_dir", task.units_dir.string()},
-               {"unit", JsonOf(task.unit)},
-               {"renders", task.renders},
-               {"with_pmtiles", task.with_pmtiles},
-               {"memory_bytes", task.memory_bytes},
-               {"cpu_s", task.cpu_s}});
+  Json json = task;
+  json["files"] = std::move(files);
+  json["unit"] = task.unit ? Json(*task.unit) : Json(nullptr);
+  return Dump(json);
 }
 
 Result<StitchTask> ParseTask(std::string_view text) {
   return Guarded(text, [](const Json& json) -> Result<StitchTask> {
-    StitchTask task;
+    auto task = json.get<StitchTask>();
     for (const Json& file : json.at("files"))
       task.files.push_back({file.at(0).get<std::string>(), file.at(1).get<std::string>()});
-    task.files_dir = json.at("files_dir").get<std::string>();
-    task.previous_dir = json.at("previous_dir").get<std::string>();
-    task.out_dir = json.at("out_dir").get<std::string>();
-    task.options = json.at("options");
-    task.title = json.at("title");
-    task.units_dir = json.at("units_dir").get<std::string>();
-    task.unit = UnitOf(json.at("unit"));
-    task.renders = json.at("renders");
-    task.with_pmtiles = json.at("with_pmtiles");
-    task.memory_bytes = json.at("memory_bytes");
-    task.cpu_s = json.at("cpu_s");
+    if (const Json& unit = json.at("unit"); !unit.is_null()) task.unit = unit.get<UnitToDo>();
     return task;
   });
 }
 
-std::string ToText(const ExportTask& task) {
-  return Dump({{"map_dir", task.map_dir.string()},
-               {"work_dir", task.work_dir.string()},
-               {"out_name", task.out_name},
-               {"request", task.request},
-               {"threads", task.threads},
-               {"memory_bytes", task.memory_bytes},
-               {"cpu_s", task.cpu_s},
-               {"file_bytes", task.file_bytes}});
-}
+std::string ToText(const ExportTask& task) { return Dump(task); }
 
 Result<ExportTask> ParseExportTask(std::string_view text) {
-  return Guarded(text, [](const Json& json) -> Result<ExportTask> {
-    ExportTask task;
-    task.map_dir = json.at("map_dir").get<std::string>();
-    task.work_dir = json.at("work_dir").get<std::string>();
-    task.out_name = json.at("out_name");
-    task.request = json.at("request");
-    task.threads = json.at("threads");
-    task.memory_bytes = json.at("memory_bytes");
-    task.cpu_s = json.at("cpu_s");
-    task.file_bytes = json.at("file_bytes");
-    return task;
-  });
+  return Guarded(text, [](const Json& json) -> Result<ExportTask> { return json.get<ExportTask>(); });
 }
 
 std::string ToText(const JobMessage& message) {
@@ -328,17 +284,10 @@ Result<JobMessage> ParseJobMessage(std::string_view text) {
   });
 }
 
-std::string ToText(const PreviewPlace& place) {
-  return Dump({{"files_dir", place.files_dir.string()},
-               {"folder", place.folder.string()},
-               {"memory_bytes", place.memory_bytes}});
-}
+std::string ToText(const PreviewPlace& place) { return Dump(place); }
 
 Result<PreviewPlace> ParsePlace(std::string_view text) {
-  return Guarded(text, [](const Json& json) -> Result<PreviewPlace> {
-    return PreviewPlace{json.at("files_dir").get<std::string>(), json.at("folder").get<std::string>(),
-                        json.at("memory_bytes")};
-  });
+  return Guarded(text, [](const Json& json) -> Result<PreviewPlace> { return json.get<PreviewPlace>(); });
 }
 
 std::string ToText(const PreviewRequest& request) {

@@ -4,12 +4,17 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <utility>
 
 namespace skyquilt::server {
 
 void Fail(const char* program, const Error& error) {
   fmt::print(stderr, "{}: {}\n", program, error.message);
   throw CLI::RuntimeError(error.code == ErrorCode::kCancelled ? 130 : 1);
+}
+
+void Refuse(const char* program, std::string why) {
+  Fail(program, {ErrorCode::kInvalidArgument, std::move(why), ""});
 }
 
 }  // namespace skyquilt::server

@@ -85,8 +85,7 @@ LeftOutPhoto LeftAside(const std::string& name, Aside why, std::string_view of, 
 }
 
 std::string CameraInWords(const Photo& photo, Lens lens) {
-  // Many makers repeat themselves in the model's name.
-  std::string words = photo.model.starts_with(photo.make) ? photo.model : photo.make + " " + photo.model;
+  std::string words = MakeAndModel(photo);
   if (words.find_first_not_of(' ') == std::string::npos) words = "unnamed";
   if (lens == Lens::kWide) words += ", wide";
   if (lens == Lens::kZoom) words += ", zoom";

@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/flight/aside/alike.h"
 #include "core/flight/aside/aside.h"
 #include "core/flight/aside/picture_name.h"
 #include "core/geo/geodesic.h"
@@ -21,7 +22,6 @@ namespace {
 
 constexpr std::chrono::seconds kSameMoment{2};
 constexpr double kSamePlaceM = 5.0;
-constexpr std::size_t kMaxPartnersLookedAt = 64;
 
 // A camera of the flight, and its photos by index.
 struct CameraOfFlight {
@@ -38,8 +38,7 @@ struct CameraOfFlight {
 Lens LensInUse(const Photo& photo, std::string_view mark) {
   if (photo.lens != Lens::kUnsaid) return photo.lens;
   constexpr double kLargestThermalPx = 1.4e6;
-  const double pixels = static_cast<double>(photo.intrinsics.width_px) * photo.intrinsics.height_px;
-  if ((mark == "t" || mark == "ir") && pixels <= kLargestThermalPx) return Lens::kThermal;
+  if ((mark == "t" || mark == "ir") && PhotoPixels(photo) <= kLargestThermalPx) return Lens::kThermal;
   if (mark == "z") return Lens::kZoom;
   return mark == "w" || mark == "v" ? Lens::kWide : Lens::kUnsaid;
 }
@@ -66,7 +65,7 @@ std::vector<CameraOfFlight> CamerasOf(const std::vector<Photo>& photos) {
       camera.mark = mark;
       camera.maker_and_model = maker_and_model;
       if (is_known) camera.view = view;
-      camera.pixels = static_cast<double>(longer) * shorter;
+      camera.pixels = PhotoPixels(photo);
       camera.words = CameraInWords(photo, lens);
     }
     camera.photos.push_back(i);
@@ -181,8 +180,7 @@ class StayingPhotos {
     if (photo.captured_at) {
       std::size_t looked_at = 0;
       for (auto at = by_time_.lower_bound(*photo.captured_at - kSameMoment);
-           at != by_time_.end() && at->first <= *photo.captured_at + kSameMoment &&
-           looked_at < kMaxPartnersLookedAt;
+           at != by_time_.end() && at->first <= *photo.captured_at + kSameMoment && looked_at < kMaxLookedAt;
            ++at, ++looked_at) {
         const auto& [other, its_camera] = at->second;
         if (AreDifferent(cameras_[camera], cameras_[its_camera]) &&
@@ -192,7 +190,7 @@ class StayingPhotos {
     }
     const auto found = by_stem_.find(WithoutLensMark(i, camera));
     if (found == by_stem_.end()) return std::nullopt;
-    for (std::size_t k = 0; k < std::min(found->second.size(), kMaxPartnersLookedAt); ++k) {
+    for (std::size_t k = 0; k < std::min(found->second.size(), kMaxLookedAt); ++k) {
       const auto& [other, its_camera] = found->second[k];
       const std::string &mark = cameras_[camera].mark, &its_mark = cameras_[its_camera].mark;
       if (!mark.empty() && !its_mark.empty() && mark != its_mark && AreOfOneShutter(photo, photos_[other]))

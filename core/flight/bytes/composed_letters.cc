@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "core/flight/bytes/text_fields.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -78,13 +80,6 @@ char32_t CharacterOf(std::string_view bytes) {
   return character;
 }
 
-// Of those that marks make: none is below U+0080, none beyond U+FFFF.
-std::string BytesOf(char32_t character) {
-  const auto follows = [](char32_t bits) { return static_cast<char>(0x80u | (bits & 0x3fu)); };
-  if (character < 0x800) return {static_cast<char>(0xc0u | (character >> 6)), follows(character)};
-  return {static_cast<char>(0xe0u | (character >> 12)), follows(character >> 6), follows(character)};
-}
-
 }  // namespace
 
 std::string WithComposedLetters(std::string_view text) {
@@ -99,7 +94,8 @@ std::string WithComposedLetters(std::string_view text) {
     const bool is_mark = character >= kFirstMark && character <= kLastMark;
     const char32_t letter = is_mark ? CharacterOf(std::string_view(composed).substr(last)) : 0;
     if (const char32_t whole = letter == 0 ? 0 : WithMark(letter, character); whole != 0) {
-      composed.replace(last, std::string::npos, BytesOf(whole));
+      composed.resize(last);
+      AppendUtf8(whole, composed);
       continue;
     }
     last = composed.size();

@@ -1,6 +1,5 @@
 #include "core/flight/bytes/gps_time.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 

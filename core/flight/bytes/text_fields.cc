@@ -167,6 +167,23 @@ std::string Quoted(std::string_view text, std::size_t longest) {
   return "\"" + Printable(std::string(text)) + (is_cut ? "...\"" : "\"");
 }
 
+void AppendUtf8(std::uint32_t code, std::string& text) {
+  const auto put = [&](std::uint32_t byte) { text += static_cast<char>(static_cast<std::uint8_t>(byte)); };
+  if (code < 0x80) return put(code);
+  if (code < 0x800) {
+    put(0xC0U | (code >> 6U));
+  } else {
+    if (code < 0x10000) {
+      put(0xE0U | (code >> 12U));
+    } else {
+      put(0xF0U | (code >> 18U));
+      put(0x80U | ((code >> 12U) & 0x3FU));
+    }
+    put(0x80U | ((code >> 6U) & 0x3FU));
+  }
+  put(0x80U | (code & 0x3FU));
+}
+
 bool LooksLikeText(std::string_view head) {
   if (head.empty()) return false;
   const auto control = std::count_if(head.begin(), head.end(), [](char c) {
@@ -207,23 +224,6 @@ std::optional<Utf16> RecogniseUtf16(LogBytes bytes) {
     return Utf16{false, 2};  // with two zeros behind it, it is UTF-32
   if (bytes.size() >= 4 && bytes[0] == 0xFE && bytes[1] == 0xFF) return Utf16{true, 2};
   return RecogniseUnmarked(bytes);
-}
-
-void AppendUtf8(std::uint32_t code, std::string& text) {
-  const auto put = [&](std::uint32_t byte) { text += static_cast<char>(static_cast<std::uint8_t>(byte)); };
-  if (code < 0x80) return put(code);
-  if (code < 0x800) {
-    put(0xC0U | (code >> 6U));
-  } else {
-    if (code < 0x10000) {
-      put(0xE0U | (code >> 12U));
-    } else {
-      put(0xF0U | (code >> 18U));
-      put(0x80U | ((code >> 12U) & 0x3FU));
-    }
-    put(0x80U | ((code >> 6U) & 0x3FU));
-  }
-  put(0x80U | (code & 0x3FU));
 }
 
 std::string DecodeUtf16(LogBytes bytes, const Utf16& kind) {

@@ -72,6 +72,9 @@ char GuessSeparator(std::string_view header);
 // without the half of a letter at its end.
 std::string Quoted(std::string_view text, std::size_t longest = 40);
 
+// A character as UTF-8.
+void AppendUtf8(std::uint32_t code, std::string& text);
+
 // True where the first bytes look like text rather than a binary file.
 bool LooksLikeText(std::string_view head);
 

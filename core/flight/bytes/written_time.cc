@@ -1,5 +1,7 @@
 #include "core/flight/bytes/written_time.h"
 
+#include <fmt/chrono.h>
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -260,6 +262,11 @@ std::optional<std::chrono::sys_days> ParseDate(std::string_view text, DateOrder 
 bool IsTimeOfDay(std::string_view text) {
   std::size_t at = 0;
   return TakeTimeOfDay(Trim(text), at, true).has_value();
+}
+
+std::string WrittenSecond(UtcTime time) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
 }
 
 std::optional<double> ParseElapsed(std::string_view text) {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "core/flight/photo.h"
@@ -32,6 +33,8 @@ std::optional<WrittenTime> ParseWrittenTime(std::string_view date, std::string_v
 std::optional<std::chrono::sys_days> ParseDate(std::string_view text, DateOrder order);
 // "16:31:09.5", "4:31:09 PM", "163109"; also with a zone.
 bool IsTimeOfDay(std::string_view text);
+// "2022-05-01T15:01:58": cut to the second, without a zone.
+std::string WrittenSecond(UtcTime time);
 // Seconds of "0:12:05.5", "12:05", "12m 5.5s", "1h 2m 3s", or of a time of day.
 std::optional<double> ParseElapsed(std::string_view text);
 

@@ -1,6 +1,5 @@
 #include "core/flight/logs/describe_log.h"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <optional>
 
 #include "core/base/median.h"
+#include "core/flight/bytes/written_time.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -102,9 +102,7 @@ LogFacts DescribeLog(const FlightLog& log) {
   for (const auto& [name, series] : facts.series) begin_s = std::min(begin_s, series.begin_s);
   if (log.utc_at_zero && !facts.series.empty()) {
     const auto begins = *log.utc_at_zero + std::chrono::microseconds(std::llround(1e6 * begin_s));
-    const auto seconds = std::chrono::floor<std::chrono::seconds>(begins);
-    facts.begins_at =
-        fmt::format("{:%Y-%m-%dT%H:%M:%S}Z", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
+    facts.begins_at = WrittenSecond(begins) + "Z";
   }
   Advise(log, facts);
   return facts;

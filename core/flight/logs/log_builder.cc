@@ -302,6 +302,12 @@ std::optional<Eigen::Vector3d> SigmaInNedM(std::optional<double> horizontal_m,
   return Eigen::Vector3d(*horizontal_m, *horizontal_m, is_vertical_known ? *vertical_m : 2.0 * *horizontal_m);
 }
 
+std::optional<Eigen::Vector3d> YawPitchRollRad(std::optional<double> yaw_deg, std::optional<double> pitch_deg,
+                                               std::optional<double> roll_deg) {
+  if (!yaw_deg || !pitch_deg || !roll_deg) return std::nullopt;
+  return Eigen::Vector3d(geo::DegToRad(*yaw_deg), geo::DegToRad(*pitch_deg), geo::DegToRad(*roll_deg));
+}
+
 CameraEvent EventByName(std::uint64_t row, std::string_view image_name) {
   CameraEvent event;
   event.t_s = static_cast<double>(row);

@@ -96,6 +96,10 @@ class LogBuilder {
 // The exposure in a row (from 0) of a list that names photos and does not say when they were taken.
 CameraEvent EventByName(std::uint64_t row, std::string_view image_name);
 
+// Angles in degrees as a list states them; nothing where one is missing.
+std::optional<Eigen::Vector3d> YawPitchRollRad(std::optional<double> yaw_deg, std::optional<double> pitch_deg,
+                                               std::optional<double> roll_deg);
+
 // One sigma as a list states it: the vertical one twice the horizontal where it says none.
 std::optional<Eigen::Vector3d> SigmaInNedM(std::optional<double> horizontal_m,
                                            std::optional<double> vertical_m);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 #include "core/flight/remarks/because.h"
 
@@ -92,11 +93,26 @@ SystemLine SystemOfLine(std::string_view line, LineReader& lines) {
   return {is_comment ? std::string_view() : Trim(line), false};
 }
 
-Error SystemUnknown(std::string_view file, std::string_view system) {
-  constexpr std::size_t kQuotedSystem = 80;
-  return Because(
-      ErrorCode::kUnsupportedFormat,
-      {RemarkCode::kSystemUnknown, {{"file", file}, {"system", Quoted(Trim(system), kQuotedSystem)}}});
+bool TakeSystem(const SystemLine& line, SystemLine& system) {
+  const bool is_better =
+      !line.text.empty() && (system.text.empty() || (line.is_certain && !system.is_certain));
+  if (is_better) system = line;
+  return is_better;
+}
+
+Result<std::optional<geo::ReferenceSystem>> SystemOfList(std::string_view file, const SystemLine& line) {
+  std::optional<geo::ReferenceSystem> system;
+  if (line.text.empty()) return system;
+  auto named = geo::ReferenceSystem::Parse(line.text);
+  if (named) {
+    system = *std::move(named);
+  } else if (line.is_certain) {
+    constexpr std::size_t kQuotedSystem = 80;
+    return Because(
+        ErrorCode::kUnsupportedFormat,
+        {RemarkCode::kSystemUnknown, {{"file", file}, {"system", Quoted(Trim(line.text), kQuotedSystem)}}});
+  }
+  return system;
 }
 
 }  // namespace skyquilt::flight

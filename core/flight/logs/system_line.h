@@ -2,10 +2,12 @@
 // "CoordinateSystem:", or in brackets behind a name. Bounded work; any thread.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "core/base/result.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/geo/crs/reference_system.h"
 
 namespace skyquilt::flight {
 
@@ -17,7 +19,11 @@ struct SystemLine {
 // `lines` stands behind `line`, and is moved on over WKT that goes on below it.
 SystemLine SystemOfLine(std::string_view line, LineReader& lines);
 
-// Of the list `file`, whose line `system` names no reference system that is known.
-Error SystemUnknown(std::string_view file, std::string_view system);
+// Keeps the line in `system` where it is the better: what surely names one holds before what may be a title.
+bool TakeSystem(const SystemLine& line, SystemLine& system);
+
+// The system of the list `file`: nothing where no line names one, or what may be a title is none. Error:
+// kUnsupportedFormat, for a line that is certain to name one that is not known.
+Result<std::optional<geo::ReferenceSystem>> SystemOfList(std::string_view file, const SystemLine& line);
 
 }  // namespace skyquilt::flight

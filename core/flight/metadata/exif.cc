@@ -143,20 +143,8 @@ void ReadAltitude(const ExifTable& table, ExifRecord& record) {
 std::optional<double> PixelsPerMm(const ExifTable& table, std::uint16_t resolution_tag) {
   const auto resolution = table.Number(ExifIfd::kExif, resolution_tag);
   if (!resolution || *resolution <= 0.0) return std::nullopt;
-  double unit_mm = 25.4;
-  switch (static_cast<int>(table.Number(ExifIfd::kExif, tag::kFocalPlaneUnit).value_or(2.0))) {
-    case 3:
-      unit_mm = 10.0;
-      break;
-    case 4:
-      unit_mm = 1.0;
-      break;
-    case 5:
-      unit_mm = 0.001;
-      break;
-    default:
-      break;
-  }
+  const int unit = static_cast<int>(table.Number(ExifIfd::kExif, tag::kFocalPlaneUnit).value_or(2.0));
+  const double unit_mm = unit == 3 ? 10.0 : unit == 4 ? 1.0 : unit == 5 ? 0.001 : 25.4;
   // Pixels of 0.5 to 100 micrometres exist.
   return Within(*resolution / unit_mm, 10.0, 2000.0);
 }

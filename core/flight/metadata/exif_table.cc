@@ -1,9 +1,9 @@
 #include "core/flight/metadata/exif_table.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <set>
 #include <utility>
 
@@ -23,29 +23,9 @@ double Integer(const std::uint8_t* p, std::size_t size, bool is_big_endian, bool
 
 // Bytes of one item; 0 for unknown types.
 std::size_t ExifTypeSize(std::uint16_t type) {
-  switch (static_cast<ExifType>(type)) {
-    case ExifType::kByte:
-    case ExifType::kAscii:
-    case ExifType::kSByte:
-    case ExifType::kUndefined:
-      return 1;
-    case ExifType::kShort:
-    case ExifType::kSShort:
-      return 2;
-    case ExifType::kLong:
-    case ExifType::kSLong:
-    case ExifType::kFloat:
-    case ExifType::kIfd:
-      return 4;
-    case ExifType::kRational:
-    case ExifType::kSRational:
-    case ExifType::kDouble:
-    case ExifType::kLong8:
-    case ExifType::kSLong8:
-    case ExifType::kIfd8:
-      return 8;
-  }
-  return 0;
+  constexpr std::array<std::uint8_t, 19> kSizes = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
+  static_assert(kSizes.size() == static_cast<std::size_t>(ExifType::kIfd8) + 1);
+  return type < kSizes.size() ? kSizes[type] : 0;
 }
 
 std::optional<double> Finite(double value) {

@@ -1,12 +1,8 @@
 #include "core/flight/metadata/flir_record.h"
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
 
 #include "core/flight/bytes/log_bytes.h"
 #include "core/flight/remarks/because.h"

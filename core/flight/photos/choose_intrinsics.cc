@@ -27,7 +27,13 @@ bool IsCentre(const std::optional<double>& center_px) {
   return center_px && *center_px > kSmallest && *center_px < kLargest;
 }
 
-constexpr double kAxesApart = 0.05;  // focal lengths of a calibration, in x and y
+// Of a calibration, whose focal lengths in x and y are nearly one.
+bool HasPlausibleAxes(const Intrinsics& camera) {
+  constexpr double kAxesApart = 0.05;
+  return IsPlausible(camera.focal_x_px, camera.width_px, camera.height_px) &&
+         IsPlausible(camera.focal_y_px, camera.width_px, camera.height_px) &&
+         !(std::abs(camera.focal_x_px / camera.focal_y_px - 1.0) > kAxesApart);
+}
 
 // Of an image against the size to which DJI's calibrated pixels belong.
 double DjiScale(int width_px, int height_px, const XmpTags& xmp) {
@@ -49,11 +55,7 @@ std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpT
   const double scale = DjiScale(width_px, height_px, xmp);
   Intrinsics camera = Intrinsics::Centered(width_px, height_px, *items[0] * scale);
   camera.focal_y_px = *items[1] * scale;
-  if (!IsPlausible(camera.focal_x_px, width_px, height_px) ||
-      !IsPlausible(camera.focal_y_px, width_px, height_px) ||
-      std::abs(camera.focal_x_px / camera.focal_y_px - 1.0) > kAxesApart) {
-    return std::nullopt;
-  }
+  if (!HasPlausibleAxes(camera)) return std::nullopt;
   const double offset_x_px = *items[2] * scale;
   const double offset_y_px = *items[3] * scale;
   if (std::abs(offset_x_px) > 0.1 * width_px || std::abs(offset_y_px) > 0.1 * height_px) return std::nullopt;
@@ -93,11 +95,7 @@ std::optional<Intrinsics> FromSkydioCalibration(int width_px, int height_px, con
   }
   Intrinsics camera = Intrinsics::Centered(width_px, height_px, *focal_x * scale);
   camera.focal_y_px = focal_y * scale;
-  if (!IsPlausible(camera.focal_x_px, width_px, height_px) ||
-      !IsPlausible(camera.focal_y_px, width_px, height_px) ||
-      std::abs(camera.focal_x_px / camera.focal_y_px - 1.0) > kAxesApart) {
-    return std::nullopt;
-  }
+  if (!HasPlausibleAxes(camera)) return std::nullopt;
   return camera;
 }
 

@@ -7,7 +7,6 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <string>
 #include <utility>
 
 #include "core/base/check.h"

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "core/alignment/bundle/control_points.h"
+#include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/view.h"
 #include "core/base/median.h"
 #include "core/flight/remarks/because.h"
@@ -74,6 +75,10 @@ geo::Bounds2 BoundsOfGround(const FlightFacts& facts) {
   return bounds;
 }
 
+double DiagonalM(const geo::Bounds2& bounds) {
+  return bounds.IsEmpty() ? 0.0 : std::hypot(bounds.Width(), bounds.Height());
+}
+
 ground::GroundSurface Moved(const FlightFacts& facts, const Similarity3& move) {
   const ground::GroundSurface& ground = facts.ground;
   const double mean_z_m = (move * Vector3d(0.0, 0.0, ground.MeanHeight())).z();
@@ -117,6 +122,15 @@ ground::GroundSurface Moved(const FlightFacts& facts, const Similarity3& move) {
 }
 
 }  // namespace
+
+Similarity3 AboutVertical(const alignment::GroundSimilarity& move, double z_m) {
+  Similarity3 similarity;
+  similarity.scale = std::abs(move.turn_and_scale);
+  similarity.rotation =
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::arg(move.turn_and_scale), Vector3d::UnitZ()));
+  similarity.shift = {move.shift.real(), move.shift.imag(), z_m - similarity.scale * z_m};
+  return similarity;
+}
 
 void MoveFlight(const Similarity3& new_from_old, FlightFacts& facts) {
   facts.ground = Moved(facts, new_from_old);
@@ -173,7 +187,7 @@ double ExtentM(const FlightFacts& known) {
   for (const AlignedPhoto& photo : known.flight.photos) {
     bounds.Include(photo.cam_from_enu.TargetOriginInSource().head<2>());
   }
-  return bounds.IsEmpty() ? 0.0 : std::hypot(bounds.Width(), bounds.Height());
+  return DiagonalM(bounds);
 }
 
 void TellOfControl(const std::vector<alignment::ControlReport>& control, const Vector3d& moved_m,
@@ -184,58 +198,33 @@ void TellOfControl(const std::vector<alignment::ControlReport>& control, const V
   bias_m = facts.is_placed ? Vector3d(bias_m + moved_m) : Vector3d(Vector3d::Zero());
 }
 
-namespace {
-
-std::complex<double> OnPlane(const Vector3d& point) { return {point.x(), point.y()}; }
-
-double SpreadOfM(const std::vector<Vector3d>& points) {
-  geo::Bounds2 bounds;
-  for (const Vector3d& point : points) bounds.Include(point.head<2>());
-  return std::hypot(bounds.Width(), bounds.Height());
-}
-
-}  // namespace
-
 Result<MoveOfPairs> MoveByPairs(const FlightFacts& known, const std::vector<ShownPair>& pairs) {
   const double ground_z_m = known.ground.MeanHeight();
   const geo::LatLon first = pairs.front().is;
   MoveOfPairs move{.new_from_old = {},
                    .frame = geo::LocalFrame(
                        {first.lat_deg, first.lon_deg, known.flight.frame.origin().height_ellipsoid_m})};
-  std::vector<Vector3d> shown, is;
+  std::vector<std::pair<std::complex<double>, std::complex<double>>> places;
+  geo::Bounds2 shown, is;
   for (const ShownPair& pair : pairs) {
-    shown.push_back(known.flight.frame.EnuAtHeight(pair.shown, ground_z_m));
-    is.push_back(move.frame.EnuAtHeight(pair.is, ground_z_m));
+    const Vector2d from = known.flight.frame.EnuAtHeight(pair.shown, ground_z_m).head<2>();
+    const Vector2d to = move.frame.EnuAtHeight(pair.is, ground_z_m).head<2>();
+    shown.Include(from);
+    is.Include(to);
+    places.emplace_back(std::complex(from.x(), from.y()), std::complex(to.x(), to.y()));
   }
-  std::complex<double> factor(1.0, 0.0);
-  const auto count = static_cast<double>(pairs.size());
-  const Vector3d shown_middle = std::accumulate(shown.begin(), shown.end(), Vector3d(0, 0, 0)) / count;
-  const Vector3d is_middle = std::accumulate(is.begin(), is.end(), Vector3d(0, 0, 0)) / count;
-  if (pairs.size() > 1) {
-    const double spread_m = SpreadOfM(shown);
-    if (spread_m < kMinPairSpread * ExtentM(known) || !(SpreadOfM(is) > 0.0)) {
-      return flight::Because(
-          ErrorCode::kUnprocessable,
-          {flight::RemarkCode::kFailPlacesTooNear,
-           {{"share_percent",
-             spread_m > 0.0 ? 100.0 * spread_m / std::max(ExtentM(known), spread_m) : 0.0}}});
-    }
-    std::complex<double> product(0.0, 0.0);
-    double square = 0.0;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const std::complex<double> from = OnPlane(shown[k] - shown_middle);
-      product += OnPlane(is[k] - is_middle) * std::conj(from);
-      square += std::norm(from);
-    }
-    factor = product / square;
+  const double spread_m = DiagonalM(shown);
+  if (pairs.size() > 1 && (spread_m < kMinPairSpread * ExtentM(known) || !(DiagonalM(is) > 0.0))) {
+    return flight::Because(
+        ErrorCode::kUnprocessable,
+        {flight::RemarkCode::kFailPlacesTooNear,
+         {{"share_percent", spread_m > 0.0 ? 100.0 * spread_m / std::max(ExtentM(known), spread_m) : 0.0}}});
   }
-  move.new_from_old.scale = std::abs(factor);
-  move.new_from_old.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(std::arg(factor), Vector3d::UnitZ()));
-  move.new_from_old.shift = is_middle - move.new_from_old.scale * (move.new_from_old.rotation * shown_middle);
+  const alignment::GroundSimilarity fitted = alignment::FitSimilarity(places);
+  move.new_from_old = AboutVertical(fitted, ground_z_m);
   if (pairs.size() > 2) {
-    for (std::size_t k = 0; k < pairs.size(); ++k)
-      move.miss_m = std::max(move.miss_m, (move.new_from_old * shown[k] - is[k]).head<2>().norm());
-    if (move.miss_m > kAgreedPairShare * SpreadOfM(is)) {
+    for (const auto& [from, to] : places) move.miss_m = std::max(move.miss_m, std::abs(fitted * from - to));
+    if (move.miss_m > kAgreedPairShare * DiagonalM(is)) {
       return flight::Because(ErrorCode::kUnprocessable,
                              {flight::RemarkCode::kFailPlacesContradict, {{"apart_m", move.miss_m}}});
     }

@@ -8,12 +8,16 @@
 
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/scene/ground_control.h"
+#include "core/alignment/scene/matches.h"
 #include "core/base/result.h"
 #include "core/geo/local_frame.h"
 #include "core/pipeline/placing/place_request.h"
 #include "core/pipeline/report/flight_facts.h"
 
 namespace skyquilt::pipeline {
+
+// A similarity of the plane in space: about the vertical through the origin, and stretched about this height.
+alignment::Similarity3 AboutVertical(const alignment::GroundSimilarity& move, double z_m);
 
 // The frame stays: `facts.flight.frame` is the caller's to change with it. The appearance goes: seams lie
 // elsewhere on the map now.
@@ -64,7 +68,6 @@ struct MoveOfPairs {
 // shifts it; two or more also turn and scale it, by least squares. Heights stay as they are above the ground.
 // Frame `enu` of the flight before, a frame at the first true place after. pairs: one or more. Errors, whole
 // sentences for the user: kUnprocessable (pairs that lie too near together, or contradict each other).
-// Source: the similarity of the plane as one complex factor and shift.
 Result<MoveOfPairs> MoveByPairs(const FlightFacts& known, const std::vector<ShownPair>& pairs);
 
 }  // namespace skyquilt::pipeline

@@ -1,7 +1,5 @@
 #include "core/pipeline/placing/place_by_lists.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -82,16 +80,6 @@ void Predict(const std::vector<Tied>& tied, double extent_m, std::vector<alignme
   }
 }
 
-// About the vertical through the origin, and stretched about the mean height of the ground.
-alignment::Similarity3 InSpace(const GroundSimilarity& move, double ground_z_m) {
-  alignment::Similarity3 similarity;
-  similarity.scale = std::abs(move.turn_and_scale);
-  similarity.rotation =
-      Eigen::Quaterniond(Eigen::AngleAxisd(std::arg(move.turn_and_scale), Eigen::Vector3d::UnitZ()));
-  similarity.shift = {move.shift.real(), move.shift.imag(), ground_z_m - similarity.scale * ground_z_m};
-  return similarity;
-}
-
 // MoveToControl, however far that is.
 std::optional<FlightFacts> MovedToControl(const FlightFacts& known,
                                           const std::vector<flight::GcpList>& lists) {
@@ -130,7 +118,7 @@ std::optional<FlightFacts> MovedToControl(const FlightFacts& known,
   const double max_moved_m = std::abs(shift) + std::abs(move.turn_and_scale - 1.0) * ExtentM(known);
   if (max_moved_m < kNoMoveGsds * gsd_m) return moved;
 
-  MoveFlight(InSpace(move, known.ground.MeanHeight()), moved);
+  MoveFlight(AboutVertical(move, known.ground.MeanHeight()), moved);
   // A single point has nothing to be checked against: the flight is better placed, but no more certain.
   if (tied.size() > 1) {
     const double residual_m = std::max(kSurveyM, std::sqrt(square_m2 / static_cast<double>(tied.size())));

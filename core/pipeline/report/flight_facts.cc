@@ -1,8 +1,6 @@
 #include "core/pipeline/report/flight_facts.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 

@@ -3,17 +3,9 @@
 // that there is: check points; control points that fit each other (each left out in turn, from four on);
 // recorded positions; nothing.
 //
-// By positions, of each horizontal axis: sigma^2 = common^2 + noise^2 (1/n + spread of the map / spread of
-// the n positions) + lean^2 (of positions on one line: open_lean.h), where `common` is what all
-// positions of a flight share (core/poses/evidence/common_error.h: assumed, since no comparison among them
-// shows it) and `noise` what the adjusted cameras miss them by, with the four degrees of freedom of a
-// similarity taken off. Fewer than three positions say nothing of turn and scale, and among five or fewer a
-// wrong one is hardly told from the others: fewer than half of the photos, they place nothing. Positions that
-// the pictures refute place nothing either; but where many are refuted, or several by one shift, what the map
-// misses all of them by counts whole, and where most are missed by far more than they claim, the radius is no
-// less than that. Both limit the map. The stated radius is 1.515 sigma: a circle that holds 68.3 % of a
-// normal error of two axes. Of check points it is the root mean square of what the map misses them by. Pure;
-// any thread.
+// By positions: positions_error.h. The stated radius is 1.515 sigma: a circle that holds 68.3 % of a normal
+// error of two axes. Of check points it is the root mean square of what the map misses them by. Pure; any
+// thread.
 #pragma once
 
 #include <optional>

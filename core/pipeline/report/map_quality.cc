@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -10,6 +11,7 @@
 
 #include "core/base/check.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/printable.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -22,10 +24,6 @@ constexpr const char* kUnknownOfImported = "unknown: an imported map";
 
 std::string Number(double value) {
   return value < 100.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
-}
-
-std::string Counted(int count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 // None without a name.
@@ -164,19 +162,10 @@ std::string RelativeInWords(const MapQuality& quality) {
 }
 
 std::string_view StatusInWords(MapStatus status) {
-  switch (status) {
-    case MapStatus::kReady:
-      return "Ready to use";
-    case MapStatus::kLimited:
-      return "Usable, with limits";
-    case MapStatus::kDoubtful:
-      return "Place in doubt";
-    case MapStatus::kUnplaced:
-      return "Not georeferenced";
-    case MapStatus::kUnknown:
-      return "Accuracy not known";
-  }
-  return "Not georeferenced";
+  constexpr std::array kWords = {"Ready to use", "Usable, with limits", "Place in doubt", "Not georeferenced",
+                                 "Accuracy not known"};
+  static_assert(kWords.size() == static_cast<std::size_t>(MapStatus::kUnknown) + 1);
+  return kWords[static_cast<std::size_t>(status)];
 }
 
 std::string QualityInWords(const MapQuality& quality) {

@@ -1,6 +1,5 @@
 #include "core/pipeline/report/mosaic_report.h"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/base/error_code.h"
 #include "core/base/text/json_io.h"
+#include "core/flight/bytes/written_time.h"
 #include "core/flight/remarks/remark_json.h"
 #include "core/geo/lat_lon.h"
 #include "core/ground/footprint_on_ground.h"
@@ -21,17 +20,12 @@
 namespace skyquilt::pipeline {
 namespace {
 
-std::string Seconds(flight::UtcTime time) {
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
-}
-
 std::string Written(flight::UtcTime time, bool is_local, std::optional<std::chrono::minutes> zone) {
-  if (is_local) return Seconds(time);
-  if (!zone) return Seconds(time) + "Z";
+  if (is_local) return flight::WrittenSecond(time);
+  if (!zone) return flight::WrittenSecond(time) + "Z";
   const long minutes = std::labs(zone->count());
-  return fmt::format("{}{}{:02}:{:02}", Seconds(time + *zone), zone->count() < 0 ? '-' : '+', minutes / 60,
-                     minutes % 60);
+  return fmt::format("{}{}{:02}:{:02}", flight::WrittenSecond(time + *zone), zone->count() < 0 ? '-' : '+',
+                     minutes / 60, minutes % 60);
 }
 
 }  // namespace
@@ -72,7 +66,7 @@ std::string Printed(const Json& json) { return JsonText(json, 2) + "\n"; }
 
 std::string IsoTime(const flight::UtcTime& time) {
   const auto milliseconds = std::chrono::floor<std::chrono::milliseconds>(time);
-  return fmt::format("{}.{:03}", Seconds(time),
+  return fmt::format("{}.{:03}", flight::WrittenSecond(time),
                      (milliseconds - std::chrono::floor<std::chrono::seconds>(time)).count());
 }
 
@@ -102,15 +96,8 @@ Json FootprintRing(const alignment::AlignedPhoto& photo, const geo::LocalFrame& 
 Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json HeldAgainstJson(bands::HeldAgainst held_against) {
-  switch (held_against) {
-    case bands::HeldAgainst::kPanel:
-      return "panel";
-    case bands::HeldAgainst::kTargets:
-      return "targets";
-    case bands::HeldAgainst::kNothing:
-      break;
-  }
-  return nullptr;
+  if (held_against == bands::HeldAgainst::kPanel) return "panel";
+  return held_against == bands::HeldAgainst::kTargets ? Json("targets") : Json(nullptr);
 }
 
 Json BandsJson(const bands::BandsReport& report) {
@@ -144,13 +131,6 @@ double RaisedM(const MosaicReport& report) {
 }
 
 std::string ReportJson(const MosaicReport& report) {
-  Json left_out = Json::array();
-  for (const flight::LeftOutPhoto& photo : report.left_out_photos) {
-    left_out.push_back({{"name", photo.name},
-                        {"code", ErrorCodeName(photo.code)},
-                        {"reason", flight::InWords(photo.reason)},
-                        {"remark", flight::JsonOfRemark<Json>(photo.reason)}});
-  }
   Json timings = Json::array();
   for (const StageTiming& timing : report.timings) {
     timings.push_back({{"stage", timing.stage},
@@ -163,7 +143,7 @@ std::string ReportJson(const MosaicReport& report) {
                     {"aligned", report.photos_aligned},
                     {"pose_only", report.photos_pose_only},
                     {"left_out", report.photos_left_out}};
-  json["left_out_photos"] = left_out;
+  json["left_out_photos"] = JsonOfLeftOut<Json>(report.left_out_photos);
   json["captured"] = nullptr;
   if (report.captured)
     json["captured"] = {{"first", report.captured->first}, {"last", report.captured->last}};

@@ -18,6 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/error_code.h"
+#include "core/flight/photo.h"
 #include "core/flight/remarks/remark_json.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/report/report_fields.h"
@@ -211,6 +213,19 @@ void ReadJson(const Json& json, Value& value) {
     FieldReader<Json> fields(json);
     VisitFields(value, fields);
   }
+}
+
+// Photos that were left out, as they are told of; the way back is nobody's.
+template <typename Json>
+Json JsonOfLeftOut(const std::vector<flight::LeftOutPhoto>& left_out) {
+  Json list = Json::array();
+  for (const flight::LeftOutPhoto& photo : left_out) {
+    list.push_back({{"name", photo.name},
+                    {"code", ErrorCodeName(photo.code)},
+                    {"reason", flight::InWords(photo.reason)},
+                    {"remark", flight::JsonOfRemark<Json>(photo.reason)}});
+  }
+  return list;
 }
 
 template <typename Report, typename Json>

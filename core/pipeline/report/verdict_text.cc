@@ -1,10 +1,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "core/base/error_code.h"
 #include "core/base/text/json_io.h"
 #include "core/base/text/printable.h"
 #include "core/flight/aside/aside.h"
@@ -58,26 +58,11 @@ Json LogJson(const flight::LogFacts& log) {
   return json;
 }
 
-std::string_view FaultWord(flight::ListFault fault) {
-  switch (fault) {
-    case flight::ListFault::kNone:
-      return "none";
-    case flight::ListFault::kNamesNoPhoto:
-      return "names_no_photo";
-    case flight::ListFault::kNoSystem:
-      return "no_system";
-    case flight::ListFault::kNoPlace:
-      return "no_place";
-    case flight::ListFault::kFarAway:
-      return "far_away";
-    case flight::ListFault::kOtherShape:
-      return "other_shape";
-    case flight::ListFault::kOtherTime:
-      return "other_time";
-    case flight::ListFault::kOtherPixels:
-      return "other_pixels";
-  }
-  return "none";
+const char* FaultWord(flight::ListFault fault) {
+  constexpr std::array kWords = {"none",     "names_no_photo", "no_system",  "no_place",
+                                 "far_away", "other_shape",    "other_time", "other_pixels"};
+  static_assert(kWords.size() == static_cast<std::size_t>(flight::ListFault::kOtherPixels) + 1);
+  return kWords[static_cast<std::size_t>(fault)];
 }
 
 Json ListJson(const flight::ListUse& use) {
@@ -174,13 +159,6 @@ std::string VerdictText(const FlightVerdict& v) {
 }
 
 std::string VerdictJson(const FlightVerdict& v) {
-  Json left_out = Json::array();
-  for (const auto& photo : v.left_out) {
-    left_out.push_back({{"name", photo.name},
-                        {"code", ErrorCodeName(photo.code)},
-                        {"reason", flight::InWords(photo.reason)},
-                        {"remark", flight::JsonOfRemark<Json>(photo.reason)}});
-  }
   Json logs = Json::array();
   for (const flight::LogFacts& log : v.logs) logs.push_back(LogJson(log));
   Json lists = Json::array();
@@ -211,7 +189,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                   {"output_megapixels", v.output_megapixels},
                   {"expected_seconds", v.expected_seconds},
                   {"expected_memory_mib", v.expected_memory_mib},
-                  {"left_out", left_out},
+                  {"left_out", JsonOfLeftOut<Json>(v.left_out)},
                   {"warnings", flight::InWords(v.warnings)},
                   {"remarks", flight::JsonOfRemarks<Json>(v.warnings)}};
   return JsonText(json, 2) + "\n";

@@ -1,6 +1,5 @@
 #include "core/pipeline/surface/choose_ground.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>

@@ -53,7 +53,8 @@ Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& e
   const SeamGrid& grid = context.seams.grid;
   Hasher hasher;
   hasher.Add(kRendererVersion).Add(static_cast<std::uint8_t>(encode.encoding)).Add(encode.quality);
-  hasher.Add(plan.block_levels).Add(plan.tile_size_px).Add(plan.feather_m);
+  hasher.Add(plan.block_levels).Add(plan.tile_size_px);
+  hasher.Add(0.0);  // an option that was never chosen: blocks of earlier maps are kept
   hasher.Add(grid.cell_px).Add(context.seams.cell_m).Add(context.flight.frame.origin().lat_deg);
   if (steps) {  // all of the ground, in fewer bytes than the block's nodes have
     const geo::Wgs84& origin = context.flight.frame.origin();

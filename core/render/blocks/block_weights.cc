@@ -82,8 +82,7 @@ struct Neighbourhood {
 class Weigher {
  public:
   Weigher(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
-          const std::vector<PhotoView>& views, const BlockGeometry& block, const BlockCells& cells,
-          double transition_m)
+          const std::vector<PhotoView>& views, const BlockGeometry& block, const BlockCells& cells)
       : photos_(photos),
         views_(views),
         block_(block),
@@ -92,8 +91,7 @@ class Weigher {
         square_px_(std::min(cell_px_ / 2, kNodeStepPx)) {
     for (const std::uint32_t photo : photos) scores_.push_back(ViewScore::Of(flight.photos[photo]));
     // Weights to this power: the B-spline's own width is about 1.5 cells.
-    const double wanted =
-        1.5 * (transition_m > 0.0 ? cells.seams.cell_m / transition_m : cell_px_ / kTransitionPx);
+    const double wanted = 1.5 * cell_px_ / kTransitionPx;
     sharpness_ = static_cast<int>(std::clamp(std::lround(wanted), 1L, 8L));
     for (auto& tap : spline_) tap.resize(static_cast<std::size_t>(cell_px_));
     for (int i = 0; i < cell_px_; ++i) {
@@ -353,8 +351,8 @@ std::vector<std::uint32_t> BlockCells::PhotosAround(int column, int row) const {
 
 BlockShares WeighPhotos(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
                         const std::vector<PhotoView>& views, const BlockGeometry& block,
-                        const BlockCells& cells, double transition_m) {
-  return Weigher(flight, photos, views, block, cells, transition_m).Weigh();
+                        const BlockCells& cells) {
+  return Weigher(flight, photos, views, block, cells).Weigh();
 }
 
 }  // namespace skyquilt::render

@@ -60,10 +60,9 @@ struct BlockCells {
   std::vector<std::uint32_t> PhotosAround(int column, int row) const;
 };
 
-// views[i] belongs to photos[i]; photos are indices into the flight, rising. transition_m: the seam's width
-// (0: 16 pixels).
+// views[i] belongs to photos[i]; photos are indices into the flight, rising.
 BlockShares WeighPhotos(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
                         const std::vector<PhotoView>& views, const BlockGeometry& block,
-                        const BlockCells& cells, double transition_m);
+                        const BlockCells& cells);
 
 }  // namespace skyquilt::render

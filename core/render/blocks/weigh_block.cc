@@ -190,8 +190,7 @@ WeighedBlock WeighBlock(const alignment::AlignedFlight& flight, const ground::Gr
     for (const std::uint32_t photo : weighed.photos)
       weighed.views.push_back(ViewBlock(flight.photos[photo], weighed.geometry));
   }
-  weighed.shares =
-      WeighPhotos(flight, weighed.photos, weighed.views, weighed.geometry, cells, plan.feather_m);
+  weighed.shares = WeighPhotos(flight, weighed.photos, weighed.views, weighed.geometry, cells);
   return weighed;
 }
 

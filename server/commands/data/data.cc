@@ -185,9 +185,8 @@ struct MoveOptions {
 
 void Move(const MoveOptions& options) {
   if (options.from.empty() == options.to.empty()) {
-    Fail("skyquilt data move",
-         {ErrorCode::kInvalidArgument,
-          "Say where to or where from: --to s3://bucket/prefix, or --from s3://bucket/prefix.", ""});
+    Refuse("skyquilt data move",
+           "Say where to or where from: --to s3://bucket/prefix, or --from s3://bucket/prefix.");
   }
   const storage::CataloguePlace given = PlaceOf("skyquilt data move", options.catalogue);
   const storage::CataloguePlace catalogue_place = OrFail(

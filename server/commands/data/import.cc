@@ -106,13 +106,12 @@ void ImportByServer(ImportArguments& arguments) {
 
 void Run(ImportArguments& arguments) {
   if (arguments.data_dir.empty() && arguments.upload.server.url.empty())
-    Fail(kImportCommand, {ErrorCode::kInvalidArgument,
-                          "Say where the map goes: --server with the address of a running server, or --data "
-                          "with the data folder of one that does not run.",
-                          ""});
+    Refuse(kImportCommand,
+           "Say where the map goes: --server with the address of a running server, or --data "
+           "with the data folder of one that does not run.");
   if (arguments.options.title.empty()) arguments.options.title = arguments.file.stem().string();
   auto tags = storage::CheckedTags(arguments.tags);
-  if (!tags) Fail(kImportCommand, {ErrorCode::kInvalidArgument, "--tag: " + tags.error().message, ""});
+  if (!tags) Refuse(kImportCommand, "--tag: " + tags.error().message);
   arguments.tags = *std::move(tags);
   if (arguments.data_dir.empty()) {
     ImportByServer(arguments);

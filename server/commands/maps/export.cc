@@ -38,33 +38,30 @@ struct ExportArguments {
   bool overwrite = false;
 };
 
-[[noreturn]] void RefuseExport(std::string message) {
-  Fail(kExportCommand, {ErrorCode::kInvalidArgument, std::move(message), ""});
-}
-
 storage::ExportRequest ExportRequestOf(const ExportArguments& arguments) {
   storage::ExportRequest request;
   const auto format = arguments.format.empty()
                           ? storage::ExportFormatOfFile(arguments.out.filename().string())
                           : storage::ExportFormatOfName(arguments.format);
   if (!format)
-    RefuseExport(
+    Refuse(
+        kExportCommand,
         arguments.out.string() +
-        " does not say its format. End its name in .tif, .pmtiles, .mbtiles or .kmz, or say --format. A PDF about the "
-        "map is written by \"skyquilt report\".");
+            " does not say its format. End its name in .tif, .pmtiles, .mbtiles or .kmz, or say --format. A PDF about the "
+            "map is written by \"skyquilt report\".");
   request.format = *format;
   request.crs = arguments.crs;
   if (!request.crs.empty() && request.format != storage::ExportFormat::kGeotiff)
-    RefuseExport(std::string("--crs is for GeoTIFFs; ") + storage::NameOf(request.format) +
-                 " is always in Web Mercator.");
+    Refuse(kExportCommand, std::string("--crs is for GeoTIFFs; ") + storage::NameOf(request.format) +
+                               " is always in Web Mercator.");
   request.resolution_m = arguments.resolution_m;
   request.index = arguments.index;
   request.expression = arguments.expression;
   if (request.IsOfValues() && request.format != storage::ExportFormat::kGeotiff)
-    RefuseExport("The values of an index are a GeoTIFF: end the file's name in .tif.");
+    Refuse(kExportCommand, "The values of an index are a GeoTIFF: end the file's name in .tif.");
   if (arguments.has_expression) {
     const auto parsed = indices::BandExpression::Parse(request.expression);
-    if (!parsed) RefuseExport("--expression: " + parsed.error().message);
+    if (!parsed) Refuse(kExportCommand, "--expression: " + parsed.error().message);
   }
   if (!arguments.clip.empty()) {
     request.boundary = ReadBoundary(kExportCommand, arguments.clip);
@@ -85,7 +82,7 @@ void Run(const ExportArguments& arguments) {
   std::error_code error;
   for (const fs::path& own : {source.mbtiles, source.cog, source.bands}) {
     if (!own.empty() && fs::equivalent(out, own, error))
-      RefuseExport(out.string() + " is the map itself or a part of it; choose another name.");
+      Refuse(kExportCommand, out.string() + " is the map itself or a part of it; choose another name.");
   }
   CheckOutFile(kExportCommand, out, arguments.overwrite);
   const WorkBeside work(kExportCommand, out);

@@ -24,8 +24,7 @@ struct LocateOptions {
 
 void Run(const LocateOptions& options) {
   if (options.pixel.empty() == options.lon_lat.empty() || options.pixel.empty() != options.photo.empty()) {
-    Fail("skyquilt locate",
-         {ErrorCode::kInvalidArgument, "Give either --photo with --pixel, or --lonlat.", ""});
+    Refuse("skyquilt locate", "Give either --photo with --pixel, or --lonlat.");
   }
   std::ifstream file(options.map_dir + "/locate.json", std::ios::binary);
   if (!file) {

@@ -45,10 +45,6 @@ struct PlaceArguments {
   double max_memory_gib = 1.0;
 };
 
-[[noreturn]] void Refuse(std::string message) {
-  Fail(kCommand, {ErrorCode::kInvalidArgument, std::move(message), ""});
-}
-
 // "0.03" is metres a pixel, "2.5x" so many times larger.
 void TakeScale(const std::string& text, pipeline::PlaceRequest& request) {
   if (text.empty()) return;
@@ -58,9 +54,10 @@ void TakeScale(const std::string& text, pipeline::PlaceRequest& request) {
   const std::optional<double> value = ParseLengthM(number);
   if (!value || !(*value > 0.0) || (is_factor && has_unit)) {
     Refuse(
+        kCommand,
         "--scale is '" + text +
-        "'; write the ground that a photo's pixel shows in metres, like 0.03 or 3cm, or by how many times the map "
-        "is to become larger, like 2.5x.");
+            "'; write the ground that a photo's pixel shows in metres, like 0.03 or 3cm, or by how many times the map "
+            "is to become larger, like 2.5x.");
   }
   (is_factor ? request.factor : request.photo_pixel_m) = *value;
 }
@@ -68,8 +65,8 @@ void TakeScale(const std::string& text, pipeline::PlaceRequest& request) {
 geo::LatLon PlaceFrom(const char* option, const std::string& text) {
   const geo::LatLon place = ParseLatLon(kCommand, option, text);
   if (!(std::abs(place.lat_deg) <= 85.0 && std::abs(place.lon_deg) <= 180.0))
-    Refuse(std::string(option) + " is " + text +
-           " but must be a latitude up to 85 and a longitude up to 180 degrees.");
+    Refuse(kCommand, std::string(option) + " is " + text +
+                         " but must be a latitude up to 85 and a longitude up to 180 degrees.");
   return place;
 }
 
@@ -77,8 +74,9 @@ geo::LatLon PlaceFrom(const char* option, const std::string& text) {
 pipeline::ShownPair PairOf(const std::string& text) {
   const std::size_t at = text.find('=');
   if (at == std::string::npos)
-    Refuse("--point is '" + text +
-           "'; write where the map shows a thing and where it is, like 0.0001,0.0002=46.80,7.10.");
+    Refuse(kCommand,
+           "--point is '" + text +
+               "'; write where the map shows a thing and where it is, like 0.0001,0.0002=46.80,7.10.");
   return {PlaceFrom("--point", text.substr(0, at)), PlaceFrom("--point", text.substr(at + 1))};
 }
 
@@ -89,7 +87,7 @@ pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
   }
   for (const std::string& text : arguments.points) request.pairs.push_back(PairOf(text));
   if (arguments.origin.empty() && arguments.gcp.empty() && arguments.points.empty())
-    Refuse("Say where the map lies: --origin LAT,LON, --gcp gcp_list.txt or --point SHOWN=IS.");
+    Refuse(kCommand, "Say where the map lies: --origin LAT,LON, --gcp gcp_list.txt or --point SHOWN=IS.");
   request.origin_photo = arguments.at_photo;
   TakeScale(arguments.scale, request);
   request.north_deg = arguments.north_deg;

@@ -40,10 +40,8 @@ ReportFormat FormatOf(const fs::path& out) {
   const std::string ending = flight::LowerCase(out.extension().string());
   if (ending == ".html" || ending == ".htm") return ReportFormat::kHtml;
   if (ending == ".pdf") return ReportFormat::kPdf;
-  Fail(kReportCommand,
-       {ErrorCode::kInvalidArgument,
-        out.string() + " would be of a kind that is not written here; reports end in .html, .htm or .pdf.",
-        ""});
+  Refuse(kReportCommand,
+         out.string() + " would be of a kind that is not written here; reports end in .html, .htm or .pdf.");
 }
 
 Result<void> WritePdf(const std::string& page, const fs::path& out, const fs::path& work_dir) {

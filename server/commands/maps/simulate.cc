@@ -52,8 +52,7 @@ camera::Intrinsics LensOf(const SimulateArguments& arguments) {
   char rest = 0;
   if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &width, &height, &rest) != 2 || width <= 0 ||
       height <= 0) {
-    Fail("skyquilt", {ErrorCode::kInvalidArgument,
-                      "--size is '" + arguments.size + "'; write it as WIDTHxHEIGHT, like 4000x3000.", ""});
+    Refuse("skyquilt", "--size is '" + arguments.size + "'; write it as WIDTHxHEIGHT, like 4000x3000.");
   }
   // A common drone lens sees 67 degrees across unless another field of view is given.
   const double focal_px = arguments.focal_px > 0.0 ? arguments.focal_px : 0.75 * width;

@@ -154,8 +154,7 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
 void CheckTraceCanBeWritten(const std::filesystem::path& trace) {
   std::error_code error;
   if (std::filesystem::is_directory(trace, error)) {
-    Fail("skyquilt",
-         {ErrorCode::kInvalidArgument, trace.string() + " is a folder; give --trace the name of a file", ""});
+    Refuse("skyquilt", trace.string() + " is a folder; give --trace the name of a file");
   }
   std::string probe = trace.string() + ".XXXXXX";
   const int file = mkstemp(probe.data());

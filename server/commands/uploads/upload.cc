@@ -33,7 +33,7 @@ void Run(UploadArguments& arguments) {
   options.makes_map = !arguments.no_map;
   CheckServerAddress(kCommandName, options.server.url);
   const auto tags = storage::CheckedTags(options.tags);
-  if (!tags) Fail(kCommandName, {ErrorCode::kInvalidArgument, "--tag: " + tags.error().message, ""});
+  if (!tags) Refuse(kCommandName, "--tag: " + tags.error().message);
   options.waits = !arguments.no_wait;
   const UploadedFlight uploaded = UploadAtTerminal(kCommandName, files, options);
   fmt::print("{} sent", Counted(uploaded.sent, "file"));

@@ -41,8 +41,7 @@ fs::path StateFolder() {
   if (state != nullptr && fs::path(state).is_absolute()) return fs::path(state) / "skyquilt";
   const char* home = std::getenv("HOME");
   if (home != nullptr && *home != '\0') return fs::path(home) / ".local" / "state" / "skyquilt";
-  Fail(kWatchCommand, {ErrorCode::kInvalidArgument,
-                       "Nothing says where to remember what was sent: set HOME, or give --state.", ""});
+  Refuse(kWatchCommand, "Nothing says where to remember what was sent: set HOME, or give --state.");
 }
 
 std::string FileNameOf(const std::string& url) {
@@ -82,9 +81,7 @@ void Run(WatchArguments& arguments) {
     if (!folder.has_filename()) folder = folder.parent_path();
     std::error_code gone;
     if (fs::is_regular_file(folder, gone))
-      Fail(kWatchCommand,
-           {ErrorCode::kInvalidArgument,
-            folder.string() + " is a file. Name a folder; \"skyquilt upload\" sends files.", ""});
+      Refuse(kWatchCommand, folder.string() + " is a file. Name a folder; \"skyquilt upload\" sends files.");
   }
   options.ledger = LedgerOf(arguments);
   const WatchEnd ended = OrFail(kWatchCommand, [&] {

@@ -1,7 +1,6 @@
 // Reading the two real flights, against exiftool as the oracle where it is installed.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/flight/photos/photo_decoder.h"
+#include "core/pipeline/placing/recall_flight.h"
 #include "tests/core/pipeline/displaced_flight.h"
 #include "tests/support/rendered_once.h"
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/camera/footprint.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/remark_words.h"

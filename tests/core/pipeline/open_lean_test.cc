@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <string>
-#include <vector>
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/report/judge_map.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <map>
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/autopilots/dataflash_plan.h"
@@ -262,14 +261,17 @@ class DataflashReader {
 template <typename Walk>
 Result<FlightLog> ParseBy(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   LogBuilder builder("dataflash", name);
-  Plans plans;
+  const auto give = [&](Walk& walk, auto& taker) {
+    Plans plans;
+    walk.Run(
+        bytes, consumed, [&](std::uint8_t type) { plans[type] = MakeDataflashPlan(walk.layouts[type]); },
+        [&](std::uint8_t type, const std::uint8_t* payload) {
+          if (plans[type].meaning.kind != Kind::kOther) taker.Take(plans[type], payload);
+        });
+  };
   Census census;
   Walk walk;
-  walk.Run(
-      bytes, consumed, [&](std::uint8_t type) { plans[type] = MakeDataflashPlan(walk.layouts[type]); },
-      [&](std::uint8_t type, const std::uint8_t* payload) {
-        if (plans[type].meaning.kind != Kind::kOther) census.Take(plans[type], payload);
-      });
+  give(walk, census);
   std::uint64_t messages = 0;
   for (std::size_t type = 0; type < 256; ++type) {
     if (walk.counts[type] == 0) continue;
@@ -285,14 +287,8 @@ Result<FlightLog> ParseBy(std::string_view name, LogBytes bytes, const ConsumedU
   if (walk.ends_inside_message) builder.Warn(RemarkCode::kCutInMessage);
 
   DataflashReader reader(census, builder);
-  Plans plans_again;
-  Walk second;
-  second.Run(
-      bytes, consumed,
-      [&](std::uint8_t type) { plans_again[type] = MakeDataflashPlan(second.layouts[type]); },
-      [&](std::uint8_t type, const std::uint8_t* payload) {
-        if (plans_again[type].meaning.kind != Kind::kOther) reader.Take(plans_again[type], payload);
-      });
+  Walk again;
+  give(again, reader);
   reader.Finish();
   if (census.imu_counts.size() > 1) {
     builder.Warn({RemarkCode::kOneImuOf, {{"imus", census.imu_counts.size()}, {"used", reader.imu() + 1}}});

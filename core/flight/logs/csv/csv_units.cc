@@ -87,27 +87,12 @@ std::optional<double> FactorOfUnitBehind(std::string_view words, Dimension dimen
 }
 
 std::pair<double, std::string_view> DefaultUnit(Dimension dimension) {
-  switch (dimension) {
-    case Dimension::kTime:
-      return {1.0, "s"};
-    case Dimension::kLength:
-      return {1.0, "m"};
-    case Dimension::kSpeed:
-      return {1.0, "m/s"};
-    case Dimension::kAngle:
-      return {kDeg, "deg"};
-    case Dimension::kRate:
-      return {1.0, "rad/s"};
-    case Dimension::kAcceleration:
-      return {1.0, "m/s2"};
-    case Dimension::kPressure:
-      return {1.0, "Pa"};
-    case Dimension::kCoordinate:
-      return {1.0, "deg"};
-    case Dimension::kNone:
-      return {1.0, ""};
-  }
-  return {1.0, ""};
+  using Unit = std::pair<double, std::string_view>;
+  constexpr std::array kUnitOf = {Unit{1.0, ""},     Unit{1.0, "s"},    Unit{1.0, "m"},
+                                  Unit{1.0, "m/s"},  Unit{kDeg, "deg"}, Unit{1.0, "rad/s"},
+                                  Unit{1.0, "m/s2"}, Unit{1.0, "Pa"},   Unit{1.0, "deg"}};
+  static_assert(kUnitOf.size() == static_cast<std::size_t>(Dimension::kCoordinate) + 1);
+  return kUnitOf[static_cast<std::size_t>(dimension)];
 }
 
 }  // namespace skyquilt::flight

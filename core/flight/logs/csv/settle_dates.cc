@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/logs/csv/unread_cells.h"
 
 namespace skyquilt::flight {
 namespace {

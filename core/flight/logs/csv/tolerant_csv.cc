@@ -30,11 +30,6 @@ struct CsvHeader {
   SystemLine system;     // that a line above names
 };
 
-// What surely is one holds before what may be a title.
-void TakeSystem(const SystemLine& line, SystemLine& system) {
-  if (!line.text.empty() && (system.text.empty() || (line.is_certain && !system.is_certain))) system = line;
-}
-
 // The first line with a time and something to time, or with photos and where they were taken; a few title
 // lines may stand before it.
 std::optional<CsvHeader> FindHeader(LineReader& lines) {
@@ -138,19 +133,6 @@ void SettleZeroOfHeights(const geo::ReferenceSystem* system, std::vector<CsvColu
       column.meaning = M::kHeightEllipsoid;
     }
   }
-}
-
-// Nothing where no line above the list names one.
-Result<std::optional<geo::ReferenceSystem>> SystemOfList(std::string_view name, const SystemLine& line) {
-  std::optional<geo::ReferenceSystem> system;
-  if (line.text.empty()) return system;
-  auto named = geo::ReferenceSystem::Parse(line.text);
-  if (named) {
-    system = *std::move(named);
-  } else if (line.is_certain) {
-    return SystemUnknown(name, line.text);
-  }
-  return system;
 }
 
 // Replay rows: "4000,imu,ax,ay,az,gx,gy,gz", "200000,gps,alt_mm,lon_e7,lat_e7,vn,ve,vd", "4000,baro,height".

@@ -109,12 +109,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   if (!top) {
     return Because(ErrorCode::kCorrupt, {RemarkCode::kPointsEmpty, {{"file", name}}});
   }
-  std::optional<geo::ReferenceSystem> srs;
-  if (!top->system.empty()) {
-    auto named = geo::ReferenceSystem::Parse(top->system);
-    if (!named) return SystemUnknown(name, top->system);
-    srs = *std::move(named);
-  }
+  SKYQUILT_TRY_ASSIGN(const auto srs, SystemOfList(name, {top->system, true}));
   auto order = OrderOfColumns(top->columns);
   if (!order) order = OrderOfLetters(top->row[0], top->row[1]);
   const bool is_north_first = order == NamedOrder::kNorthFirst;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/text/printable.h"
+#include "core/base/try.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
@@ -32,12 +33,7 @@ void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, CameraEvent
   const auto number = [&](std::size_t i) {
     return i < cells.size() ? ReadBareNumber(cells[i]) : std::nullopt;
   };
-  const auto yaw = number(4), pitch = number(5), roll = number(6);
-  if (yaw && pitch && roll) {
-    event.yaw_pitch_roll_rad =
-        Eigen::Vector3d(geo::DegToRad(*yaw), geo::DegToRad(*pitch), geo::DegToRad(*roll));
-    event.attitude_kind = AttitudeKind::kAirframe;
-  }
+  event.yaw_pitch_roll_rad = YawPitchRollRad(number(4), number(5), number(6));
   event.sigma_in_ned_m = SigmaInNedM(number(7), number(8));
 }
 
@@ -62,12 +58,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   if (!top) {
     return Because(ErrorCode::kCorrupt, {RemarkCode::kGeoTxtEmpty, {{"file", name}}});
   }
-  std::optional<geo::ReferenceSystem> system;
-  if (!top->system.empty()) {
-    auto named = geo::ReferenceSystem::Parse(top->system);
-    if (!named) return SystemUnknown(name, top->system);
-    system = *std::move(named);
-  }
+  SKYQUILT_TRY_ASSIGN(const auto system, SystemOfList(name, {top->system, true}));
   const auto order = OrderOfLetters(top->row[1], top->row[2]);
   const bool is_above_sea = system && system->heights_are_above_sea();
   const double metres_per_height_unit = system ? system->metres_per_height_unit() : 1.0;

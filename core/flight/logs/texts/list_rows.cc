@@ -105,7 +105,7 @@ bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<st
 
 std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_row) {
   ListTop top;
-  bool system_is_certain = false;
+  SystemLine system;
   LineReader lines(text);
   std::string_view line;
   for (int i = 0; i < kLinesAboveRows && lines.Next(line); ++i) {
@@ -123,12 +123,8 @@ std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_ro
       continue;
     }
     const std::size_t number = lines.line_number();
-    const SystemLine system = SystemOfLine(line, lines);
-    // What surely is one holds before what may be a title.
-    const bool is_better = top.system.empty() || (system.is_certain && !system_is_certain);
-    if (!system.text.empty() && is_better) {
+    if (TakeSystem(SystemOfLine(line, lines), system)) {
       top.system = system.text;
-      system_is_certain = system.is_certain;
     } else if (!is_comment) {
       top.skipped_lines.push_back(number);
     }

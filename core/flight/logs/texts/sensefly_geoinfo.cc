@@ -49,13 +49,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     event.position = geo::LatLon{*lat, *lon};
     event.height_amsl_m = number("altitude_amsl");
     event.height_ellipsoid_m = number("altitude_wgs84");
-    const auto heading = number("heading");
-    const auto pitch = number("pitch");
-    const auto roll = number("roll");
-    if (heading && pitch && roll) {
-      event.yaw_pitch_roll_rad =
-          Eigen::Vector3d(geo::DegToRad(*heading), geo::DegToRad(*pitch), geo::DegToRad(*roll));
-    }
+    event.yaw_pitch_roll_rad = YawPitchRollRad(number("heading"), number("pitch"), number("roll"));
     ++rows;
     builder.Add(std::move(event));
   }

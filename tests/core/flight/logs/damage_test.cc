@@ -5,7 +5,6 @@
 #include <fstream>
 #include <random>
 
-#include "core/flight/bytes/byte_source.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/gcp_list.h"

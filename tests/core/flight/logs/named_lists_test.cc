@@ -1,5 +1,4 @@
 // Lists of photos below a line of names: whichever program wrote them, columns mean what their names say.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
 
 namespace skyquilt::flight {

@@ -3,13 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/remarks/because.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {

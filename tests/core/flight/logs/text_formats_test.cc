@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/explain_unknown.h"
 #include "core/flight/logs/formats.h"

@@ -1,0 +1,110 @@
+#include "core/pipeline/placing/recall_flight.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/parallel_for.h"
+#include "core/poses/evidence/repeated_positions.h"
+
+namespace skyquilt::pipeline {
+
+std::vector<NamedDigest> DigestsOf(const std::vector<flight::InputFile>& files,
+                                   const std::map<std::string, Digest>& known, int threads) {
+  std::vector<Result<Digest>> read(files.size(), Digest{});
+  ParallelFor(files.size(), threads, [&](std::size_t i) {
+    const auto found = known.find(files[i].name);
+    read[i] = found != known.end() ? Result<Digest>(found->second) : DigestOfFile(files[i].path);
+  });
+  std::vector<NamedDigest> digests;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    // A file that cannot be read is reported where it is needed; until then it has no twin.
+    digests.push_back({files[i], read[i] ? *read[i] : Digest{}});
+  }
+  return digests;
+}
+
+std::optional<Recalled> RecallFiles(const pyramid::MapMemory& memory, const std::vector<NamedDigest>& inputs,
+                                    const std::set<std::string>& apart) {
+  if (memory.Recall().empty()) return std::nullopt;
+  Result<FlightFacts> facts = ParseFacts(memory.Recall());
+  // Facts that cannot be read are as good as none: the flight is placed anew.
+  if (!facts || facts->inputs.empty()) return std::nullopt;
+  std::map<std::string, Digest> given;
+  for (const NamedDigest& input : inputs) {
+    if (!given.emplace(input.file.name, input.digest).second) return std::nullopt;  // which one was which?
+  }
+  std::set<std::string> known;
+  for (const NamedDigest& input : facts->inputs) {
+    if (apart.contains(input.file.name)) continue;
+    const auto same = given.find(input.file.name);
+    if (same == given.end() || same->second != input.digest) return std::nullopt;
+    known.insert(input.file.name);
+  }
+  Recalled recalled{*std::move(facts), {}};
+  for (const NamedDigest& input : inputs) {
+    if (!known.contains(input.file.name) && !apart.contains(input.file.name)) recalled.added.push_back(input);
+  }
+  return recalled;
+}
+
+std::optional<Recalled> RecallPlaced(const pyramid::MapMemory& memory, const MosaicOptions& options,
+                                     const std::vector<NamedDigest>& inputs) {
+  std::optional<Recalled> recalled = RecallFiles(memory, inputs);
+  if (recalled && recalled->facts.options != DigestOfPlacing(options)) return std::nullopt;
+  // An earlier version did not ask whether anything leans.
+  if (recalled && options.surface == MapGround::kAuto && !recalled->facts.ground_choice) return std::nullopt;
+  return recalled;
+}
+
+bool MayAppend(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
+  if (recalled.facts.is_by_images) return false;
+  if (!recalled.facts.appearance || 2 * recalled.added.size() > recalled.facts.flight.photos.size())
+    return false;
+  if (options.method != AlignMethod::kAuto && options.method != AlignMethod::kImu) return false;
+  std::set<std::string> photos;
+  for (const flight::Photo& photo : read.photos) photos.insert(photo.name);
+  for (const flight::LeftOutPhoto& photo : read.left_out) photos.insert(photo.name);
+  return std::all_of(recalled.added.begin(), recalled.added.end(),
+                     [&](const NamedDigest& input) { return photos.contains(input.file.name); });
+}
+
+std::set<std::string> NamesOf(const std::vector<flight::GcpList>& lists) {
+  std::set<std::string> names;
+  for (const flight::GcpList& list : lists) names.insert(list.file_name);
+  return names;
+}
+
+bool MayMove(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
+  if (options.method != AlignMethod::kAuto || !recalled.facts.is_placed) return false;
+  const std::set<std::string> lists = NamesOf(read.gcp_lists);
+  return lists.size() == recalled.added.size() &&
+         std::all_of(recalled.added.begin(), recalled.added.end(),
+                     [&](const NamedDigest& input) { return lists.contains(input.file.name); });
+}
+
+bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight& read) {
+  std::set<std::string> names;
+  for (const flight::Photo& photo : read.photos) names.insert(photo.name);
+  return std::all_of(known.photos.begin(), known.photos.end(),
+                     [&](const alignment::AlignedPhoto& photo) { return names.contains(photo.photo.name); });
+}
+
+void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
+  std::vector<flight::Photo> photos = read.photos;
+  // A fix that photos repeat is one, as it was when the map was made.
+  const bool repeats = std::any_of(
+      flight.warnings.begin(), flight.warnings.end(),
+      [](const flight::Remark& said) { return said.code == flight::RemarkCode::kPositionsRepeated; });
+  if (repeats) poses::MoveRepeatedPositions(photos);
+  std::map<std::string, const flight::Photo*> by_name;
+  for (const flight::Photo& photo : photos) by_name[photo.name] = &photo;
+  for (alignment::AlignedPhoto& photo : flight.photos) {
+    const auto found = by_name.find(photo.photo.name);
+    if (found == by_name.end()) continue;
+    const std::optional<flight::SampleRange> drawn_in = photo.photo.sample_range;
+    photo.photo = *found->second;
+    if (drawn_in) photo.photo.sample_range = drawn_in;
+  }
+}
+
+}  // namespace skyquilt::pipeline
