@@ -156,13 +156,19 @@ geo::Bounds2 SeenBy(const std::vector<AlignedPhoto>& photos, double ground_z_m) 
   return bounds;
 }
 
-// The figures of the new photos beside those of the finished flight. One that it left out has some there.
+// The figures of the new photos beside those of the finished flight. One that it left out has some there,
+// even as aligned, where its pose was one that no map is drawn with.
 void AddFigures(const alignment::AlignReport& report, const std::set<std::string>& added,
                 alignment::AlignReport& known) {
-  known.photos -=
-      static_cast<int>(std::erase_if(known.photo_reports, [&](const alignment::AlignPhotoReport& photo) {
-        return added.contains(photo.name);
-      }));
+  std::erase_if(known.photo_reports, [&](const alignment::AlignPhotoReport& photo) {
+    if (!added.contains(photo.name)) return false;
+    --known.photos;
+    if (photo.placement == alignment::Placement::kAligned) --known.aligned;
+    return true;
+  });
+  std::erase_if(known.pairs, [&](const alignment::AlignPairReport& pair) {
+    return added.contains(pair.first) || added.contains(pair.second);
+  });
   for (const alignment::AlignPhotoReport& photo : report.photo_reports) {
     if (!added.contains(photo.name)) continue;
     ++known.photos;
@@ -228,20 +234,22 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
                           ? Result<AlignedFlight>(alignment::AlignByPoseOnly(part))
                           : alignment::AlignFlight(part, source, align_options, report, progress));
   // What nothing ties now either stays left out, for the reason that was given.
-  for (const AlignedPhoto& photo : aligned.photos) {
-    if (left_out.contains(photo.photo.name) && photo.placement == alignment::Placement::kAligned)
-      names.insert(photo.photo.name);
-  }
+  std::erase_if(aligned.photos, [&](const AlignedPhoto& photo) {
+    return left_out.contains(photo.photo.name) && photo.placement != alignment::Placement::kAligned;
+  });
   std::vector<AlignedPhoto> placed;
-  std::size_t tied = 0;
+  std::size_t tied = 0, looked_at = 0;  // of the new ones
   for (AlignedPhoto& photo : aligned.photos) {
+    const bool was_left_out = left_out.contains(photo.photo.name);
+    if (was_left_out) names.insert(photo.photo.name);
     if (!names.contains(photo.photo.name)) continue;
-    if (photo.placement == alignment::Placement::kAligned) ++tied;
+    if (!was_left_out) ++looked_at;
+    if (!was_left_out && photo.placement == alignment::Placement::kAligned) ++tied;
     photo.photo = recorded.at(photo.photo.name)->photo;  // with the lens as recorded
     placed.push_back(std::move(photo));
   }
   const bool is_compared = options.method != AlignMethod::kImu && !around.empty();
-  if (is_compared && 2 * tied < placed.size()) return std::optional<FlightFacts>();
+  if (is_compared && 2 * tied < looked_at) return std::optional<FlightFacts>();
 
   ground::ModelGroundReport ground_report;
   const ground::GroundSurface beyond = ground::ModelGround(aligned, ground_report);

@@ -53,26 +53,42 @@ struct Filmed {
   bool is_by_creation = false;  // which is the end where a camera writes it so
 };
 
-// A time in a film's name is that of its beginning, and its time of creation is so in most cameras.
-std::optional<Filmed> WhenFilmed(const flight::InputFile& film) {
+// What a film says of when it was taken.
+struct FilmClocks {
+  std::optional<flight::UtcTime> named, created;
+  std::chrono::milliseconds lasts{0};
+};
+
+FilmClocks ClocksOf(const flight::InputFile& film) {
   const Result<VideoFile> video = VideoFile::Open(film.path, 1);
-  if (!video) return std::nullopt;  // taking its frames says why
+  if (!video) return {};  // taking its frames says why
   const VideoFacts& facts = video->facts();
-  const std::optional<flight::NameTime> named = flight::TimeInName(film.name);
-  if (!named && !facts.created_at) return std::nullopt;
-  const flight::UtcTime from = named ? named->time : *facts.created_at;
+  FilmClocks clocks;
+  if (const std::optional<flight::NameTime> named = flight::TimeInName(film.name)) clocks.named = named->time;
+  clocks.created = facts.created_at;
   const double lasts_s = std::clamp(facts.duration_s, 0.0, kLongestFilmS);
-  return Filmed{from, from + std::chrono::milliseconds(std::llround(1e3 * lasts_s)), !named};
+  clocks.lasts = std::chrono::milliseconds(std::llround(1e3 * lasts_s));
+  return clocks;
 }
 
-// None where one film would have begun while another was taken: of a clock that starts anew with each, or of
-// parts that all bear the time of the first.
+// A time in a film's name is that of its beginning, and its time of creation is so in most cameras. Names
+// tell a local clock as a rule and creations UTC, and all frames are tied to a track by one clock: names
+// count where each film has one. None where one film would have begun while another was taken: of a clock
+// that starts anew with each, or of parts that all bear the time of the first.
 std::map<fs::path, Filmed> WhenFilmed(const std::vector<flight::InputFile>& films) {
+  std::map<fs::path, FilmClocks> clocks;
+  for (const flight::InputFile& film : films) {
+    const FilmClocks its = ClocksOf(film);
+    if (its.named || its.created) clocks.emplace(film.path, its);
+  }
+  const bool are_named = std::all_of(clocks.begin(), clocks.end(),
+                                     [](const auto& film) { return film.second.named.has_value(); });
+  if (!are_named) std::erase_if(clocks, [](const auto& film) { return !film.second.created.has_value(); });
   std::map<fs::path, Filmed> filmed;
   std::vector<Filmed> in_order;
-  for (const flight::InputFile& film : films) {
-    const std::optional<Filmed> when = WhenFilmed(film);
-    if (when && filmed.emplace(film.path, *when).second) in_order.push_back(*when);
+  for (const auto& [path, its] : clocks) {
+    const flight::UtcTime from = are_named ? *its.named : *its.created;
+    in_order.push_back(filmed.emplace(path, Filmed{from, from + its.lasts, !are_named}).first->second);
   }
   std::sort(in_order.begin(), in_order.end(),
             [](const Filmed& a, const Filmed& b) { return a.from < b.from; });

@@ -1,9 +1,9 @@
 // WithFramesOfFilms: a flight's files with each film replaced by frames taken from it (take_frames.h), before
 // anything is read. Subtitles of the film's name beside it (flight.MP4, flight.SRT or .ASS) go into the table
 // of its frames and are not read again; those of no film's name are named where a film lacks its own. Frames
-// have the time that the film's name says, else its creation, which is named where a log is to place them. A
-// film that cannot be read is named with its reason, and the others go on. Two films of one name keep apart
-// by a number. Errors: kCancelled, kIo.
+// have the time that the films' names say where each film has one, else that of the creation, which is named
+// where a log is to place them. A film that cannot be read is named with its reason, and the others go on.
+// Two films of one name keep apart by a number. Errors: kCancelled, kIo.
 #pragma once
 
 #include <filesystem>

@@ -8,6 +8,7 @@
 #include "core/base/median.h"
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/crs/reference_system.h"
+#include "core/geo/crs/zoned_easting.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/evidence/records_apart.h"
@@ -68,20 +69,6 @@ std::vector<Value> Thinned(const std::vector<Value>& values) {
   return kept;
 }
 
-// An easting with the zone of UTM before it, as surveyors write it where a country has several (and
-// EPSG:4647): 32,500,000 m is 500,000 m in zone 32. Before zone 10 it has seven digits, as a northing has.
-struct ZonedEasting {
-  int zone = 0;
-  double east_m = 0.0;
-};
-std::optional<ZonedEasting> AsZonedEasting(double x) {
-  constexpr double kZoneM = 1e6, kMinEastM = 1e5, kMaxEastM = 9e5, kFirstZone = 10.0, kLastZone = 60.0;
-  const double zone = std::floor(x / kZoneM), east_m = x - kZoneM * zone;
-  if (!(zone >= kFirstZone && zone <= kLastZone && east_m >= kMinEastM && east_m <= kMaxEastM))
-    return std::nullopt;
-  return ZonedEasting{static_cast<int>(zone), east_m};
-}
-
 // The systems that the readings of one list need, each made once.
 class ListReader {
  public:
@@ -105,17 +92,6 @@ class ListReader {
     return codes;
   }
 
-  // As the named system, which is there, counts: without the zone before an easting where it is that zone,
-  // whose 500,000 m lie on its meridian.
-  WrittenPlace InNamed(double x, double y) const {
-    constexpr double kOnMeridianM = 500'000.0, kMeridianDeg = 0.05;  // datums shift it by less
-    const auto zoned = named_->is_geographic() ? std::nullopt : AsZonedEasting(x);
-    const auto on_meridian = zoned ? named_->ToLatLon(kOnMeridianM, y) : std::nullopt;
-    if (!on_meridian) return {x, y};
-    const double off_deg = std::remainder(on_meridian->lon_deg - (6.0 * zoned->zone - 183.0), 360.0);
-    return {std::abs(off_deg) < kMeridianDeg ? zoned->east_m : x, y};
-  }
-
   Places PlacesOf(const std::vector<WrittenPlace>& rows, const ListReading& reading) const {
     Places places;
     places.reserve(rows.size());
@@ -129,12 +105,10 @@ class ListReader {
     const double y = reading.is_swapped ? row.x : row.y;
     if (x == 0.0 && y == 0.0) return std::nullopt;  // a receiver without a fix
     if (reading.counts_in == CountsIn::kSystem) {
-      if (!named_) return std::nullopt;
-      const WrittenPlace at = InNamed(x, y);
-      return named_->ToLatLon(at.x, at.y);
+      return named_ ? named_->ToLatLon(geo::EastingIn(*named_, x, y), y) : std::nullopt;
     }
     if (reading.counts_in == CountsIn::kUtmOfFlight) {
-      const auto zoned = AsZonedEasting(x);
+      const auto zoned = geo::AsZonedEasting(x);
       const bool is_of_zone = zoned && zoned->zone == reading.utm_code % 100;
       return zones_.at(reading.utm_code).LatLonOf({is_of_zone ? zoned->east_m : x, y});
     }
@@ -320,9 +294,9 @@ std::optional<geo::InexactShift> ShiftOf(const ListReader& reader, const std::ve
   if (!reader.named() || reading.counts_in != CountsIn::kSystem) return std::nullopt;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!verdict.places[i]) continue;
-    const WrittenPlace& row = rows[i];
-    const WrittenPlace at = reading.is_swapped ? reader.InNamed(row.y, row.x) : reader.InNamed(row.x, row.y);
-    return reader.named()->InexactShiftAt(at.x, at.y);
+    const double x = reading.is_swapped ? rows[i].y : rows[i].x;
+    const double y = reading.is_swapped ? rows[i].x : rows[i].y;
+    return reader.named()->InexactShiftAt(geo::EastingIn(*reader.named(), x, y), y);
   }
   return std::nullopt;
 }

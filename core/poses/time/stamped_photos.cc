@@ -73,10 +73,12 @@ std::vector<StampedPhotos> StampsByCamera(const std::vector<Photo>& photos) {
       camera = std::move(sorted);
     }
     camera.resolution_s = ResolutionOf(photos, camera);
+    const Photo& one = photos[camera.photo.front()];
+    camera.is_of_maker = !one.make.empty() || !one.model.empty();
     cameras.push_back(std::move(camera));
   }
   std::stable_sort(cameras.begin(), cameras.end(), [](const StampedPhotos& a, const StampedPhotos& b) {
-    return a.photo.size() > b.photo.size();
+    return std::pair(a.is_of_maker, a.photo.size()) > std::pair(b.is_of_maker, b.photo.size());
   });
   return cameras;
 }

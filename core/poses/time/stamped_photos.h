@@ -24,9 +24,10 @@ struct StampedPhotos {
   std::vector<std::size_t> photo;  // index into the photos
   std::vector<double> stamp_s;     // since the first stamp of all
   double resolution_s = 1.0;       // what the stamps are cut to
+  bool is_of_maker = true;         // false: frames of films, say, by the clock of what wrote the film
 };
 
-// The camera with the most stamps comes first.
+// The camera with the most stamps comes first, of those of a maker.
 std::vector<StampedPhotos> StampsByCamera(const std::vector<flight::Photo>& photos);
 
 }  // namespace skyquilt::poses

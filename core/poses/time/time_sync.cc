@@ -13,6 +13,7 @@
 #include "core/poses/lists/named_photos.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/find_clock_offset.h"
+#include "core/poses/time/log_cover.h"
 #include "core/poses/time/receiver_days.h"
 #include "core/poses/time/stamped_photos.h"
 
@@ -259,15 +260,38 @@ class Synchroniser {
     return true;
   }
 
+  // Frames of films beside photos have another clock than these, in another zone as a rule: searched for by
+  // itself where the photos' puts none of them into the log.
+  std::optional<TimeSync> OffsetOfItsOwn(const StampedPhotos& camera, bool is_beside_photos,
+                                         const std::vector<double>& times_s) const {
+    if (camera.is_of_maker || !is_beside_photos) return std::nullopt;
+    const LogCover cover(log_);
+    const bool is_covered = std::any_of(times_s.begin(), times_s.end(),
+                                        [&](double t_s) { return cover.Covers(t_s + sync_.offset_s); });
+    if (is_covered) return std::nullopt;
+    auto own = FindClockOffset(photos_, camera, *first_, log_);
+    return own ? std::optional(*std::move(own)) : std::nullopt;
+  }
+
   // Photos without an event get their stamp moved to the log's clock.
   void FillFromOffset(const std::vector<StampedPhotos>& cameras) {
     for (const StampedPhotos& camera : cameras) {
       const RefinedStamps refined = RefineByTriggerInterval(camera.stamp_s, camera.resolution_s);
+      const auto own = OffsetOfItsOwn(camera, cameras.front().is_of_maker, refined.times_s);
+      const double offset_s = own ? own->offset_s : sync_.offset_s;
+      const double sigma_s = own ? own->sigma_s : sync_.sigma_s;
+      if (own) {
+        sync_.notes.push_back(
+            fmt::format("{} by a clock of their own: {}",
+                        Counted(camera.photo.size(), "picture of no maker is", "pictures of no maker are"),
+                        own->method_in_words));
+        sync_.warnings.insert(sync_.warnings.end(), own->warnings.begin(), own->warnings.end());
+      }
       for (std::size_t k = 0; k < camera.photo.size(); ++k) {
         auto& placed = sync_.photos[camera.photo[k]];
         if (placed) continue;
-        placed = PhotoTime{refined.times_s[k] + sync_.offset_s,
-                           std::hypot(refined.sigmas_s[k], sync_.sigma_s), std::nullopt};
+        placed =
+            PhotoTime{refined.times_s[k] + offset_s, std::hypot(refined.sigmas_s[k], sigma_s), std::nullopt};
       }
     }
     const auto missing = std::count(sync_.photos.begin(), sync_.photos.end(), std::nullopt);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/geo/crs/map_projection.h"
+#include "core/geo/crs/zoned_easting.h"
 
 namespace skyquilt::geo {
 namespace {
@@ -183,6 +184,27 @@ TEST(MapProjection, WhatCannotBeIsRefusedOrAbsent) {
   const auto laea = MapProjection::OfEpsg(3035);
   ASSERT_TRUE(laea);
   EXPECT_FALSE(laea->LatLonOf({4321000.0 + 3e7, 3210000.0}));
+}
+
+// Eastings of eight digits that a system has of its own stay what they are.
+TEST(EastingIn, LeavesOutTheZoneOfTheSystemAlone) {
+  struct Written {
+    const char* system;
+    double x, y, counts;
+  };
+  for (const Written& row : {Written{"EPSG:25832", 32'521'000.0, 5'412'000.0, 521'000.0},
+                             Written{"EPSG:32719", 19'346'000.0, 6'298'000.0, 346'000.0},
+                             Written{"EPSG:25832", 33'421'000.0, 5'412'000.0, 33'421'000.0},
+                             Written{"EPSG:25832", 521'000.0, 5'412'000.0, 521'000.0},
+                             Written{"EPSG:4647", 32'521'000.0, 5'412'000.0, 32'521'000.0},
+                             // Pulkovo 1942, GK zone 10; Finland, GK25; Virginia North, in US feet
+                             Written{"EPSG:28410", 10'521'000.0, 5'412'000.0, 10'521'000.0},
+                             Written{"EPSG:3879", 25'496'000.0, 6'673'000.0, 25'496'000.0},
+                             Written{"EPSG:2283", 11'850'000.0, 6'950'000.0, 11'850'000.0}}) {
+    const auto system = ReferenceSystem::Parse(row.system);
+    ASSERT_TRUE(system.ok()) << row.system;
+    EXPECT_EQ(EastingIn(*system, row.x, row.y), row.counts) << row.system;
+  }
 }
 
 }  // namespace

@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <utility>
+
 #include "core/flight/photos/photo_decoder.h"
 #include "core/pipeline/placing/recall_flight.h"
 #include "tests/core/pipeline/displaced_flight.h"
@@ -169,6 +173,54 @@ TEST(AppendPhotos, TakeInOneThatWasLeftOutWhereItTiesNow) {
   ASSERT_TRUE(grown.align_report);
   EXPECT_EQ(grown.align_report->photos, 14);
   EXPECT_EQ(grown.align_report->photo_reports.size(), 3U) << "one of each";
+}
+
+TEST(AppendPhotos, CountOneThatComesInOnceThoughItWasAlignedBefore) {
+  LeftOut map;
+  map.known.align_report->aligned = 12;
+  map.known.align_report->photo_reports[0].placement = alignment::Placement::kAligned;
+  map.known.align_report->pairs.resize(2);
+  map.known.align_report->pairs[0].first = map.name;
+  const FlightFacts grown = map.Append(AlignMethod::kAuto);
+  ASSERT_TRUE(grown.align_report);
+  const alignment::AlignReport& figures = *grown.align_report;
+  EXPECT_EQ(figures.photos, 14);
+  EXPECT_EQ(figures.aligned, 11 + std::count_if(figures.photo_reports.begin(), figures.photo_reports.end(),
+                                                [](const alignment::AlignPhotoReport& photo) {
+                                                  return photo.placement == alignment::Placement::kAligned;
+                                                }));
+  EXPECT_TRUE(std::none_of(
+      figures.pairs.begin(), figures.pairs.end(),
+      [&](const alignment::AlignPairReport& pair) { return pair.first == map.name && pair.second.empty(); }));
+}
+
+// One photo is a damaged file.
+class WithoutOne final : public flight::PhotoSource {
+ public:
+  WithoutOne(const simulate::SimulatedFlight& truth, std::string damaged)
+      : source_(test::PhotosOf(truth)), damaged_(std::move(damaged)) {}
+  Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+    if (photo.name == damaged_) return Error{ErrorCode::kCorrupt, "the file is cut off", ""};
+    return source_.Decode(photo, denominator);
+  }
+
+ private:
+  simulate::SimulatedPhotoSource source_;
+  std::string damaged_;
+};
+
+TEST(AppendPhotos, DoNotPassForTiedBecauseOneThatWasLeftOutIs) {
+  LeftOut map;
+  map.known.flight.left_out[0].name = map.truth.photos[LeftOut::kFinished].photo.name;
+  poses::PosedFlight posed = Posed(map.truth, LeftOut::kFirst);
+  posed.photos.pop_back();
+  MosaicOptions options;
+  options.threads = 2;
+  SilentProgress progress;
+  const WithoutOne source(map.truth, posed.photos.back().photo.name);  // the one that is new
+  const auto grown = AppendPhotos(map.known, posed, options, source, progress);
+  ASSERT_TRUE(grown.ok()) << grown.error().message;
+  EXPECT_FALSE(grown->has_value());
 }
 
 TEST(AppendPhotos, LeaveOutAgainWhatNothingTies) {

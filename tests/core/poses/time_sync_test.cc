@@ -234,6 +234,30 @@ TEST(MatchPhotosToLog, FallsBackToTheClocksAndSaysSo) {
   EXPECT_FALSE(local.notes.empty());
 }
 
+TEST(MatchPhotosToLog, LeavesPhotosTheirClockBesideMoreFramesOfAFilm) {
+  const Survey survey = Fly(6, true, 16.0);
+  std::vector<double> times_s;
+  for (std::size_t i = 0; i < survey.exposures_s.size(); i += 3) times_s.push_back(survey.exposures_s[i]);
+  std::vector<Photo> all = PhotosOf(times_s, 2.0 * 3600.0 + 0.4, 1.0);
+  for (Photo& photo : all) {
+    photo.make = photo.camera_key = "Maker";
+    photo.captured_at_is_local = true;
+  }
+  for (Photo& frame : PhotosOf(survey.exposures_s, 0.4, 1.0)) {
+    frame.name = "film_" + frame.name;
+    frame.camera_key = "film";
+    frame.captured_at_is_local = true;
+    all.push_back(std::move(frame));
+    times_s.push_back(survey.exposures_s[times_s.size() - (survey.exposures_s.size() + 2) / 3]);
+  }
+  const auto sync = ValueOf(MatchPhotosToLog(all, LogOf(survey, {}, 1.0, 6)));
+  EXPECT_NEAR(*sync.camera_ahead_of_utc_s, 7200.0, 1.0);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    ASSERT_TRUE(sync.photos[i]) << all[i].name;
+    EXPECT_NEAR(sync.photos[i]->t_s, times_s[i], 1.5) << all[i].name;
+  }
+}
+
 TEST(MatchPhotosToLog, ExplainsWhenNothingTiesThem) {
   const Survey survey = Fly(7, true, 16.0);
   std::vector<Photo> photos(5);

@@ -184,6 +184,26 @@ TEST_F(FilmsTest, BeganWhenTheirNameSays) {
   EXPECT_EQ(photos.front().captured_at, kFilmedAt);
 }
 
+// One clock ties all frames to a track: a name's is local, a creation's UTC.
+TEST_F(FilmsTest, BeganWhenTheyWereCreatedWhereNotAllNamesSayIt) {
+  const std::vector<flight::InputFile> films{File("DJI_20230918135823_0001_D.MP4"), File("second.MP4")};
+  flight::UtcTime created = kFilmedAt;
+  for (const flight::InputFile& film : films) {
+    if (!WriteFilm(film.path, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
+    ASSERT_NO_FATAL_FAILURE(SetCreation(film.path, created));
+    created += std::chrono::minutes(1);
+  }
+  const auto given = Replace(films);
+  ASSERT_TRUE(given);
+  const std::vector<flight::Photo> photos = PhotosOf(*given);
+  const auto second = std::find_if(photos.begin(), photos.end(), [](const flight::Photo& photo) {
+    return photo.name.starts_with("second");
+  });
+  ASSERT_NE(second, photos.end());
+  EXPECT_EQ(photos.front().captured_at, kFilmedAt);
+  EXPECT_EQ(second->captured_at, kFilmedAt + std::chrono::minutes(1));
+}
+
 TEST_F(FilmsTest, HaveNoTimesWhereOneBeganWhileAnotherWasTaken) {
   const std::vector<flight::InputFile> films{File("a.MP4"), File("b.MP4")};
   for (const flight::InputFile& film : films) {

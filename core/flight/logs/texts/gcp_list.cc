@@ -16,6 +16,7 @@
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"
+#include "core/geo/crs/zoned_easting.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -141,7 +142,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
     if (is_new) {
       GcpPoint point;
       point.name = NameOfPoint(words, check_column, list.points.size() + 1);
-      const auto position = srs ? srs->ToLatLon(x, y) : std::nullopt;
+      const auto position = srs ? srs->ToLatLon(geo::EastingIn(*srs, x, y), y) : std::nullopt;
       point.has_position = position.has_value();
       if (position) point.position = *position;
       point.x = x;

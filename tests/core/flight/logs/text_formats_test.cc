@@ -367,6 +367,16 @@ TEST(ParseGcpList, KeepsPointsThatNoPhotoIsMarkedWithAndNamesWithBlanks) {
   EXPECT_TRUE(unmarked.sightings.empty());
 }
 
+TEST(ParseGcpList, ReadsEastingsWithTheirZoneBeforeThem) {
+  const std::string plain = "EPSG:25832\n521000 5412000 300 10 20 A.JPG\n";
+  const std::string zoned = "EPSG:25832\n32521000 5412000 300 10 20 A.JPG\n";
+  const auto one = ValueOf(ParseGcpList("gcp_list.txt", BytesOf(plain)));
+  const auto other = ValueOf(ParseGcpList("gcp_list.txt", BytesOf(zoned)));
+  ASSERT_EQ(other.points.size(), 1U);
+  EXPECT_DOUBLE_EQ(other.points[0].position.lat_deg, one.points.at(0).position.lat_deg);
+  EXPECT_DOUBLE_EQ(other.points[0].position.lon_deg, one.points.at(0).position.lon_deg);
+}
+
 TEST(ParseGcpList, ConvertsHeightsWithTheUnitOfTheSystem) {
   const std::string text =
       "EPSG:2251\n26607594.75468351 -26813.882366498266 563.1987598425 1331 350 DJI_0002.JPG\n";
