@@ -258,7 +258,7 @@ def wait_until(condition, complaint):
 
 def photos_in(folder):
     """(name, bytes) of the photos in a folder, by their names."""
-    return [(path.name, path.read_bytes()) for path in sorted(pathlib.Path(folder).iterdir()) if path.suffix.lower() == ".jpg"]
+    return [(path.name, path.read_bytes()) for path in sorted(pathlib.Path(folder).iterdir()) if path.suffix.lower() in (".jpg", ".tif")]
 
 
 def stitch_simulated(folder):
