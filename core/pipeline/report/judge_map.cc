@@ -175,15 +175,24 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
 
 }  // namespace
 
-std::optional<flight::Remark> RemarkOnLean(const JudgedMap& map) {
+std::vector<flight::Remark> RemarksOnPositions(const JudgedMap& map) {
   const AbsoluteAccuracy absolute = AbsoluteOf(map);
-  if (!IsByReceiver(absolute)) return std::nullopt;
+  if (!IsByReceiver(absolute)) return {};
   const PositionsError error = ErrorOfPositions(map, PositionsOf(map));
-  if (error.lean.off_m <= error.common_m) return std::nullopt;
-  return flight::Remark{flight::RemarkCode::kLeanOpen,
-                        {{"positions", absolute.count},
-                         {"lean_deg", geo::RadToDeg(error.lean.sigma_rad)},
-                         {"off_m", OfTwoDigits(kCircleSigmas * error.lean.off_m)}}};
+  std::vector<flight::Remark> remarks;
+  if (error.lean.off_m > error.common_m) {
+    remarks.push_back({flight::RemarkCode::kLeanOpen,
+                       {{"positions", absolute.count},
+                        {"lean_deg", geo::RadToDeg(error.lean.sigma_rad)},
+                        {"off_m", OfTwoDigits(kCircleSigmas * error.lean.off_m)}}});
+  }
+  if (error.jump) {
+    remarks.push_back({flight::RemarkCode::kPositionsJump,
+                       {{"before", error.jump->before},
+                        {"after", error.jump->after},
+                        {"by_m", OfTwoDigits(error.jump->by_m)}}});
+  }
+  return remarks;
 }
 
 MapQuality JudgeMap(const JudgedMap& map) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,6 +14,7 @@
 #include "core/flight/remarks/remark.h"
 #include "core/pipeline/report/judge_map.h"
 #include "core/poses/evidence/common_error.h"
+#include "core/poses/evidence/position_jump.h"
 #include "core/poses/time/time_sync.h"
 
 namespace skyquilt::pipeline {
@@ -84,12 +86,28 @@ bool IsPlacedByLog(const JudgedMap& map, const SupportingPositions& positions) {
          (2 * by_log >= JudgedCameras(map).size() || by_log >= positions.records.size());
 }
 
+// Of cameras that the pictures place.
+std::optional<JumpOfPositions> JumpIn(const SupportingPositions& positions, double claimed_m) {
+  std::vector<std::size_t> in_order(positions.photos.size());
+  std::iota(in_order.begin(), in_order.end(), std::size_t{0});
+  std::stable_sort(in_order.begin(), in_order.end(), [&](std::size_t a, std::size_t b) {
+    return positions.photos[a]->captured_at < positions.photos[b]->captured_at;
+  });
+  std::vector<Vector2d> misses;
+  for (const std::size_t k : in_order) misses.push_back(positions.misses[k]);
+  const std::optional<poses::PositionJump> jump = poses::JumpOf(misses, claimed_m);
+  if (!jump) return std::nullopt;
+  const auto name = [&](std::size_t k) { return positions.photos[in_order[k]]->name; };
+  return JumpOfPositions{name(jump->last_before), name(jump->last_before + 1), jump->by_m};
+}
+
 PositionsError ErrorOfLog(const JudgedMap& map) {
   const double noise_m = map.alignment == nullptr ? 0.0 : map.alignment->position_residual_m / std::sqrt(2.0);
   const std::vector<Vector2d> cameras = JudgedCameras(map);
   const auto count = static_cast<double>(std::max<std::size_t>(1, std::min(CountByLog(map), cameras.size())));
   const double sigma_m = map.poses.log_position_sigma_m.value_or(0.0);
-  PositionsError error{std::hypot(sigma_m, noise_m * std::sqrt(2.0 / count)), map.poses.log_is_corrected, {}};
+  PositionsError error{
+      std::hypot(sigma_m, noise_m * std::sqrt(2.0 / count)), map.poses.log_is_corrected, {}, {}};
   if (OwnErrorM(map) <= 0.0)
     error.lean = OpenLeanOf(map.flight, cameras, map.is_forecast ? sigma_m : noise_m, kAngleOfLogDeg);
   return error;
@@ -204,6 +222,7 @@ SupportingPositions PositionsOf(const JudgedMap& map) {
     }
     positions.places.emplace_back(camera.head<2>());
     positions.misses.emplace_back((recorded - camera).head<2>());
+    positions.photos.push_back(&photo.photo);
     positions.records.push_back(&*photo.photo.position);
   }
   return positions;
@@ -230,7 +249,11 @@ PositionsError ErrorOfPositions(const JudgedMap& map, const SupportingPositions&
   // its error is common to all of them.
   const bool is_false_claim = common.is_corrected && noise_m > poses::kFalseClaim * common.sigma_m;
   const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
-  PositionsError error{std::hypot(common.sigma_m, of_noise_m), common.is_corrected && !is_false_claim, {}};
+  PositionsError error{
+      std::hypot(common.sigma_m, of_noise_m), common.is_corrected && !is_false_claim, {}, {}};
+  if (!map.is_forecast && !is_own) error.jump = JumpIn(positions, common.sigma_m);
+  // Either side may be the one that lies off.
+  if (error.jump) error.common_m = std::hypot(error.common_m, error.jump->by_m / kCircleSigmas);
   const double apart_m = map.is_forecast ? common.sigma_m : noise_m;
   if (!is_own) error.lean = OpenLeanOf(map.flight, positions.places, apart_m, kAngleOfNothingDeg);
   return error;
@@ -248,7 +271,8 @@ bool IsByReceiver(const AbsoluteAccuracy& absolute) {
 
 bool AreContradicted(const JudgedMap& map, const AbsoluteAccuracy& absolute) {
   return IsByReceiver(absolute) &&
-         (ContradictionIn(map.flight.warnings) != nullptr || AreManyRefuted(PositionsOf(map)));
+         (ContradictionIn(map.flight.warnings) != nullptr || AreManyRefuted(PositionsOf(map)) ||
+          ErrorOfPositions(map, PositionsOf(map)).jump);
 }
 
 }  // namespace skyquilt::pipeline

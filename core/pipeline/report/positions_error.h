@@ -8,12 +8,15 @@
 // positions say nothing of turn and scale, and among five or fewer a wrong one is hardly told from the
 // others: fewer than half of the photos, they place nothing. Positions that the pictures refute place nothing
 // either; but where many are refuted, or several by one shift, what the map misses all of them by counts
-// whole, and where most are missed by far more than they claim, the radius is no less than that. Both limit
-// the map. Frame `enu` of the flight, metres. Pure; any thread.
+// whole, where most are missed by far more than they claim, the radius is no less than that, nor less than
+// what positions jump by (core/poses/evidence/position_jump.h). All of these limit the map. Frame `enu` of
+// the flight, metres. Pure; any thread.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/flight/photo.h"
@@ -33,6 +36,7 @@ bool IsAnyAligned(const JudgedMap& map);
 struct SupportingPositions {
   std::vector<Eigen::Vector2d> places;  // of the cameras, as the map has them
   std::vector<Eigen::Vector2d> misses;  // recorded minus that
+  std::vector<const flight::Photo*> photos;
   std::vector<const flight::RecordedPosition*> records;
   std::vector<Eigen::Vector2d> refuted;  // as `misses`, of those that place nothing
 };
@@ -43,11 +47,18 @@ SupportingPositions PositionsOf(const JudgedMap& map);
 // 1/n + how much more than the places' own the map spreads about their middle.
 double LeverOf(const JudgedMap& map, const std::vector<Eigen::Vector2d>& places);
 
+// Between two photos in the order of their times.
+struct JumpOfPositions {
+  std::string before, after;  // their names
+  double by_m = 0.0;
+};
+
 // Of the positions of photos or of a log.
 struct PositionsError {
-  double common_m = 0.0;  // with what their scatter leaves
+  double common_m = 0.0;  // with what their scatter and a jump leave
   bool is_corrected = false;
   OpenLean lean;  // beside it; photos that lie by their records count their angles already
+  std::optional<JumpOfPositions> jump;
 };
 
 PositionsError ErrorOfPositions(const JudgedMap& map, const SupportingPositions& positions);

@@ -44,10 +44,10 @@ TEST(OpenLean, IsMostOfTheErrorOfOneLineByCorrectedPositions) {
   const LineFlight line(0.0, true, true);
   EXPECT_EQ(JudgeMap(line.Map()).absolute, (AbsoluteAccuracy{1.1, AbsoluteSupport::kRtk, kPhotos}));
   EXPECT_EQ(JudgeMap(line.Forecast()).absolute, JudgeMap(line.Map()).absolute);
-  const auto remark = RemarkOnLean(line.Map());
-  ASSERT_TRUE(remark);
+  const std::vector<flight::Remark> remarks = RemarksOnPositions(line.Map());
+  ASSERT_EQ(remarks.size(), 1u);
   EXPECT_EQ(
-      flight::InWords(*remark),
+      flight::InWords(remarks[0]),
       "The 12 positions lie on one line, or at one spot: how far the cameras leaned about it is known to "
       "1 deg, 1.1 m on the ground. A second line beside it, or surveyed points, would tell more.");
 }
@@ -55,15 +55,15 @@ TEST(OpenLean, IsMostOfTheErrorOfOneLineByCorrectedPositions) {
 TEST(OpenLean, IsHeldByASecondLine) {
   const LineFlight lines(30.0, true, true);
   EXPECT_EQ(JudgeMap(lines.Map()).absolute, (AbsoluteAccuracy{0.03, AbsoluteSupport::kRtk, kPhotos}));
-  EXPECT_FALSE(RemarkOnLean(lines.Map()));
+  EXPECT_TRUE(RemarksOnPositions(lines.Map()).empty());
 }
 
 TEST(OpenLean, IsLessThanAReceiversErrorWithAGimbalAndMoreWithoutAngles) {
   const LineFlight gimbal(0.0, true, false), no_angles(0.0, false, false);
   EXPECT_EQ(JudgeMap(gimbal.Map()).absolute, (AbsoluteAccuracy{2.5, AbsoluteSupport::kGnss, kPhotos}));
-  EXPECT_FALSE(RemarkOnLean(gimbal.Map()));
+  EXPECT_TRUE(RemarksOnPositions(gimbal.Map()).empty());
   EXPECT_EQ(JudgeMap(no_angles.Map()).absolute, (AbsoluteAccuracy{6.1, AbsoluteSupport::kGnss, kPhotos}));
-  EXPECT_TRUE(RemarkOnLean(no_angles.Map()));
+  EXPECT_FALSE(RemarksOnPositions(no_angles.Map()).empty());
 }
 
 TEST(OpenLean, CountsWhereALogPlacesTheLineToo) {
@@ -73,7 +73,7 @@ TEST(OpenLean, CountsWhereALogPlacesTheLineToo) {
   line.poses.log_position_sigma_m = 0.02;
   line.poses.log_is_corrected = true;
   EXPECT_EQ(JudgeMap(line.Map()).absolute, (AbsoluteAccuracy{1.1, AbsoluteSupport::kRtk, kPhotos}));
-  EXPECT_TRUE(RemarkOnLean(line.Map()));
+  EXPECT_FALSE(RemarksOnPositions(line.Map()).empty());
   for (auto& photo : line.flight.photos) photo.photo.attitude.reset();  // the body's, by the log
   EXPECT_EQ(JudgeMap(line.Map()).absolute, (AbsoluteAccuracy{2.2, AbsoluteSupport::kRtk, kPhotos}));
 }

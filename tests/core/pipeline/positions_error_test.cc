@@ -1,13 +1,16 @@
 // What recorded positions place, and that over many simulated flights the stated one sigma is one.
 #include "core/pipeline/report/positions_error.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <random>
 #include <utility>
 #include <vector>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/poses/time/time_sync.h"
 #include "tests/core/pipeline/judged_flight.h"
 
@@ -25,6 +28,32 @@ TEST(PositionsError, StatesWhatThePositionsShareWhereTheyAgree) {
   EXPECT_EQ(plain.status, MapStatus::kReady);
   for (auto& photo : flight.flight.photos) photo.photo.position->is_rtk_fixed = true;
   EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.03, AbsoluteSupport::kRtk, 18}));
+}
+
+// Within each part they agree: what the map misses them by says nothing of it.
+TEST(PositionsError, IsNoLessThanWhatCorrectedPositionsJumpBy) {
+  JudgedFlight flight(36);
+  for (std::size_t i = 0; i < 36; ++i) {
+    alignment::AlignedPhoto& photo =
+        flight.flight.photos[35 - i];  // the last in the folder is the first flown
+    const Vector2d stands = photo.cam_from_enu.TargetOriginInSource().head<2>();
+    const double miss_m = i == 17 || i == 18   ? 0.2
+                          : i == 16 || i == 19 ? 0.15
+                          : i == 15 || i == 20 ? 0.1
+                                               : 0.0;
+    flight.Record(35 - i, stands + Vector2d(i < 18 ? -miss_m : miss_m, 0.0));
+    photo.photo.position->is_rtk_fixed = true;
+    photo.photo.captured_at = flight::UtcTime(std::chrono::seconds(i));
+  }
+  const MapQuality quality = flight.Judge();
+  EXPECT_NEAR(*quality.absolute.sigma_m, 0.3, 0.02);
+  EXPECT_EQ(quality.absolute.by, AbsoluteSupport::kRtk);
+  EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kPositionsContradicted}}));
+  const std::vector<flight::Remark> remarks = RemarksOnPositions(flight.Map());
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_EQ(remarks[0].code, flight::RemarkCode::kPositionsJump);
+  EXPECT_THAT(flight::InWords(remarks[0]),
+              ::testing::HasSubstr("Between p18 and p17 the recorded positions jump by 0.3"));
 }
 
 TEST(PositionsError, ByRecordsAloneEachPhotoIsAsFarOffAsItSays) {

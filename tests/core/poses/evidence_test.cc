@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/poses/estimate_poses.h"
 #include "core/poses/evidence/assumption.h"
 #include "core/poses/evidence/common_error.h"
+#include "core/poses/evidence/position_jump.h"
 #include "core/poses/evidence/repeated_positions.h"
 
 namespace skyquilt::poses {
@@ -143,6 +145,35 @@ TEST(Assumption, IsNotStatedAsAFactWhereThePhotosShowedBetter) {
 TEST(Assumption, StillHoldsForPhotosByPoseAlone) {
   EXPECT_THAT(InWords(AssumptionsAfterAlignment(kBoth, 40.2, 3)),
               ElementsAre(HasSubstr("For the 3 photos"), HasSubstr("Straight down is assumed.")));
+}
+
+// What a map that bends at it is missed by.
+std::vector<Eigen::Vector2d> MissesAround(double jump_m, double noise_m) {
+  std::vector<Eigen::Vector2d> misses;
+  for (int i = 0; i < 40; ++i) {
+    const double to_jump = i - 19.5;
+    const double bent_m = -std::copysign(0.5 * jump_m * std::exp(-std::abs(to_jump) / 4.0), to_jump);
+    misses.emplace_back(bent_m + noise_m * std::sin(12.0 * i), noise_m * std::cos(17.0 * i));
+  }
+  return misses;
+}
+
+TEST(JumpOf, FindsWhereCorrectedPositionsBeginToLieElsewhere) {
+  const auto jump = JumpOf(MissesAround(0.5, 0.005), 0.02);
+  ASSERT_TRUE(jump);
+  EXPECT_EQ(jump->last_before, 19u);
+  EXPECT_NEAR(jump->by_m, 0.35, 0.05);
+  EXPECT_FALSE(JumpOf(MissesAround(0.0, 0.005), 0.02));
+  EXPECT_FALSE(JumpOf(MissesAround(0.5, 0.1), 0.02)) << "no more than they scatter";
+  EXPECT_FALSE(JumpOf(MissesAround(0.5, 0.005), 1.5)) << "a receiver that claims no more";
+}
+
+TEST(JumpOf, TakesOneWrongPositionForNoJump) {
+  std::vector<Eigen::Vector2d> misses = MissesAround(0.0, 0.005);
+  misses[10].x() += 5.0;
+  EXPECT_FALSE(JumpOf(misses, 0.02));
+  EXPECT_FALSE(JumpOf({}, 0.02));
+  EXPECT_FALSE(JumpOf({misses[9], misses[10]}, 0.02));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Deutsch: was der Server zu einem Flug oder seiner Karte anmerkt.
 import { count, fixed, number, plural } from '../../shared/language.js';
-import { formatDistance } from '../../shared/format.js';
+import { formatDistance, formatError } from '../../shared/format.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };
 const some = (/** @type {any} */ v) => `${number(v.photos)} von ${count(v.total, photos)}`;
@@ -224,6 +224,7 @@ export const remark_words = {
   elevation_model_beside_takeoff: () => 'Das Höhenmodell enthält den Startort nicht; der Boden wird als eben angenommen.',
   elevation_model_too_small: () => 'Das Höhenmodell deckt weniger als die Hälfte der Fotos ab; der Boden wird als eben angenommen.',
   no_ties: () => 'Keine zwei Fotos ließen sich verknüpfen: Die Karte folgt nur den Metadaten und kann Stufen zeigen. Wenn der Boden weder Wasser noch kahl ist, prüfen Sie, ob Positionen, Höhen und Winkel zu diesem Flug gehören.',
+  positions_jump: (v) => `Zwischen ${v.before} und ${v.after} springen die aufgezeichneten Positionen um ${formatError(v.by_m)} gegen das, was die Fotos zeigen, weit mehr, als sie an Fehler versprechen: Der Empfänger verlor seine Lösung, oder die Basis wurde versetzt. Eine Seite liegt um so viel daneben; welche, zeigen die Fotos nicht. Eingemessene Punkte sagen es.`,
   lean_open: (v) => `Die ${number(v.positions)} Positionen liegen auf einer Linie oder an einer Stelle: Wie weit sich die Kameras um sie neigten, ist auf ${fixed(v.lean_deg, 0)}° bekannt, das sind ${fixed(v.off_m, 1)}\u00a0m am Boden. Eine zweite Linie daneben oder eingemessene Punkte sagen mehr.`,
   groups: (v) => `Die Fotos bilden ${number(v.groups)} Gruppen ohne Verknüpfung; jede liegt dort, wo ihre aufgezeichneten Positionen sie haben.`,
   groups_of_features: (v) => `Die Fotos bilden nach ihren Merkmalen ${number(v.groups)} Gruppen; jede liegt dort, wo ihre aufgezeichneten Positionen sie haben.`,

@@ -1,7 +1,7 @@
 // English: what the server remarks on a flight or its map, by the codes of core/flight/remarks/remark.h. Values have the
 // names that they have there; what ends in _words is English of the server and may be left out.
 import { count, fixed, number, plural } from '../../shared/language.js';
-import { formatDistance } from '../../shared/format.js';
+import { formatDistance, formatError } from '../../shared/format.js';
 
 const photos = { one: 'photo', other: 'photos' };
 const some = (/** @type {any} */ v) => `${number(v.photos)} of ${count(v.total, photos)}`;
@@ -223,6 +223,7 @@ export const remark_words = {
   elevation_model_beside_takeoff: () => 'The elevation model does not cover the take-off location; the ground is taken as flat.',
   elevation_model_too_small: () => 'The elevation model covers less than half of the photos; the ground is taken as flat.',
   no_ties: () => 'No two photos could be matched: the map is made by their metadata alone and may show steps. If the ground is not water or bare, check that positions, heights and angles are those of this flight.',
+  positions_jump: (v) => `Between ${v.before} and ${v.after} the recorded positions jump by ${formatError(v.by_m)} against what the photos show, far more than they claim to err by: a receiver that lost its fix, or a base that was moved. One side lies off by it, and the photos do not tell which: surveyed points would.`,
   lean_open: (v) => `The ${number(v.positions)} positions lie on one line, or at one spot: how far the cameras leaned about it is known to ${fixed(v.lean_deg, 0)}°, ${fixed(v.off_m, 1)}\u00a0m on the ground. A second line beside it, or surveyed points, would tell more.`,
   groups: (v) => `The photos form ${number(v.groups)} groups that are not matched to each other; each lies where its recorded positions say.`,
   groups_of_features: (v) => `The photos form ${number(v.groups)} groups by their features; each lies where its recorded positions say.`,
