@@ -10,6 +10,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from program import BINARY, run  # noqa: E402
+from server_support import Server  # noqa: E402
 
 
 @unittest.skipUnless(shutil.which("readelf"), "readelf is not here")
@@ -45,6 +46,18 @@ class HardenedProgram(unittest.TestCase):
         self.assertLessEqual({"libgdal.so.32", "libavformat.so.59", "libproj.so.25"}, self.late())
         traced = run("--version", code=None, env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"})
         self.assertEqual({name for name in self.late() if f"{name} =>" in traced.stdout}, set())
+
+    def test_a_server_that_nobody_asked_for_it_does_not_hold_it_either(self):
+        if not self.late():
+            self.skipTest("every library is linked: there are no trampolines for this processor")
+        with tempfile.TemporaryDirectory() as folder:
+            server = Server(folder, "--workers", "0")
+            try:
+                self.assertEqual(server.request("GET", "/api/v1/flights")[0], 200)
+                mapped = pathlib.Path(f"/proc/{server.process.pid}/maps").read_text()
+            finally:
+                server.stop()
+            self.assertEqual({name for name in self.late() if f"/{name}" in mapped}, set())
 
     def test_a_library_that_is_gone_is_named(self):
         """As where its package was taken away by force: the command that needs it says which, others go on; a server that
