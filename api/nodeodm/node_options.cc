@@ -27,7 +27,6 @@ constexpr const char* kNeverSplit =
     "No effect: a flight is always mapped as a whole here, within the memory it is given.";
 constexpr const char* kEndsWithPhotos = "No effect: the map always ends where the photos do.";
 constexpr const char* kLensIsFound = "No effect: the lens is found from the photos.";
-constexpr const char* kVisibleColours = "No effect: photos are mapped in their visible colours.";
 constexpr const char* kQualities = R"(["ultra","high","medium","low","lowest"])";
 constexpr const char* kStages =
     R"(["dataset","split","merge","opensfm","openmvs","odm_filterpoints","odm_meshing","mvs_texturing","odm_georeferencing","odm_dem","odm_orthophoto","odm_report","odm_postprocess"])";
@@ -48,7 +47,7 @@ constexpr NodeOption kNodeOptions[] = {
      "How photos are placed: by what suits (auto), by what they show alone (images), by their recorded poses alone (imu), by matching features, or directly by brightness. One of: %(choices)s. Default: %(default)s",
      NodeOptionEffect::kJob, "method"},
     {"surface", "enum", "smooth", R"(["smooth","dense","auto"])",
-     "What photos are projected to: the ground alone (smooth), on which houses and trees lean, or heights of every two pixels (dense), so that they stand upright, which takes several times as long. One of: %(choices)s. Default: %(default)s",
+     "What photos are projected to: the ground alone (smooth), on which houses and trees lean, or heights of every two pixels (dense), so that they stand upright, which takes several times as long, or this where they lean much (auto). One of: %(choices)s. Default: %(default)s",
      NodeOptionEffect::kJob, "surface"},
     {"archive-tiles", "enum", kUsualArchiveTiles, R"(["mbtiles","pmtiles","both","none"])",
      "In which file all.zip holds the map's tiles beside the GeoTIFF, which has them too. One of: %(choices)s. Default: %(default)s",
@@ -90,7 +89,8 @@ constexpr NodeOption kNodeOptions[] = {
     {"gltf", "bool", "false", "", kNoModel},
     {"gps-accuracy", "float", "3", "positive float",
      "No effect: how far positions are off is read from the photos or found from them."},
-    {"gps-z-offset", "float", "0", "float", "No effect: heights are as the photos record them."},
+    {"gps-z-offset", "float", "0", "float",
+     "No effect: heights count as surveyed points do, else as the photos record them."},
     {"ignore-gsd", "bool", "false", "", "No effect: the map is never finer than the photos."},
     {"matcher-neighbors", "int", "0", "positive integer", kChosenHere},
     {"matcher-order", "int", "0", "positive integer", kChosenHere},
@@ -123,9 +123,10 @@ constexpr NodeOption kNodeOptions[] = {
     {"pc-rectify", "bool", "false", "", kNoCloud},
     {"pc-sample", "float", "0", "positive float", kNoCloud},
     {"pc-skip-geometric", "bool", "false", "", kNoCloud},
-    {"primary-band", "string", "auto", "string", kVisibleColours},
+    {"primary-band", "string", "auto", "string",
+     "No effect: the map is drawn from the photos in colour, or from one band."},
     {"radiometric-calibration", "enum", "none", R"(["none","camera","camera+sun"])",
-     "No effect: exposures are evened out by what overlapping photos show."},
+     "No effect: colours are evened out by what overlapping photos show, bands calibrated by what is recorded."},
     {"rerun-from", "enum", "", kStages, "No effect: a restarted task uses again by itself what still holds."},
     {"resize-to", "int", "-1", "integer", "No effect: photos are used at their full size."},
     {"rolling-shutter", "bool", "false", "",
@@ -135,7 +136,7 @@ constexpr NodeOption kNodeOptions[] = {
     {"sfm-no-partial", "bool", "false", "",
      "No effect: photos that do not join the others are placed by their records, and the report says so."},
     {"skip-3dmodel", "bool", "false", "", "No effect: no 3D model is made here anyway."},
-    {"skip-band-alignment", "bool", "false", "", kVisibleColours},
+    {"skip-band-alignment", "bool", "false", "", "No effect: bands are always laid on each other."},
     {"skip-orthophoto", "bool", "false", "", "No effect: the orthophoto is what this node makes."},
     {"skip-report", "bool", "false", "", "No effect: the report is always written."},
     {"sky-removal", "bool", "false", "", "No effect: what lies towards the horizon is never drawn."},
@@ -152,8 +153,7 @@ constexpr NodeOption kNodeOptions[] = {
     {"texturing-single-material", "bool", "false", "", kNoMesh},
     {"texturing-skip-global-seam-leveling", "bool", "false", "", kNoMesh},
     {"texturing-skip-local-seam-leveling", "bool", "false", "", kNoMesh},
-    {"tiles", "bool", "false", "",
-     "No effect: all.zip has the map's tiles anyway, as odm_orthophoto.mbtiles."},
+    {"tiles", "bool", "false", "", "No effect: see archive-tiles."},
     {"time", "bool", "false", "", "No effect: how long each stage took is always in the report."},
     {"use-3dmesh", "bool", "false", "", kNoMesh},
     {"use-exif", "bool", "false", "",

@@ -39,7 +39,7 @@ void AddInspectCommand(CLI::App& app) {
       ->check(CLI::ExistingPath);
   command->add_flag("--json", arguments->as_json, "Print JSON");
   command->footer(
-      "Reads headers only. Ends with 2 when no photo can be placed.\n"
+      "Of photos only headers are read. Ends with 2 when no photo can be placed.\n"
       "Example:\n"
       "  skyquilt inspect /media/sd/DCIM");
   command->callback([arguments] { Run(*arguments); });

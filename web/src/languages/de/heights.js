@@ -11,7 +11,7 @@ export const height_words = {
   highest: 'Höchster Punkt',
   climb: 'Anstieg',
   descent: 'Abstieg',
-  zero: 'Über dem Ellipsoid WGS 84, wie die Drohne es aufgezeichnet hat. Unterschiede sind genauer als die Höhen selbst.',
+  zero: 'Gezählt wie die Höhen der Passpunkte; ohne diese wie aufgezeichnet: über dem Ellipsoid WGS 84 oder über dem Startort. Unterschiede sind genauer als die Höhen selbst.',
   waiting: 'Höhen werden geladen …',
   none: 'Diese Karte enthält keine Geländehöhen.',
   level: 'Diese Karte nimmt ebenes Gelände an und hat deshalb kein Höhenprofil.',

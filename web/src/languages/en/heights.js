@@ -10,7 +10,7 @@ export const height_words = {
   highest: 'Highest',
   climb: 'Climb',
   descent: 'Descent',
-  zero: 'Above the WGS 84 ellipsoid, as the drone recorded it. Differences are more accurate than the heights themselves.',
+  zero: 'Counted as the heights of the control points; without these as recorded: above the WGS 84 ellipsoid, or above take-off. Differences are more accurate than the heights themselves.',
   waiting: 'Loading heights …',
   none: 'This map has no ground heights.',
   level: 'This map assumes level ground, so there is no height profile.',

@@ -60,7 +60,7 @@ export const option_words = {
       auto: 'Automatic',
       images: 'By the photos alone',
       imu: 'By the metadata alone',
-      features: 'Metadata refined by features',
+      features: 'Features, laid on the positions',
       direct: 'Metadata refined by brightness',
     },
     surface: { smooth: 'As they lean in the photos', dense: 'Upright (true orthophoto)', auto: 'Upright where they lean much' },

@@ -51,8 +51,8 @@ class JobOptions(TypedDict, total=False):
     quality: int
     # How photos are placed. auto: poses refined by image features, and where angles, heights or positions are missing
     # or wrong photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded
-    # poses alone, no pixel compared; features: homographies chained from photo to photo, poses not looked at; direct:
-    # recorded poses refined by comparing whole pictures
+    # poses alone, no pixel compared; features: homographies chained from photo to photo, and the whole laid on the
+    # recorded positions; direct: recorded poses refined by comparing whole pictures
     method: Literal['auto', 'images', 'imu', 'features', 'direct']
     # smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, walls
     # and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in the photos
@@ -343,9 +343,9 @@ class Export(TypedDict):
 class SeenPhoto(TypedDict):
     """A photo that sees a place."""
     name: str
-    # Where in the photo the place shows, in pixels from its left edge
+    # Where in the photo the place shows: column in pixels; the centre of the first is 0
     x: float
-    # In pixels from its top edge
+    # Row in pixels; the centre of the first is 0
     y: float
     # How far off the vertical the photo sees the place
     off_nadir_deg: float

@@ -48,9 +48,9 @@ class Downloads(Calls):
                                                  path={"flight": flight}))
 
     def download_dsm(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
-        """Heights of ground, roofs and trees as the photos show them (metres above the ellipsoid as recorded, float32,
-        NaN where no photo looks), in the UTM zone: a cloud-optimised GeoTIFF. 404 for maps whose job did not ask
-        for heights."""
+        """Heights of ground, roofs and trees as the photos show them (metres, float32, NaN where no photo looks;
+        heights_from in report.json says what they count from), in the UTM zone: a cloud-optimised GeoTIFF. 404 for
+        maps whose job did not ask for heights."""
         return self._stream("GET", "/api/v1/flights/{flight}/dsm.tif", path={"flight": flight}, headers=headers)
 
     def download_dsm_hillshade(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:

@@ -52,9 +52,10 @@ class Flights(Calls):
 
     def ground_heights(self, flight: str, body: Dict[str, Any]) -> models.GroundProfile:
         """The ground's height along a line. Heights of the ground that the map was rendered on, as its alignment or an
-        elevation model says, at even steps along the line and at its corners. Metres above the ellipsoid WGS 84 as
-        the flight's records have it, as /point has them: what lies between two places of one map is much more
-        accurate than where zero lies. A map that was imported, or made before cameras were kept, knows none (404)."""
+        elevation model says, at even steps along the line and at its corners. Metres, counted as those of the
+        surveyed points that place the map, else from the zero of the flight's records, as /point has them: what
+        lies between two places of one map is much more accurate than where zero lies. A map that was imported, or
+        made before cameras were kept, knows none (404)."""
         return cast("models.GroundProfile", self._send("POST", "/api/v1/flights/{flight}/heights", json_body=body,
                                                        path={"flight": flight}))
 
@@ -129,7 +130,7 @@ class Flights(Calls):
                             headers=headers)
 
     def photos_at(self, flight: str, lon: float, lat: float) -> models.PhotosAtAnswer:
-        """The photos that see a place, the most vertical view first."""
+        """The photos that see a place, the sharpest and most vertical view first."""
         return cast("models.PhotosAtAnswer", self._send("GET", "/api/v1/flights/{flight}/at", path={"flight": flight},
                                                         query={"lon": lon, "lat": lat}))
 
