@@ -11,11 +11,10 @@
 #include <variant>
 
 #include "core/base/try.h"
-#include "server/jobs/work_for_parent.h"
+#include "server/jobs/pipe_progress.h"
 #include "server/reports/map_picture.h"
 #include "server/sandbox/sandbox.h"
 #include "server/sandbox/sandboxed_child.h"
-#include "server/sandbox/spawn_process.h"
 #include "storage/exports/custom/export_map.h"
 #include "storage/files/publish_file.h"
 
@@ -26,7 +25,6 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kExportPollInterval{200};
-constexpr std::chrono::seconds kExportEndPatience{10};
 // The least that an export is given to write, however full the disk is.
 constexpr std::int64_t kMinFileBytes = std::int64_t{1} << 20;
 
@@ -80,8 +78,7 @@ Result<std::int64_t> ExportSandboxed(ExportTask task, const ExportLimits& limits
   task.file_bytes = room;
   task.memory_bytes = limits.memory_bytes;
   task.cpu_s = limits.wall.count() * std::max(1, task.threads);
-  SKYQUILT_TRY_ASSIGN(const auto child, SandboxedChild::Start({"export-sandboxed"}));
-  child->Tell(ToText(task));  // one that does not listen does not answer either
+  SKYQUILT_TRY_ASSIGN(const auto child, SandboxedChild::Start("export-sandboxed", ToText(task)));
   const Clock::time_point begun = Clock::now();
   std::string stage;
   double fraction = 0.0;
@@ -97,7 +94,7 @@ Result<std::int64_t> ExportSandboxed(ExportTask task, const ExportLimits& limits
       fraction = Overall(stage, progress->fraction);
     if (const auto* error = std::get_if<Error>(&message)) said = *error;
   }
-  const int status = child->End(kExportEndPatience);
+  const int status = child->End().wait_status;
   if (said) return *said;
   if (status != 0)
     return Error{ErrorCode::kUnprocessable,
@@ -114,7 +111,6 @@ Result<void> RunExportTask(const std::string& text, MessageWriter& writer) {
   KeepTemporaryFilesIn(task.work_dir);
   // A file that grows beyond its limit is an error of writing.
   signal(SIGXFSZ, SIG_IGN);
-  StepBack();
   SKYQUILT_TRY(EnterSandbox({.limits = {.more_data_bytes = task.memory_bytes,
                                         .more_cpu_s = task.cpu_s,
                                         .file_bytes = task.file_bytes},
@@ -141,13 +137,11 @@ Result<void> RunExportTask(const std::string& text, MessageWriter& writer) {
 }  // namespace
 
 int ExportInSandbox(int parent) {
-  bool is_made = false;
-  const int code = WorkForParent(parent, [&](const std::string& task, MessageWriter& to_parent) {
-    const Result<void> outcome = RunExportTask(task, to_parent);
-    is_made = outcome.ok();
-    return outcome ? std::nullopt : std::optional<JobMessage>(outcome.error());
+  return WorkForParent(parent, [](const std::string& task, MessageReader&, MessageWriter& to_parent) {
+    const Result<void> made = RunExportTask(task, to_parent);
+    if (!made) to_parent.Write(ToText(JobMessage(made.error())));
+    return made ? 0 : 1;
   });
-  return is_made ? code : 1;
 }
 
 }  // namespace skyquilt::server

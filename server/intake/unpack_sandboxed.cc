@@ -9,6 +9,8 @@
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "server/sandbox/run_sandboxed.h"
+#include "server/sandbox/sandbox.h"
+#include "server/sandbox/sandboxed_child.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::server {
@@ -31,13 +33,6 @@ constexpr std::size_t kMaxAnswerBytes = std::size_t{64} << 20;
 constexpr const char* kUnpackRefusal =
     "The archive was not taken: unpacking it took more memory or time than the server gives for it.";
 
-Json ErrorJson(const Error& error) {
-  return {{"code", ErrorCodeName(error.code)}, {"message", error.message}, {"detail", error.detail}};
-}
-
-// A file that cannot be taken is the only kind of error that a file can have.
-Error ErrorOf(const Json& json) { return {ErrorCode::kUnprocessable, json.at("message"), json.at("detail")}; }
-
 Error NotTaken(std::string detail) { return {ErrorCode::kUnprocessable, kUnpackRefusal, std::move(detail)}; }
 
 std::int64_t CpuSecondsFor(const fs::path& archive) {
@@ -57,7 +52,10 @@ Result<std::vector<UnpackedFile>> Parse(const std::string& answer) {
     for (const Json& entry : json.at("files")) {
       UnpackedFile file;
       file.file = {entry.at("name"), entry.at("stored_name"), entry.at("bytes")};
-      if (entry.contains("error")) file.error = ErrorOf(entry.at("error"));
+      if (entry.contains("error")) {
+        file.error = ErrorOfJson(entry.at("error"));
+        if (!file.error) return NotTaken("an error is none");
+      }
       if (!file.error && !storage::IsId(file.file.stored_name))
         return NotTaken("a stored name is none of ours");
       if (!file.error && !storage::CheckFileName(file.file.name)) return NotTaken("a name is none of a file");
@@ -105,10 +103,14 @@ Result<std::vector<UnpackedFile>> UnpackSandboxed(const storage::PhotoStore& sto
                  unmade.message()};
   }
   SKYQUILT_TRY_ASSIGN(const storage::DataDir staging, storage::DataDir::Open(folder.path()));
+  // Below `staging`, a data folder, comes what is in it.
+  const Json task = {{"archive", archive.string()},
+                     {"staging", folder.path().string()},
+                     {"flight", flight_id},
+                     {"max_bytes", max_bytes}};
   const Result<std::string> answer =
-      RunSandboxed({.name = "unpack",
-                    .words = {"unpack", "--staging", folder.path().string(), "--flight", flight_id,
-                              "--most-bytes", std::to_string(max_bytes), archive.string()},
+      RunSandboxed({.command = "unpack",
+                    .task = JsonText(task),
                     .deadline = std::chrono::duration_cast<std::chrono::milliseconds>(DeadlineOf(archive)),
                     .max_answer_bytes = kMaxAnswerBytes,
                     .refusal = kUnpackRefusal});
@@ -117,30 +119,29 @@ Result<std::vector<UnpackedFile>> UnpackSandboxed(const storage::PhotoStore& sto
   return TakeOver(store, flight_id, staging, std::move(files));
 }
 
-void UnpackHere(const fs::path& staging, const std::string& flight_id, const fs::path& archive,
-                std::int64_t max_bytes) {
-  const storage::ArchiveLimits limits{.room_bytes = max_bytes};
-  BecomeSandboxed({.limits = {.more_memory_bytes = kMemoryBytes,
-                              .more_cpu_s = CpuSecondsFor(archive),
-                              .file_bytes = limits.file_bytes},
-                   .files = {.reads = {archive}, .writes = {staging}},
-                   .library = "libarchive.so"});
-  const Result<storage::DataDir> dir = storage::DataDir::Open(staging);
-  const Result<std::vector<UnpackedFile>> files =
-      dir ? storage::UnpackArchive(storage::PhotoStore(*dir), flight_id, archive, limits) : dir.error();
-  if (!files) {
-    TellParent(files.error());
-    return;
-  }
-  Json answer;
-  answer["files"] = Json::array();
-  for (const UnpackedFile& file : *files) {
-    Json entry = {
-        {"name", file.file.name}, {"stored_name", file.file.stored_name}, {"bytes", file.file.bytes}};
-    if (file.error) entry["error"] = ErrorJson(*file.error);
-    answer["files"].push_back(std::move(entry));
-  }
-  TellParent(JsonText(answer));
+int UnpackInSandbox(int parent) {
+  return AnswerParent(parent, [](const std::string& text) -> Result<std::string> {
+    const Json task = ParseJson(text);  // by our own server; if not, the exception ends us
+    const fs::path archive = task.at("archive").get<std::string>();
+    const fs::path staging = task.at("staging").get<std::string>();
+    const storage::ArchiveLimits limits{.room_bytes = task.at("max_bytes")};
+    SKYQUILT_TRY(EnterSandbox({.limits = {.more_memory_bytes = kMemoryBytes,
+                                          .more_cpu_s = CpuSecondsFor(archive),
+                                          .file_bytes = limits.file_bytes},
+                               .files = {.reads = {archive}, .writes = {staging}},
+                               .library = "libarchive.so"}));
+    SKYQUILT_TRY_ASSIGN(const storage::DataDir dir, storage::DataDir::Open(staging));
+    SKYQUILT_TRY_ASSIGN(const std::vector<UnpackedFile> files,
+                        storage::UnpackArchive(storage::PhotoStore(dir), task.at("flight"), archive, limits));
+    Json answer = {{"files", Json::array()}};
+    for (const UnpackedFile& file : files) {
+      Json entry = {
+          {"name", file.file.name}, {"stored_name", file.file.stored_name}, {"bytes", file.file.bytes}};
+      if (file.error) entry["error"] = ErrorJson(*file.error);
+      answer["files"].push_back(std::move(entry));
+    }
+    return JsonText(answer);
+  });
 }
 
 }  // namespace skyquilt::server

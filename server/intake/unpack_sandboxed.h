@@ -19,9 +19,7 @@ Result<std::vector<storage::UnpackedFile>> UnpackSandboxed(const storage::PhotoS
                                                            const std::filesystem::path& archive,
                                                            std::int64_t max_bytes);
 
-// What that process does: unpacks `archive` below the data folder `staging` and writes what it found to
-// standard output, as UnpackSandboxed reads it.
-void UnpackHere(const std::filesystem::path& staging, const std::string& flight_id,
-                const std::filesystem::path& archive, std::int64_t max_bytes);
+// What that process does. The exit code.
+int UnpackInSandbox(int parent);
 
 }  // namespace skyquilt::server

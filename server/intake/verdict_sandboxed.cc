@@ -12,6 +12,7 @@
 #include "core/pipeline/placing/control_points.h"
 #include "server/inputs/open_elevation_model.h"
 #include "server/sandbox/run_sandboxed.h"
+#include "server/sandbox/sandbox.h"
 
 namespace skyquilt::server {
 namespace {
@@ -77,29 +78,27 @@ Result<std::string> VerdictSandboxed(const std::vector<flight::InputFile>& files
   Json input = {{"options", options}, {"files", Json::array()}};
   for (const flight::InputFile& file : files)
     input["files"].push_back({{"name", file.name}, {"path", file.path.string()}});
-  const std::int64_t cpu_s = CpuSecondsFor(files);
-  Result<std::string> verdict =
-      RunSandboxed({.name = "verdict",
-                    .words = {"verdict", "--cpu-s", std::to_string(cpu_s)},
-                    .input = JsonText(input),
-                    .deadline = std::chrono::seconds(kVerdictWallSecondsPerCpuSecond * cpu_s),
-                    .refusal = kVerdictRefusal});
-  if (verdict && ParseJson(*verdict).is_discarded())
-    return Error{ErrorCode::kUnprocessable, kVerdictRefusal, "the verdict is not JSON"};
-  return verdict;
+  return RunSandboxed(
+      {.command = "verdict",
+       .task = JsonText(input),
+       .deadline = std::chrono::seconds(kVerdictWallSecondsPerCpuSecond * CpuSecondsFor(files)),
+       .refusal = kVerdictRefusal});
 }
 
-void VerdictHere(std::int64_t cpu_s) {
-  const Json input = ParseJson(ReadInput());  // by our own server; if not, the exception ends us
-  std::vector<flight::InputFile> files;
-  SandboxNeeds needs{.limits = {.more_cpu_s = cpu_s}, .library = kProjections};
-  for (const Json& file : input.at("files")) {
-    files.push_back({file.at("name"), file.at("path").get<std::string>()});
-    needs.files.reads.push_back(files.back().path);
-  }
-  needs.limits.more_data_bytes = DataBytesFor(files);
-  BecomeSandboxed(std::move(needs));
-  TellParent(Inspect(files, input.at("options")));
+int VerdictInSandbox(int parent) {
+  return AnswerParent(parent, [](const std::string& task) -> Result<std::string> {
+    const Json input = ParseJson(task);  // by our own server; if not, the exception ends us
+    std::vector<flight::InputFile> files;
+    SandboxNeeds needs{.library = kProjections};
+    for (const Json& file : input.at("files")) {
+      files.push_back({file.at("name"), file.at("path").get<std::string>()});
+      needs.files.reads.push_back(files.back().path);
+    }
+    needs.limits.more_data_bytes = DataBytesFor(files);
+    needs.limits.more_cpu_s = CpuSecondsFor(files);
+    SKYQUILT_TRY(EnterSandbox(std::move(needs)));
+    return Inspect(files, input.at("options"));
+  });
 }
 
 namespace {
@@ -109,31 +108,23 @@ constexpr std::int64_t kControlCpuS = 10;
 constexpr const char* kControlRefusal =
     "The list of control points could not be read: it took more memory or time than the server gives for it.";
 
-Result<std::string> ReadControl(const fs::path& path) {
-  SKYQUILT_TRY_ASSIGN(const flight::GcpList list, flight::ReadGcpList({"gcp_list.txt", path}));
-  return pipeline::ControlJson(list);
-}
-
 }  // namespace
 
 Result<std::string> ControlSandboxed(const fs::path& list) {
-  Result<std::string> json =
-      RunSandboxed({.name = "control",
-                    .words = {"verdict", "--cpu-s", std::to_string(kControlCpuS), "--control"},
-                    .input = JsonText(Json(list.string())),
-                    .deadline = std::chrono::seconds(3 * kControlCpuS),
-                    .refusal = kControlRefusal});
-  if (json && ParseJson(*json).is_discarded())
-    return Error{ErrorCode::kUnprocessable, kControlRefusal, "the control points are not JSON"};
-  return json;
+  return RunSandboxed({.command = "control",
+                       .task = list.string(),
+                       .deadline = std::chrono::seconds(3 * kControlCpuS),
+                       .refusal = kControlRefusal});
 }
 
-void ControlHere(std::int64_t cpu_s) {
-  const fs::path list = ParseJson(ReadInput()).get<std::string>();  // by our own server
-  BecomeSandboxed({.limits = {.more_data_bytes = kControlDataBytes, .more_cpu_s = cpu_s},
-                   .files = {.reads = {list}},
-                   .library = kProjections});
-  TellParent(ReadControl(list));
+int ControlInSandbox(int parent) {
+  return AnswerParent(parent, [](const fs::path& list) -> Result<std::string> {
+    SKYQUILT_TRY(EnterSandbox({.limits = {.more_data_bytes = kControlDataBytes, .more_cpu_s = kControlCpuS},
+                               .files = {.reads = {list}},
+                               .library = kProjections}));
+    SKYQUILT_TRY_ASSIGN(const flight::GcpList points, flight::ReadGcpList({"gcp_list.txt", list}));
+    return pipeline::ControlJson(points);
+  });
 }
 
 }  // namespace skyquilt::server

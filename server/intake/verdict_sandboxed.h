@@ -4,7 +4,6 @@
 // reader, kUnprocessable where it exceeded its limits, kUnavailable.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,15 +16,11 @@ namespace skyquilt::server {
 // `options`: the flight's, as JSON. Answers the verdict as JSON.
 Result<std::string> VerdictSandboxed(const std::vector<flight::InputFile>& files, const std::string& options);
 
-// What that process does: reads the files' names and the options from standard input, and tells its parent.
-// `cpu_s`: what it may take.
-void VerdictHere(std::int64_t cpu_s);
-
 // Answers the points as the API's JSON (core/pipeline/placing/control_points.h).
 Result<std::string> ControlSandboxed(const std::filesystem::path& list);
 
-// What that process does: reads the list's path from standard input, and tells its parent.
-// `cpu_s`: what it may take.
-void ControlHere(std::int64_t cpu_s);
+// What those processes do. The exit code.
+int VerdictInSandbox(int parent);
+int ControlInSandbox(int parent);
 
 }  // namespace skyquilt::server

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/base/text/json_io.h"
-#include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/report/map_quality.h"
+#include "server/sandbox/sandboxed_child.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::server {
@@ -24,8 +23,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMaxErrorBytes = 4 * 1024;  // of an error's message, and of its detail
-constexpr int kMaxPhotos = 10'000'000;            // that a message may speak of
+constexpr int kMaxPhotos = 10'000'000;  // that a message may speak of
 constexpr int kMaxZoom = 30;
 constexpr std::size_t kMaxForgone = 64;
 constexpr std::size_t kMaxStageBytes = 32;
@@ -33,9 +31,6 @@ constexpr std::size_t kMaxStages = 64;
 constexpr std::size_t kMaxQualityBytes = 2000;
 constexpr std::size_t kMaxTimeBytes = 25;  // "2015-10-27T09:31:02-04:00"
 constexpr std::size_t kMaxMessageChars = 500;
-constexpr std::size_t kMaxReasonBytes = 16 * 1024;
-// A byte that is no UTF-8 is sent as the three of the replacement character.
-constexpr std::size_t kMaxGrowth = 3;
 
 // What came over the pipe is not what our own code would have sent.
 Error Untrue(std::string detail) {
@@ -57,14 +52,6 @@ bool AreBounds(const geo::LatLonBounds& bounds) {
 
 bool AreZooms(int min_zoom, int max_zoom) {
   return IsWithin(min_zoom, 0, kMaxZoom) && IsWithin(max_zoom, min_zoom, kMaxZoom);
-}
-
-// Cut at the border of a character.
-std::string Shortened(std::string text, std::size_t max_bytes) {
-  if (text.size() <= max_bytes) return text;
-  while (max_bytes > 0 && (static_cast<unsigned char>(text[max_bytes]) & 0xc0) == 0x80) --max_bytes;
-  text.resize(max_bytes);
-  return text;
 }
 
 // Texts of photos may hold any bytes: those that are no UTF-8 are replaced.
@@ -236,15 +223,7 @@ std::string ToText(const JobMessage& message) {
     return Dump({{"fraction", fraction}, {"message", Shortened(progress->message, kMaxMessageChars)}});
   }
   if (const auto* outcome = std::get_if<StitchOutcome>(&message)) return Dump({{"done", JsonOf(*outcome)}});
-  const Error& error = std::get<Error>(message);
-  Json said = {{"code", static_cast<int>(error.code)},
-               {"message", Shortened(error.message, kMaxErrorBytes)},
-               {"detail", Shortened(error.detail, kMaxErrorBytes)}};
-  if (error.reason != nullptr) {
-    Json reason = flight::JsonOfRemark<Json>(*error.reason);
-    if (Dump(reason).size() <= kMaxReasonBytes) said["reason"] = std::move(reason);
-  }
-  return Dump({{"error", std::move(said)}});
+  return Dump({{"error", ErrorJson(std::get<Error>(message))}});
 }
 
 Result<JobMessage> ParseJobMessage(std::string_view text) {
@@ -256,7 +235,7 @@ Result<JobMessage> ParseJobMessage(std::string_view text) {
     }
     if (json.contains("fraction")) {
       StageProgress progress{json.at("fraction"), json.at("message")};
-      if (!IsWithin(progress.fraction, 0.0, 1.0) || progress.message.size() > kMaxGrowth * kMaxMessageChars)
+      if (!IsWithin(progress.fraction, 0.0, 1.0) || !IsShort(progress.message, kMaxMessageChars))
         return Untrue("no progress");
       return JobMessage(std::move(progress));
     }
@@ -265,22 +244,9 @@ Result<JobMessage> ParseJobMessage(std::string_view text) {
       if (const auto wrong = WhatIsWrong(outcome)) return *wrong;
       return JobMessage(std::move(outcome));
     }
-    const Json& said = json.at("error");
-    const int code = CountOf(said.at("code"));
-    const auto known = std::find_if(kAllErrorCodes.begin(), kAllErrorCodes.end(),
-                                    [&](ErrorCode one) { return static_cast<int>(one) == code; });
-    Error error{ErrorCode::kInternal, said.at("message"), said.at("detail")};
-    if (known == kAllErrorCodes.end() || error.message.size() > kMaxGrowth * kMaxErrorBytes ||
-        error.detail.size() > kMaxGrowth * kMaxErrorBytes) {
-      return Untrue("an error that is none");
-    }
-    error.code = *known;
-    if (said.contains("reason")) {
-      const Json& reason = said.at("reason");
-      if (Dump(reason).size() > kMaxReasonBytes) return Untrue("a reason that is none");
-      error.reason = std::make_shared<const flight::Remark>(flight::RemarkOfJson(reason));
-    }
-    return JobMessage(std::move(error));
+    std::optional<Error> error = ErrorOfJson(json.at("error"));
+    if (!error) return Untrue("an error that is none");
+    return JobMessage(*std::move(error));
   });
 }
 
@@ -307,9 +273,7 @@ std::string ToText(const PreviewMessage& message) {
   if (const auto* begun = std::get_if<PhotoBegun>(&message)) return Dump({{"photo", begun->stored_name}});
   if (const auto* drawn = std::get_if<PreviewDrawn>(&message))
     return Dump({{"preview", PreviewJson(drawn->preview)}, {"forgone", drawn->forgone}});
-  const Error& error = std::get<Error>(message);
-  return Dump({{"error", Shortened(error.message, kMaxErrorBytes)},
-               {"detail", Shortened(error.detail, kMaxErrorBytes)}});
+  return Dump({{"error", ErrorJson(std::get<Error>(message))}});
 }
 
 Result<PreviewMessage> ParsePreviewMessage(std::string_view text) {
@@ -320,7 +284,9 @@ Result<PreviewMessage> ParsePreviewMessage(std::string_view text) {
       return PreviewMessage(std::move(begun));
     }
     if (json.contains("preview")) return CheckedDrawn(json);
-    return PreviewMessage(Error{ErrorCode::kIo, json.at("error"), json.at("detail")});
+    std::optional<Error> error = ErrorOfJson(json.at("error"));
+    if (!error) return Untrue("an error that is none");
+    return PreviewMessage(*std::move(error));
   });
 }
 

@@ -19,12 +19,11 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "server/imports/import_map.h"
+#include "server/jobs/pipe_progress.h"
 #include "server/jobs/stitch_job.h"
 #include "server/jobs/stitch_unit.h"
-#include "server/jobs/work_for_parent.h"
 #include "server/sandbox/sandbox.h"
 #include "server/sandbox/sandboxed_child.h"
-#include "server/sandbox/spawn_process.h"
 
 namespace skyquilt::server {
 namespace {
@@ -35,8 +34,6 @@ using flight::RemarkCode;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPollInterval{50};
-// From its last word to its end there is nothing left to do.
-constexpr std::chrono::seconds kEndPatience{10};
 // Address space is more than memory: files are mapped, and each thread has its stack and arena.
 constexpr std::int64_t kAddressSpaceBeyondBytes = std::int64_t{8} << 30;
 // The kernel's own limit is a second wall behind the one that is watched here.
@@ -87,34 +84,32 @@ StitchedInSandbox StitchSandboxed(StitchTask task, const JobLimits& limits, Prog
   task.memory_bytes = limits.memory_bytes + kAddressSpaceBeyondBytes;
   task.cpu_s = limits.cpu_s + kCpuBeyondS;
   const auto began = Clock::now();
-  Result<std::unique_ptr<SandboxedChild>> started = SandboxedChild::Start({"stitch-sandboxed"});
+  Result<std::unique_ptr<SandboxedChild>> started = SandboxedChild::Start("stitch-sandboxed", ToText(task));
   if (!started) return {started.error()};
   SandboxedChild& child = **started;
   Whereabouts where;
   std::optional<Result<StitchOutcome>> said;
-  if (child.Tell(ToText(task))) {
-    while (!said && !child.is_silent()) {
-      if (progress.IsCancelled()) return {Error{ErrorCode::kCancelled, "The job was cancelled.", ""}};
-      if (const auto excess = Excess(child, limits, began, where)) return {*excess};
-      const std::optional<std::string> text = child.Listen(kPollInterval);
-      if (!text) continue;
-      Result<JobMessage> message = ParseJobMessage(*text);
-      if (!message) return {message.error()};
-      if (auto* begun = std::get_if<StageBegun>(&*message)) {
-        progress.BeginStage(begun->stage);
-        where = {std::move(begun->stage), ""};
-      } else if (auto* far = std::get_if<StageProgress>(&*message)) {
-        progress.Report(far->fraction, far->message);
-        where.message = std::move(far->message);
-      } else if (auto* outcome = std::get_if<StitchOutcome>(&*message)) {
-        said = std::move(*outcome);
-      } else {
-        said = std::move(std::get<Error>(*message));
-      }
+  while (!said && !child.is_silent()) {
+    if (progress.IsCancelled()) return {Error{ErrorCode::kCancelled, "The job was cancelled.", ""}};
+    if (const auto excess = Excess(child, limits, began, where)) return {*excess};
+    const std::optional<std::string> text = child.Listen(kPollInterval);
+    if (!text) continue;
+    Result<JobMessage> message = ParseJobMessage(*text);
+    if (!message) return {message.error()};
+    if (auto* begun = std::get_if<StageBegun>(&*message)) {
+      progress.BeginStage(begun->stage);
+      where = {std::move(begun->stage), ""};
+    } else if (auto* far = std::get_if<StageProgress>(&*message)) {
+      progress.Report(far->fraction, far->message);
+      where.message = std::move(far->message);
+    } else if (auto* outcome = std::get_if<StitchOutcome>(&*message)) {
+      said = std::move(*outcome);
+    } else {
+      said = std::move(std::get<Error>(*message));
     }
   }
-  const int status = child.End(kEndPatience);
-  if (!said || !WIFEXITED(status) || WEXITSTATUS(status) != 0) return {Death(status, where), true};
+  const int status = child.End().wait_status;
+  if (!said || status != 0) return {Death(status, where), true};
   return {*std::move(said)};
 }
 
@@ -211,9 +206,10 @@ Result<StitchOutcome> RunStitchTask(const std::string& text, MessageWriter& writ
 }  // namespace
 
 int StitchInSandbox(int parent) {
-  return WorkForParent(parent, [](const std::string& task, MessageWriter& to_parent) {
+  return WorkForParent(parent, [](const std::string& task, MessageReader&, MessageWriter& to_parent) {
     Result<StitchOutcome> outcome = RunStitchTask(task, to_parent);
-    return std::optional(outcome ? JobMessage(*std::move(outcome)) : JobMessage(outcome.error()));
+    const JobMessage last = outcome ? JobMessage(*std::move(outcome)) : JobMessage(outcome.error());
+    return to_parent.Write(ToText(last)) ? 0 : 1;
   });
 }
 

@@ -12,7 +12,6 @@
 #include "server/preview/preview_painter.h"
 #include "server/routing/request_log.h"
 #include "server/sandbox/sandbox.h"
-#include "server/sandbox/spawn_process.h"
 
 namespace skyquilt::server {
 namespace {
@@ -101,13 +100,12 @@ Result<SandboxedPreview::Session*> SandboxedPreview::SessionOf(const std::string
     fs::create_directories(folder, error);
   }
   if (error) return Error{ErrorCode::kIo, "The folder of a preview cannot be made.", error.message()};
-  Result<std::unique_ptr<SandboxedChild>> child = SandboxedChild::Start({"preview-sandboxed"});
+  const PreviewPlace place{blobs_.FolderOf(storage::FilesPrefix(flight_id)), folder, limits_.memory_bytes};
+  Result<std::unique_ptr<SandboxedChild>> child = SandboxedChild::Start("preview-sandboxed", ToText(place));
   if (!child) {
     if (!preview) fs::remove(folder, error);
     return child.error();
   }
-  const PreviewPlace place{blobs_.FolderOf(storage::FilesPrefix(flight_id)), folder, limits_.memory_bytes};
-  (*child)->Tell(ToText(place));  // one that does not listen does not answer either
   auto session = std::make_unique<Session>(*std::move(child), folder, preview.has_value());
   return (sessions_[flight_id] = std::move(session)).get();
 }
@@ -167,7 +165,7 @@ SandboxedPreview::Answer SandboxedPreview::Exchange(Session& session, const Prev
       return {{}, "", error.message + " " + error.detail};
     }
   }
-  answer.why = "its decoder ended " + HowItEnded(child.Kill());
+  answer.why = "its decoder ended " + HowItEnded(child.Kill().wait_status);
   return answer;
 }
 
@@ -239,7 +237,6 @@ Result<bool> SandboxedPreview::Step() {
 // What such a process does.
 namespace {
 
-constexpr std::chrono::minutes kPlacePatience{1};
 constexpr std::chrono::hours kRequestPatience{24};
 
 PreviewMessage Answer(PreviewPainter& painter, const std::string& text) {
@@ -251,30 +248,28 @@ PreviewMessage Answer(PreviewPainter& painter, const std::string& text) {
 }  // namespace
 
 int PreviewInSandbox(int parent) {
-  auto writer = MeetParent(parent);
-  if (!writer) return 1;
-  MessageReader reader = ParentsMessages();
-  const std::optional<std::string> place_text = reader.Read(kPlacePatience);
-  if (!place_text) return 1;
-  const Result<PreviewPlace> place = ParsePlace(*place_text);
-  if (!place) return 1;
-  setenv("SQLITE_TMPDIR", place->folder.c_str(), 1);
-  const Result<void> confined =
-      EnterSandbox({.limits = {.more_memory_bytes = place->memory_bytes},
-                    .files = {.reads = {place->files_dir}, .writes = {place->folder}}});
-  if (!confined) {
-    writer->Write(ToText(PreviewMessage(confined.error())));
-    return 1;
-  }
-  PreviewPainter painter(place->files_dir, place->folder, [&](const std::string& stored_name) {
-    writer->Write(ToText(PreviewMessage(PhotoBegun{stored_name})));
-  });
-  while (true) {
-    const std::optional<std::string> text = reader.Read(kRequestPatience);
-    if (!text) return 0;  // the parent has no more
-    // Out of memory: the photo that was begun is to blame, and the parent finds it in the manner of the end.
-    if (!writer->Write(ToText(Answer(painter, *text)))) return 1;
-  }
+  return WorkForParent(
+      parent, [](const std::string& task, MessageReader& from_parent, MessageWriter& to_parent) {
+        const Result<PreviewPlace> place = ParsePlace(task);
+        if (!place) return 1;
+        setenv("SQLITE_TMPDIR", place->folder.c_str(), 1);
+        const Result<void> confined =
+            EnterSandbox({.limits = {.more_memory_bytes = place->memory_bytes},
+                          .files = {.reads = {place->files_dir}, .writes = {place->folder}}});
+        if (!confined) {
+          to_parent.Write(ToText(PreviewMessage(confined.error())));
+          return 1;
+        }
+        PreviewPainter painter(place->files_dir, place->folder, [&](const std::string& stored_name) {
+          to_parent.Write(ToText(PreviewMessage(PhotoBegun{stored_name})));
+        });
+        while (const std::optional<std::string> text = from_parent.Read(kRequestPatience)) {
+          // Out of memory: the photo that was begun is to blame, and the parent finds it in the manner of the
+          // end.
+          if (!to_parent.Write(ToText(Answer(painter, *text)))) return 1;
+        }
+        return 0;  // the parent has no more
+      });
 }
 
 }  // namespace skyquilt::server

@@ -221,6 +221,7 @@ Result<void> Confine(FileAccess access) {
 }
 
 Result<void> EnterSandbox(SandboxNeeds needs) {
+  StepBack();
   // What is loaded already counts in no limit.
   SKYQUILT_TRY(needs.library.empty() ? LoadLate() : LoadLate({needs.library}));
   LimitThisProcess(needs.limits);

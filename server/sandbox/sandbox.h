@@ -44,7 +44,7 @@ struct SandboxNeeds {
   std::string_view library = {};  // the one that is loaded late and that it needs; empty: all of them
 };
 
-// The one place where a process gives up rights.
+// The one place where a process gives up rights, its rank before others too.
 Result<void> EnterSandbox(SandboxNeeds needs);
 
 // The parts of it. Resource limits from now on: a malicious image or archive then fails on one of them

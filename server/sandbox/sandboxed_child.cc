@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -11,18 +10,32 @@
 #include <cerrno>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <system_error>
-#include <thread>
+#include <utility>
 
+#include "core/base/text/json_io.h"
+#include "core/base/try.h"
+#include "core/flight/remarks/remark_json.h"
 #include "server/sandbox/sandbox.h"
-#include "server/sandbox/spawn_process.h"
 
 namespace skyquilt::server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Json = nlohmann::json;
 
 constexpr std::size_t kHeadBytes = 4;
+constexpr std::size_t kMaxErrorBytes = 4 * 1024;  // of an error's message, and of its detail
+constexpr std::size_t kMaxReasonBytes = 16 * 1024;
+// A byte that is no UTF-8 is sent as the three of the replacement character.
+constexpr std::size_t kMaxGrowth = 3;
+// A child that does not read its messages within this time is stuck.
+constexpr std::chrono::seconds kTellPatience{30};
+constexpr std::chrono::seconds kEndPatience{10};
+constexpr std::chrono::minutes kTaskPatience{1};
+// The parent's own words: a flight of 20 000 files with long names is 6 MiB.
+constexpr std::size_t kMaxTaskBytes = std::size_t{256} << 20;
 
 // Whether something happens on the descriptor before `end`.
 bool Wait(int fd, short events, Clock::time_point end) {
@@ -64,7 +77,7 @@ std::optional<std::string> MessageReader::Next() {
   for (std::size_t i = 0; i < kHeadBytes; ++i)
     length |= static_cast<std::size_t>(static_cast<unsigned char>(unread_[i])) << (8 * i);
   if (length > max_bytes_) {
-    is_ended_ = true;
+    is_ended_ = is_too_long_ = true;
     return std::nullopt;
   }
   if (unread_.size() < kHeadBytes + length) return std::nullopt;
@@ -89,17 +102,47 @@ std::optional<std::string> MessageReader::Read(std::chrono::milliseconds patienc
   return std::nullopt;
 }
 
-namespace {
+Json ErrorJson(const Error& error) {
+  Json json = {{"code", static_cast<int>(error.code)},
+               {"message", Shortened(error.message, kMaxErrorBytes)},
+               {"detail", Shortened(error.detail, kMaxErrorBytes)}};
+  if (error.reason != nullptr) {
+    Json reason = flight::JsonOfRemark<Json>(*error.reason);
+    if (JsonText(reason).size() <= kMaxReasonBytes) json["reason"] = std::move(reason);
+  }
+  return json;
+}
 
-// A child that does not read its messages within this time is stuck.
-constexpr std::chrono::seconds kTellPatience{30};
-constexpr std::chrono::milliseconds kExitPollInterval{2};
-// The parent's own words: a flight of 20 000 files with long names is 6 MiB.
-constexpr std::size_t kMaxTaskBytes = std::size_t{256} << 20;
+std::optional<Error> ErrorOfJson(const Json& json) {
+  try {
+    const auto code = std::find_if(kAllErrorCodes.begin(), kAllErrorCodes.end(),
+                                   [&](ErrorCode one) { return json.at("code") == static_cast<int>(one); });
+    if (code == kAllErrorCodes.end()) return std::nullopt;
+    Error error{*code, json.at("message"), json.at("detail")};
+    if (!IsShort(error.message, kMaxErrorBytes) || !IsShort(error.detail, kMaxErrorBytes))
+      return std::nullopt;
+    if (json.contains("reason")) {
+      const Json& reason = json.at("reason");
+      if (JsonText(reason).size() > kMaxReasonBytes) return std::nullopt;
+      error.reason = std::make_shared<const flight::Remark>(flight::RemarkOfJson(reason));
+    }
+    return error;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
 
-}  // namespace
+std::string Shortened(std::string text, std::size_t max_bytes) {
+  if (text.size() <= max_bytes) return text;
+  while (max_bytes > 0 && (static_cast<unsigned char>(text[max_bytes]) & 0xc0) == 0x80) --max_bytes;
+  text.resize(max_bytes);
+  return text;
+}
 
-Result<std::unique_ptr<SandboxedChild>> SandboxedChild::Start(std::vector<std::string> words) {
+bool IsShort(std::string_view text, std::size_t max_bytes) { return text.size() <= kMaxGrowth * max_bytes; }
+
+Result<std::unique_ptr<SandboxedChild>> SandboxedChild::Start(const char* command, std::string_view task,
+                                                              std::size_t max_message_bytes) {
   const auto no_means = [] {
     return Error{ErrorCode::kUnavailable, "The server could not start a process. Try again later.",
                  std::system_category().message(errno)};
@@ -107,29 +150,19 @@ Result<std::unique_ptr<SandboxedChild>> SandboxedChild::Start(std::vector<std::s
   int to[2];
   int from[2];
   if (pipe2(to, O_CLOEXEC) != 0) return no_means();
-  if (pipe2(from, O_CLOEXEC) != 0) {
-    const Error error = no_means();
-    close(to[0]);
-    close(to[1]);
-    return error;
-  }
-  fcntl(to[1], F_SETFL, O_NONBLOCK);
-  words.insert(words.end(), {"--parent", std::to_string(getpid())});
-  const Result<pid_t> pid = SpawnSelf(std::move(words), Secrets::kWithheld, from[1], to[0]);
-  close(to[0]);
-  close(from[1]);
-  if (!pid) {
-    close(to[1]);
-    close(from[0]);
-    return pid.error();
-  }
-  return std::unique_ptr<SandboxedChild>(new SandboxedChild(*pid, to[1], from[0]));
-}
-
-SandboxedChild::~SandboxedChild() {
-  Kill();
-  close(to_child_);
-  close(from_child_);
+  FileDescriptor its_input(to[0]), to_child(to[1]);
+  if (pipe2(from, O_CLOEXEC) != 0) return no_means();
+  FileDescriptor from_child(from[0]), its_output(from[1]);
+  fcntl(to_child.get(), F_SETFL, O_NONBLOCK);
+  SKYQUILT_TRY_ASSIGN(const pid_t pid,
+                      SpawnSelf({command}, Secrets::kWithheld, its_output.get(), its_input.get()));
+  // Held here too, they would hide that the child is gone.
+  its_input.Close();
+  its_output.Close();
+  Result<std::unique_ptr<SandboxedChild>> child = std::unique_ptr<SandboxedChild>(
+      new SandboxedChild(pid, std::move(to_child), std::move(from_child), max_message_bytes));
+  (*child)->Tell(task);
+  return child;
 }
 
 bool SandboxedChild::Tell(std::string_view message) { return writer_.Write(message, kTellPatience); }
@@ -137,45 +170,38 @@ bool SandboxedChild::Tell(std::string_view message) { return writer_.Write(messa
 double SandboxedChild::CpuS() const {
   clockid_t clock{};
   timespec used{};
-  if (status_ || clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &used) != 0) return 0.0;
+  if (end_ || clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &used) != 0) return 0.0;
   return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
 std::int64_t SandboxedChild::MemoryBytes() const {
-  if (status_) return 0;
+  if (end_) return 0;
   std::ifstream statm("/proc/" + std::to_string(pid_) + "/statm");
   std::int64_t size = 0, resident = 0, shared = 0;
   statm >> size >> resident >> shared;
   return (resident - shared) * sysconf(_SC_PAGESIZE);
 }
 
-int SandboxedChild::End(std::chrono::milliseconds patience) {
-  if (status_) return *status_;
-  const auto end = Clock::now() + patience;
-  int status = 0;
-  while (true) {
-    const pid_t ended = waitpid(pid_, &status, WNOHANG);
-    if (ended == pid_) break;
-    if (ended < 0 && errno != EINTR) break;  // somebody else collected it: it is gone all the same
-    if (Clock::now() >= end) {
-      kill(pid_, SIGKILL);
-      while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
-      }
-      break;
-    }
-    std::this_thread::sleep_for(kExitPollInterval);
-  }
-  status_ = status;
-  return status;
+const ProcessEnd& SandboxedChild::End() {
+  // Who says too much waits for somebody to read it.
+  if (!end_) end_ = WaitOrKill(pid_, has_said_too_much() ? std::chrono::seconds(0) : kEndPatience);
+  return *end_;
 }
 
-std::optional<MessageWriter> MeetParent(int parent) {
-  if (!FollowParent(parent, SIGKILL)) return std::nullopt;
-  const int to_parent = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-  if (to_parent < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return std::nullopt;
-  return MessageWriter(to_parent);
+const ProcessEnd& SandboxedChild::Kill() {
+  if (!end_) end_ = WaitOrKill(pid_, std::chrono::seconds(0));
+  return *end_;
 }
 
-MessageReader ParentsMessages() { return MessageReader(STDIN_FILENO, kMaxTaskBytes); }
+int WorkForParent(int parent, const std::function<int(const std::string& task, MessageReader& from_parent,
+                                                      MessageWriter& to_parent)>& work) {
+  if (!FollowParent(parent, SIGKILL)) return 1;
+  const int fd = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  if (fd < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return 1;
+  MessageWriter to_parent(fd);
+  MessageReader from_parent(STDIN_FILENO, kMaxTaskBytes);
+  const std::optional<std::string> task = from_parent.Read(kTaskPatience);
+  return task ? work(*task, from_parent, to_parent) : 1;
+}
 
 }  // namespace skyquilt::server

@@ -1,7 +1,7 @@
 // A conversation with a process of this binary that decodes files of users (server/sandbox/sandbox.h), over
 // one pipe in each direction. SandboxedChild is that process seen from its parent: its messages are not
 // trusted, its resource use is watched, and it is ended when the object is destroyed, or by itself when the
-// thread that started it ends. MeetParent and ParentsMessages are the process's own side. One thread.
+// thread that started it ends. WorkForParent is the process's own side. One thread.
 #pragma once
 
 #include <sys/types.h>
@@ -9,13 +9,17 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
+#include <utility>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/result.h"
+#include "server/sandbox/spawn_process.h"
 
 namespace skyquilt::server {
 
@@ -40,6 +44,8 @@ class MessageReader {
   std::optional<std::string> Read(std::chrono::milliseconds patience);
   // The other side is gone, or has sent what is no message.
   bool is_ended() const { return is_ended_; }
+  // It has begun a message of more than it may say.
+  bool is_too_long() const { return is_too_long_; }
 
  private:
   std::optional<std::string> Next();
@@ -48,17 +54,28 @@ class MessageReader {
   const std::size_t max_bytes_;
   std::string unread_;
   bool is_ended_ = false;
+  bool is_too_long_ = false;
 };
+
+// An error within a message, in JSON, with its reason where that is not too long.
+nlohmann::json ErrorJson(const Error& error);
+// Nothing: it is none that ErrorJson makes.
+std::optional<Error> ErrorOfJson(const nlohmann::json& json);
+
+// A text within a message: cut at the border of a character; and whether one that came may have been cut so.
+std::string Shortened(std::string text, std::size_t max_bytes);
+bool IsShort(std::string_view text, std::size_t max_bytes);
 
 // What one message of a child may hold.
 inline constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 10;
 
 class SandboxedChild {
  public:
-  // `words`: what follows the program's name; the number of this process is added ("--parent"). Error:
-  // kUnavailable.
-  static Result<std::unique_ptr<SandboxedChild>> Start(std::vector<std::string> words);
-  ~SandboxedChild();
+  // `command`: of this program, which calls WorkForParent (server/commands/sandboxed.cc). `task`: the first
+  // message; one that does not listen does not answer either. Error: kUnavailable.
+  static Result<std::unique_ptr<SandboxedChild>> Start(const char* command, std::string_view task,
+                                                       std::size_t max_message_bytes = kMaxMessageBytes);
+  ~SandboxedChild() { Kill(); }
   SandboxedChild(const SandboxedChild&) = delete;
   SandboxedChild& operator=(const SandboxedChild&) = delete;
 
@@ -67,37 +84,39 @@ class SandboxedChild {
   // Waits for its next message, `patience` at most. Nothing: none came; is_silent(): and none will.
   std::optional<std::string> Listen(std::chrono::milliseconds patience) { return reader_.Read(patience); }
   bool is_silent() const { return reader_.is_ended(); }
+  bool has_said_too_much() const { return reader_.is_too_long(); }
 
   // Processor time of all its threads so far.
   double CpuS() const;
   // Memory that is its own alone: what it allocated, not the files it maps.
   std::int64_t MemoryBytes() const;
 
-  // Waits for its end, `patience` at most, then kills it. How it ended, as waitpid has it.
-  int End(std::chrono::milliseconds patience);
-  int Kill() { return End(std::chrono::milliseconds(0)); }
+  // After its last word there is nothing left to do: waits some seconds for its end, then kills it. How it
+  // ended, and what it took.
+  const ProcessEnd& End();
+  const ProcessEnd& Kill();
 
  private:
-  SandboxedChild(pid_t pid, int to_child, int from_child)
+  SandboxedChild(pid_t pid, FileDescriptor to_child, FileDescriptor from_child, std::size_t max_message_bytes)
       : pid_(pid),
-        to_child_(to_child),
-        from_child_(from_child),
-        writer_(to_child),
-        reader_(from_child, kMaxMessageBytes) {}
+        to_child_(std::move(to_child)),
+        from_child_(std::move(from_child)),
+        writer_(to_child_.get()),
+        reader_(from_child_.get(), max_message_bytes) {}
 
   const pid_t pid_;
-  const int to_child_;
-  const int from_child_;
+  const FileDescriptor to_child_;
+  const FileDescriptor from_child_;
   MessageWriter writer_;
   MessageReader reader_;
-  std::optional<int> status_;
+  std::optional<ProcessEnd> end_;
 };
 
-// In such a process, first of all: follows its parent into the end, and takes the descriptor of standard
-// output for messages to the parent, so that a library that prints says nothing in between. Nothing: the
-// parent is gone.
-std::optional<MessageWriter> MeetParent(int parent);
-// Everything the parent may say comes as messages on standard input.
-MessageReader ParentsMessages();
+// All that such a process does: follows its parent into the end, takes the descriptor of standard output for
+// messages to it, so that a library that prints says nothing in between, and lets `work` do the task that is
+// the first message on standard input. The exit code: what `work` answers; 1 where there is no parent or
+// task.
+int WorkForParent(int parent, const std::function<int(const std::string& task, MessageReader& from_parent,
+                                                      MessageWriter& to_parent)>& work);
 
 }  // namespace skyquilt::server

@@ -22,7 +22,8 @@ namespace skyquilt::server {
 namespace {
 
 constexpr std::chrono::milliseconds kProgramPollInterval{100};
-constexpr int kBehindOthers = 10;  // nice
+constexpr std::chrono::milliseconds kUntilGone{2};  // between two checks whether a process has ended
+constexpr int kBehindOthers = 10;                   // nice
 
 class SpawnSettings {
  public:
@@ -119,23 +120,33 @@ void Limit(pid_t pid, const ProgramToRun& program) {
   setpriority(PRIO_PGRP, static_cast<id_t>(pid), kBehindOthers);
 }
 
-int Collect(pid_t pid) {
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
-}
-
 }  // namespace
 
 Result<pid_t> SpawnSelf(std::vector<std::string> words, Secrets secrets, std::optional<int> stdout_fd,
                         std::optional<int> stdin_fd) {
   words.insert(words.begin(), "skyquilt");
+  words.insert(words.end(), {"--parent", std::to_string(getpid())});
   SpawnSettings settings;
   settings.Take(stdin_fd, STDIN_FILENO);
   settings.Take(stdout_fd, STDOUT_FILENO);
   settings.TakeNoOther();
   return Spawn("/proc/self/exe", settings, ListOf(words), EnvironmentFor(secrets));
+}
+
+ProcessEnd WaitOrKill(pid_t pid, std::chrono::milliseconds patience) {
+  const auto last = std::chrono::steady_clock::now() + patience;
+  ProcessEnd end;
+  while (true) {
+    const pid_t ended = wait4(pid, &end.wait_status, WNOHANG, &end.used);
+    if (ended == pid) return end;
+    if (ended < 0 && errno != EINTR) return end;  // somebody else collected it: it is gone all the same
+    if (std::chrono::steady_clock::now() >= last) break;
+    std::this_thread::sleep_for(kUntilGone);
+  }
+  kill(pid, SIGKILL);
+  while (wait4(pid, &end.wait_status, 0, &end.used) < 0 && errno == EINTR) {
+  }
+  return end;
 }
 
 std::string HowItEnded(int wait_status) {
@@ -154,7 +165,7 @@ Result<int> RunProgram(const ProgramToRun& program, const std::function<bool()>&
   const auto end = std::chrono::steady_clock::now() + program.wall;
   const auto stopped = [&](ErrorCode code, std::string message) {
     kill(-pid, SIGKILL);
-    Collect(pid);
+    WaitOrKill(pid, std::chrono::milliseconds(0));
     return Error{code, std::move(message), program.path};
   };
   while (true) {

@@ -4,6 +4,7 @@
 // that started it ends.
 #pragma once
 
+#include <sys/resource.h>
 #include <sys/types.h>
 
 #include <chrono>
@@ -22,11 +23,18 @@ namespace skyquilt::server {
 // them: whoever decodes the files of others could write them into what it makes.
 enum class Secrets { kKept, kWithheld };
 
-// `words`: what follows the program's name. `stdout_fd`, `stdin_fd`: what its standard output and input
-// become, where given. Error: kUnavailable.
+// `words`: what follows the program's name; "--parent" and the number of this process are added. `stdout_fd`,
+// `stdin_fd`: what its standard output and input become, where given. Error: kUnavailable.
 Result<pid_t> SpawnSelf(std::vector<std::string> words, Secrets secrets,
                         std::optional<int> stdout_fd = std::nullopt,
                         std::optional<int> stdin_fd = std::nullopt);
+
+struct ProcessEnd {
+  int wait_status = 0;  // as waitpid has it
+  rusage used{};
+};
+// Waits for the end of a process that this one started, `patience` at most, then kills it.
+ProcessEnd WaitOrKill(pid_t pid, std::chrono::milliseconds patience);
 
 // "by signal 9 (Killed)", "with code 1": of a status that waitpid gave.
 std::string HowItEnded(int wait_status);

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <system_error>
-#include <thread>
 
 #include "server/routing/request_log.h"
 #include "server/sandbox/spawn_process.h"
@@ -56,8 +54,7 @@ std::vector<std::string> WatchWords(const WatchedFolders& watched, const fs::pat
   std::vector<std::string> words = {"watch"};
   words.insert(words.end(), watched.folders.begin(), watched.folders.end());
   const fs::path ledger = fs::absolute(data_dir) / "watch" / "sent.jsonl";
-  words.insert(words.end(),
-               {"--server", url, "--ledger", ledger.string(), "--parent", std::to_string(getpid())});
+  words.insert(words.end(), {"--server", url, "--ledger", ledger.string()});
   if (!watched.token_file.empty()) words.insert(words.end(), {"--token-file", watched.token_file});
   return words;
 }
@@ -93,16 +90,7 @@ void WatchProcess::Reap() {
 void WatchProcess::Stop(std::chrono::milliseconds grace) {
   if (pid_ == 0) return;
   kill(pid_, SIGTERM);
-  const Clock::time_point end = Clock::now() + grace;
-  int status = 0;
-  while (waitpid(pid_, &status, WNOHANG) != pid_) {
-    if (Clock::now() >= end) {
-      kill(pid_, SIGKILL);
-      waitpid(pid_, &status, 0);
-      break;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
+  WaitOrKill(pid_, grace);
   pid_ = 0;
 }
 

@@ -43,9 +43,8 @@ void WorkerPool::Start(Slot& slot, int index) {
   // One job a process: whatever memory a job took, the next one finds it given back.
   slot.name = fmt::format("{}{}-{}-{}", queue_.served_prefix(), getpid(), index, ++starts_);
   slot.started = Clock::now();
-  std::vector<std::string> words = {"worker",  "--data",   dir_.root().string(),     "--name",
-                                    slot.name, "--parent", std::to_string(getpid()), "--jobs",
-                                    "1"};
+  std::vector<std::string> words = {"worker", "--data", dir_.root().string(), "--name", slot.name,
+                                    "--jobs", "1"};
   words.insert(words.end(), words_.begin(), words_.end());
   if (slot.draws_previews) words.emplace_back("--previews");
   const Result<pid_t> started = SpawnSelf(std::move(words), Secrets::kKept);
@@ -107,10 +106,7 @@ void WorkerPool::Stop(std::chrono::milliseconds grace) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   for (Slot& slot : slots_) {
-    if (slot.pid == 0) continue;
-    kill(slot.pid, SIGKILL);
-    int status = 0;
-    if (waitpid(slot.pid, &status, 0) == slot.pid) Ended(slot, status);
+    if (slot.pid != 0) Ended(slot, WaitOrKill(slot.pid, std::chrono::milliseconds(0)).wait_status);
   }
 }
 

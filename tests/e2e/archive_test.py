@@ -110,6 +110,7 @@ class Archives(ServerTestCase):
             self.assertEqual(status, 422, (name, problem))
             self.assertIn("archive", problem["detail"], name)
             self.assertEqual(self.listed(), {}, name)
+        self.assertEqual(self.put("encrypted.zip", bytes(encrypted))[1]["reason"]["code"], "fail_archive")
         self.put("lying.zip", bytes(lying))  # taken or refused: what counts is that no more comes out than went in
         self.assertLessEqual(sum(self.listed().values()), 2000)
         self.assertEqual(self.server.garbage(), [])

@@ -1,25 +1,16 @@
-// The side of a sandboxed process that makes a map or an export: it hears of its task, tells how far it is
-// and how it ended, as JobMessages (server/jobs/child_messages.h). Who wishes it to end, ends the process.
+// PipeProgress: how a sandboxed process that makes a map or an export tells its parent how far it is, as
+// JobMessages (server/jobs/child_messages.h). Who wishes it to end, ends the process.
 #pragma once
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <mutex>
-#include <optional>
-#include <string>
 
 #include "core/base/progress.h"
 #include "server/jobs/child_messages.h"
 #include "server/sandbox/sandboxed_child.h"
 
 namespace skyquilt::server {
-
-// All that such a process does: `work` gets its task and answers the last message, if there is one to be
-// sent. The exit code: 0 where that was sent, also when it is an error.
-int WorkForParent(
-    int parent,
-    const std::function<std::optional<JobMessage>(const std::string& task, MessageWriter& to_parent)>& work);
 
 // Ten times a second at most. Any number of threads.
 class PipeProgress final : public Progress {

@@ -1,0 +1,65 @@
+// What a sandboxed process answers its parent.
+#include "server/sandbox/run_sandboxed.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "core/base/text/json_io.h"
+#include "core/flight/remarks/because.h"
+#include "server/sandbox/sandboxed_child.h"
+
+namespace skyquilt::server {
+namespace {
+
+// The message of a process that works so on "the task".
+std::string SaidBy(const std::function<Result<std::string>(const std::string& task)>& work) {
+  int to[2];
+  int from[2];
+  if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0) std::abort();
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(to[0], STDIN_FILENO);
+    dup2(from[1], STDOUT_FILENO);
+    _exit(AnswerParent(parent, work));
+  }
+  close(to[0]);
+  close(from[1]);
+  EXPECT_TRUE(MessageWriter(to[1]).Write("the task"));
+  const std::optional<std::string> said = MessageReader(from[0], 1 << 20).Read(std::chrono::seconds(20));
+  EXPECT_EQ(WaitOrKill(child, std::chrono::seconds(20)).wait_status, 0);
+  close(to[1]);
+  close(from[0]);
+  return said.value_or("");
+}
+
+TEST(AnswerParent, WhatALibraryPrintsIsNoPartOfTheAnswer) {
+  EXPECT_EQ(SaidBy([](const std::string& task) -> Result<std::string> {
+              dprintf(STDOUT_FILENO, "a library prints\n");
+              return "\"" + task + "\"";
+            }),
+            "\"the task\"");
+}
+
+TEST(AnswerParent, AnErrorKeepsItsReason) {
+  const Error refused =
+      flight::Because(ErrorCode::kUnprocessable,
+                      {flight::RemarkCode::kFailArchive, {{"why_words", "it is encrypted"}}}, "entry 3");
+  const std::string said = SaidBy([&](const std::string&) -> Result<std::string> { return refused; });
+  const std::optional<Error> error = ErrorOfJson(ParseJson(said).at("error"));
+  ASSERT_TRUE(error) << said;
+  EXPECT_EQ(error->code, refused.code);
+  EXPECT_EQ(error->message, refused.message);
+  EXPECT_EQ(error->detail, "entry 3");
+  ASSERT_NE(error->reason, nullptr);
+  EXPECT_EQ(*error->reason, *refused.reason);
+}
+
+}  // namespace
+}  // namespace skyquilt::server
