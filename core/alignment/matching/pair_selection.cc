@@ -12,8 +12,9 @@ constexpr double kMinPairOverlap = 0.12;
 constexpr int kBestPerPhoto = 6;  // by overlap alone; plus the best of each direction
 constexpr int kSamplesAcross = 7;
 constexpr int kDirections = 8;
-// Of what a pixel shows of the ground. Photos from far above see all of each one far below: were these their
-// best partners, those of their own height would not be compared.
+// Of how wide the ground is that a photo shows. Photos from far above see all of each one far below: were
+// these their best partners, those of their own height would not be compared. (Two cameras side by side show
+// the same ground in unlike pixels, and are compared as any.)
 constexpr double kUnlikeScale = 2.0;
 constexpr int kBestOfUnlike = 3;  // a photo
 // Beyond this the one shows nothing of what the other's features are made of; what matches, does by chance.
@@ -43,7 +44,7 @@ bool Sees(const View& view, const Eigen::Vector3d& point, double margin_px) {
 }
 
 double ScaleRatio(const View& a, const View& b) {
-  return std::max(a.GsdM(), b.GsdM()) / std::max(1e-9, std::min(a.GsdM(), b.GsdM()));
+  return std::max(a.WidthM(), b.WidthM()) / std::max(1e-9, std::min(a.WidthM(), b.WidthM()));
 }
 
 bool AreUnlike(const View& a, const View& b) { return ScaleRatio(a, b) > kUnlikeScale; }
@@ -81,8 +82,8 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
       if (middle[j].x() - middle[i].x() > reach[i] + widest) break;
       if (samples[j].empty() || (middle[i] - middle[j]).norm() > reach[i] + reach[j]) continue;
       if (!AreOfComparableScale(views[i], views[j])) continue;
-      // Of two that are unlike the finer one's picture: it sees little of the other in any case.
-      const bool is_swapped = AreUnlike(views[i], views[j]) && views[i].GsdM() > views[j].GsdM();
+      // Of two that are unlike the narrower one's picture: it sees little of the other in any case.
+      const bool is_swapped = AreUnlike(views[i], views[j]) && views[i].WidthM() > views[j].WidthM();
       const int from = is_swapped ? j : i, to = is_swapped ? i : j;
       const double margin_m = 1.5 * std::hypot(ground_sigma_m[i], ground_sigma_m[j]);
       const double margin_px = std::min(0.15 * views[to].intrinsics.width_px, margin_m / views[to].GsdM());

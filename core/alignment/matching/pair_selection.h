@@ -14,7 +14,7 @@ namespace skyquilt::alignment {
 struct CandidatePair {
   int first = 0;  // < second
   int second = 0;
-  double overlap = 0.0;  // share of the one's picture that the other sees; of unlike ones the coarser's
+  double overlap = 0.0;  // share of the one's picture that the other sees; of unlike ones the wider's
 
   bool operator==(const CandidatePair&) const = default;
 };
@@ -23,7 +23,7 @@ struct CandidatePair {
 std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
                                        const std::vector<double>& ground_sigma_m, const Relief& relief);
 
-// Whether features of the one can be seen in the other, by what a pixel of each shows of the ground.
+// Whether features of the one can be seen in the other, by how wide the ground is that each shows.
 bool AreOfComparableScale(const View& a, const View& b);
 
 }  // namespace skyquilt::alignment

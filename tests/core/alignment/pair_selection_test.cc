@@ -66,5 +66,24 @@ TEST(SelectPairs, TiesBothHeightsWhereTheirFeaturesCanBeTheSame) {
   for (int i = 0; i < 26; ++i) EXPECT_EQ(PairsAcross(far, i), 0) << i;
 }
 
+// A rig of bands and a camera in colour of more pixels, above the same ground.
+TEST(SelectPairs, ComparesCamerasSideBySideAsOne) {
+  std::vector<View> views;
+  for (int i = 0; i < 12; ++i) {
+    for (const int times : {1, 8}) {
+      View view = LooksDown(20.0 * i, 0.0, 80.0);
+      view.intrinsics = camera::Intrinsics::Centered(640 * times, 480 * times, 480.0 * times);
+      views.push_back(view);
+    }
+  }
+  const std::vector<CandidatePair> pairs = Select(views);
+  for (int i = 0; i < 24; i += 2) {
+    const auto across = std::count_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
+      return (pair.first == i && pair.second % 2 == 1) || (pair.second == i && pair.first % 2 == 1);
+    });
+    EXPECT_GE(across, 2) << i;
+  }
+}
+
 }  // namespace
 }  // namespace skyquilt::alignment
