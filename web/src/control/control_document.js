@@ -1,7 +1,7 @@
 // The control points of an open flight: changed here at once, sent to the server a moment later, undone step by step.
 // Events: 'change' (the points), 'saved' (what the state of saving is).
 /** @import { ControlMark, ControlPoint } from './control_lists.js' */
-import { ApiError } from '../shared/api.js';
+import { ApiError, messageOf } from '../shared/api.js';
 import { strings } from '../shared/flight_strings.js';
 import { askDocument, kPatience_ms, kPause_ms, SavedDocument } from '../shared/saved_document.js';
 
@@ -149,7 +149,6 @@ export class ControlDocument extends SavedDocument {
   /** @param {unknown} error */
   async #onRefused(error) {
     const status = error instanceof ApiError ? error.status : -1;
-    const words = error instanceof Error ? error.message : String(error);
     if (status === 412) {
       // Somebody else was first: what is there now is shown.
       await this.load().catch(() => undefined);
@@ -158,7 +157,7 @@ export class ControlDocument extends SavedDocument {
     }
     this.#is_dirty = true;
     const is_passing = status === 409 || (error instanceof ApiError && error.is_passing);
-    this.tell(is_passing ? 'waiting' : 'failed', words);
+    this.tell(is_passing ? 'waiting' : 'failed', messageOf(error));
     if (is_passing) this.#later(kPatience_ms);
   }
 

@@ -2,6 +2,7 @@
 // in the form, and nothing is changed.
 /** @import { ControlDocument } from './control_document.js' */
 /** @import { ControlPoint } from './control_lists.js' */
+import { messageOf } from '../shared/api.js';
 import { ask, closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
@@ -26,19 +27,13 @@ const labelled = (id, label, field, hint = '') => {
 function openForm(id, title, fields, go, submit) {
   const fault = h('p', { class: 'place-fault', role: 'alert', id: `${id}-fault` });
   const button = h('button', { type: 'submit', class: 'button primary', id: `${id}-go` }, go);
-  const form = h(
-    'form',
-    { class: 'control-form', novalidate: true },
-    h('h2', { class: 'dialog-title', id: `${id}-title` }, title),
-    ...fields,
-    fault,
-    h('div', { class: 'dialog-actions' }, closeButton(), button),
-  );
+  const actions = h('div', { class: 'dialog-actions' }, closeButton(), button);
+  const form = h('form', { class: 'control-form', novalidate: true }, h('h2', { class: 'dialog-title', id: `${id}-title` }, title), ...fields, fault, actions);
   const dialog = h('dialog', { class: 'dialog control-dialog', id, 'aria-labelledby': `${id}-title` }, form);
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
     button.disabled = true;
-    const text = await submit().catch((error) => (error instanceof Error ? error.message : String(error)));
+    const text = await submit().catch(messageOf);
     button.disabled = false;
     put(fault, text);
     if (text === '') dialog.close();

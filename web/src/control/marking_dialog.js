@@ -6,6 +6,7 @@
 /** @import { Spot } from '../flight/photo_plane.js' */
 /** @import { ControlDocument } from './control_document.js' */
 import { announce } from '../shared/announce.js';
+import { ask } from '../shared/dialogs.js';
 import { h } from '../shared/dom.js';
 import { iconButton } from '../shared/icons.js';
 import { fixed } from '../shared/language.js';
@@ -196,14 +197,11 @@ export function openMarking(control, name, photos, listener) {
     action();
   });
   control.addEventListener('change', draw);
-  dialog.addEventListener('close', () => {
+  void ask(dialog).then(() => {
     control.removeEventListener('change', draw);
     strip.close();
-    dialog.remove();
     listener.on_close();
   });
-  document.body.append(dialog);
-  dialog.showModal();
   // The first photo that is not marked yet.
   show(Math.max(0, photos.findIndex(({ record }) => !markIn(record.name))));
   view.focus();

@@ -3,6 +3,7 @@
 // N turns the photo to north, Escape closes.
 /** @import { SeenPhoto } from './photo_card.js' */
 import { announce } from '../shared/announce.js';
+import { ask } from '../shared/dialogs.js';
 import { h } from '../shared/dom.js';
 import { compassNeedle, icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
@@ -123,12 +124,7 @@ export function openPhotos(photos, first, on_step) {
     else if (arrow[0] !== 0 && !event.shiftKey && photos.length > 1) show(shown + arrow[0]);
     else plane.pan(-arrow[0] * kPanStep_px, -arrow[1] * kPanStep_px);
   });
-  dialog.addEventListener('close', () => {
-    strip.close();
-    dialog.remove();
-  });
-  document.body.append(dialog);
-  dialog.showModal();
+  void ask(dialog).then(strip.close);
   north.setAttribute('aria-pressed', String(is_north));
   show(first);
   view.focus();

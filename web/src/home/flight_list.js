@@ -1,7 +1,7 @@
 // The list of flights in the panel: open, rename, delete, search and tags; states that change are redrawn in place. A flight's picture is
 // fetched when its row comes into sight.
 /** @import { Flight } from '../shared/types.js' */
-import { h, put, whenSeen } from '../shared/dom.js';
+import { arrange, h, put, whenSeen } from '../shared/dom.js';
 import { formatCaptureDay } from '../shared/format.js';
 import { mayChange, shortFacts, stateChip } from '../flight/flight_words.js';
 import { thumbnailPath } from '../shared/api.js';
@@ -116,16 +116,8 @@ export function flightList(actions) {
     const kept_ids = new Set(shown.map(({ id }) => id));
     filters.hidden = (flights?.length ?? 0) < kFilteredFrom;
     actions.on_shown(shown);
-    for (const [id, { row }] of rows) {
-      if (!kept_ids.has(id)) {
-        row.remove();
-        rows.delete(id);
-      }
-    }
-    shown.forEach((flight, i) => {
-      const row = rowOf(flight);
-      if (list.children[i] !== row) list.insertBefore(row, list.children[i] ?? null);
-    });
+    for (const id of rows.keys()) if (!kept_ids.has(id)) rows.delete(id);
+    arrange(list, shown.map(rowOf));
     message.textContent =
       failure || (flights === null ? '' : flights.length === 0 ? strings.flights.none : shown.length ? '' : strings.flights.no_match);
     message.hidden = message.textContent === '';

@@ -4,7 +4,7 @@
 import { thumbnailPath } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatDistance } from '../shared/format.js';
-import { toolButton } from '../shared/icons.js';
+import { button, toolButton } from '../shared/icons.js';
 import { parseRoute, routeHash } from '../shared/router.js';
 import { fixed, number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
@@ -106,12 +106,8 @@ export function overviewMap(listener) {
     );
   /** @param {Group} group */
   const groupMark = (group) =>
-    h(
-      'button',
-      { type: 'button', class: 'overview-mark mark-group', 'data-ids': group.members.map(({ flight }) => flight.id).join(' '), 'aria-label': words.group(group.members.length),
-        title: words.group(group.members.length), on: { click: () => openGroup(group) } },
-      number(group.members.length),
-    );
+    button(number(group.members.length), () => openGroup(group), { class: 'overview-mark mark-group', 'data-ids': group.members.map(({ flight }) => flight.id).join(' '),
+      'aria-label': words.group(group.members.length), title: words.group(group.members.length) });
   /** @param {string} id */
   const pointing = (id) => ({
     pointerenter: () => listener.on_point(id),

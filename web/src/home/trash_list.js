@@ -1,6 +1,7 @@
 // The flights that were deleted and can still be taken back, folded away below the list of flights.
 /** @import { TrashedFlight } from '../shared/types.js' */
 import { h, put } from '../shared/dom.js';
+import { button } from '../shared/icons.js';
 import { formatBytes, formatDate } from '../shared/format.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
@@ -15,9 +16,6 @@ export function trashList(actions) {
   const summary = h('summary', {}, strings.trash.heading);
   const folded = h('details', { id: 'trash-fold' }, summary, list);
   let shown = '';
-
-  const button = (/** @type {string} */ label, /** @type {string} */ name, /** @type {() => void} */ run) =>
-    h('button', { type: 'button', class: 'button small', 'aria-label': `${label}: ${name}`, on: { click: run } }, label);
 
   /** @param {TrashedFlight} flight */
   const row = (flight) =>
@@ -36,8 +34,8 @@ export function trashList(actions) {
       h(
         'span',
         { class: 'row' },
-        button(strings.trash.restore, flight.name, () => actions.restore(flight)),
-        button(strings.trash.remove, flight.name, () => actions.remove(flight)),
+        button(strings.trash.restore, () => actions.restore(flight), { 'aria-label': `${strings.trash.restore}: ${flight.name}` }),
+        button(strings.trash.remove, () => actions.remove(flight), { 'aria-label': `${strings.trash.remove}: ${flight.name}` }),
       ),
     );
 

@@ -128,8 +128,7 @@ function layersCard(view, download) {
     footprints.checked = true;
     draw();
   });
-  const footprints_row = checkRow(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on));
-  const footprints = /** @type {HTMLInputElement} */ (footprints_row.querySelector('input'));
+  const { input: footprints, row: footprints_row } = checkRow(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on));
   const basemap = h('select', { id: 'basemap', class: 'field' });
   const drawBasemaps = async () => {
     const { server, public: left } = await offeredBasemaps();
@@ -159,7 +158,7 @@ function layersCard(view, download) {
     overlay.element,
     heightLayers(view),
     footprints_row,
-    checkRow(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)),
+    checkRow(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)).row,
     h('label', { for: 'colour-by', class: 'small-label' }, words.colour),
     by,
     legend,

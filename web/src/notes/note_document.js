@@ -2,7 +2,7 @@
 // Events: 'change' (the notes), 'saved' (what the state of saving is), 'merged' (others had changed the same notes).
 /** @import { Changes } from './note_merge.js' */
 /** @import { Note } from './note_shape.js' */
-import { ApiError } from '../shared/api.js';
+import { ApiError, messageOf } from '../shared/api.js';
 import { strings } from '../shared/flight_strings.js';
 import { askDocument, kPatience_ms, kPause_ms, SavedDocument } from '../shared/saved_document.js';
 import { rebased, withChanges } from './note_merge.js';
@@ -158,9 +158,8 @@ export class NoteDocument extends SavedDocument {
 
   /** @param {unknown} error */
   #onRefused(error) {
-    const words = error instanceof Error ? error.message : String(error);
     const is_passing = error instanceof ApiError && (error.is_passing || error.status === 409 || error.status === 412);
-    this.tell(is_passing ? 'waiting' : 'failed', words);
+    this.tell(is_passing ? 'waiting' : 'failed', messageOf(error));
     if (is_passing) this.#later(kPatience_ms);
   }
 

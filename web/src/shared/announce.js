@@ -1,4 +1,5 @@
 // What changes on the page, said once to screen readers, and the short notes at the bottom of the window.
+import { messageOf } from './api.js';
 import { byId, h } from './dom.js';
 import { icon } from './icons.js';
 import { strings } from './strings.js';
@@ -67,5 +68,5 @@ export function showNote(text, options = {}) {
  * @param {unknown} error
  */
 export function showError(error) {
-  showNote(error instanceof Error ? error.message : String(error), { is_error: true });
+  showNote(messageOf(error), { is_error: true });
 }

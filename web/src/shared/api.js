@@ -29,6 +29,9 @@ export class ApiError extends Error {
   }
 }
 
+/** What can be shown of it. @param {unknown} error */
+export const messageOf = (error) => (error instanceof Error ? error.message : String(error));
+
 /** Of what the server remarks, once the words of flights are there (flight_strings.js). @returns {Record<string, (values: any) => string>} */
 const remarkSentences = () => /** @type {any} */ (strings).remarks ?? {};
 
@@ -161,15 +164,12 @@ export async function getVerdict(id, signal) {
   }
 }
 
-/** What who asks may do here. @returns {Promise<Access>} */
-const getAccess = () => request('GET', '/api/v1/access');
-
 /** @type {Promise<Access|null>|null} */
 let asked_access = null;
 
-/** Asked once; what would be refused is not offered. @returns {Promise<Access|null>} null where the server does not say: then everything is offered, and it decides */
+/** What who asks may do here. Asked once; what would be refused is not offered. @returns {Promise<Access|null>} null where the server does not say: then everything is offered, and it decides */
 export function ownAccess() {
-  asked_access ??= getAccess().catch(() => {
+  asked_access ??= request('GET', '/api/v1/access').catch(() => {
     asked_access = null;  // the next who asks tries again
     return null;
   });
@@ -181,9 +181,6 @@ export async function mayUpload() {
   const access = await ownAccess();
   return access === null || access.scope !== 'read';
 }
-
-/** @param {string} id @param {string} name @returns {Promise<Flight>} */
-export const renameFlight = (id, name) => changeFlight(id, { name });
 
 /** @param {string} id @param {{name?: string, tags?: string[], keep?: boolean}} change @returns {Promise<Flight>} */
 export const changeFlight = (id, change) => request('PATCH', flight_path(id), change);

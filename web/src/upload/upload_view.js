@@ -4,7 +4,7 @@
 import { announce } from '../shared/announce.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes, formatDuration, formatPercent } from '../shared/format.js';
-import { icon } from '../shared/icons.js';
+import { button, icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { optionsButton } from '../flight/options_dialog.js';
 import { serverVerdictView, verdictView } from './verdict_view.js';
@@ -25,9 +25,8 @@ export function uploadView(session) {
   const verdict = h('div');
   const server_verdict = h('div');
   const failures = h('div', { id: 'upload-failures' });
-  const pause = h('button', { type: 'button', class: 'button small', id: 'upload-pause' });
-  const stop = h('button', { type: 'button', class: 'button small quiet', on: { click: () => session.stop() } }, words.stop);
-  pause.addEventListener('click', () => (queue.picture.state === 'paused' ? queue.start() : queue.pause()));
+  const pause = button('', () => (queue.picture.state === 'paused' ? queue.start() : queue.pause()), { id: 'upload-pause' });
+  const stop = button(words.stop, () => session.stop(), { class: 'button small quiet' });
 
   /** @type {Map<UploadItem, {row: HTMLLIElement, bar: HTMLProgressElement}>} */
   const rows = new Map();
@@ -53,7 +52,7 @@ export function uploadView(session) {
   };
 
   const trouble_text = h('span');
-  const retry_now = h('button', { type: 'button', class: 'button small', id: 'upload-retry-now', on: { click: () => queue.retryNow() } }, words.retry_now);
+  const retry_now = button(words.retry_now, () => queue.retryNow(), { id: 'upload-retry-now' });
   let shown_trouble = '';
   // Said at once; the seconds are counted without being said again.
   const drawTrouble = () => {
@@ -86,10 +85,10 @@ export function uploadView(session) {
           h(
             'div',
             { class: 'row' },
-            h('button', { type: 'button', class: 'button small primary', on: { click: () => queue.retryFailed() } }, icon('retry'), strings.errors.retry),
+            button(strings.errors.retry, () => queue.retryFailed(), { picture: 'retry', class: 'button small primary' }),
             finished &&
               queue.picture.done > 0 &&
-              h('button', { type: 'button', class: 'button small', on: { click: () => session.startJob() } }, words.go_on_without),
+              button(words.go_on_without, () => session.startJob()),
           ),
         ),
       session.ignored.length > 0 &&
