@@ -93,7 +93,7 @@ export function measureTool(view, listener) {
     ),
     result,
     more,
-    h('div', { class: 'row' }, button(words.add, () => add([view.map.getCenter().lng, view.map.getCenter().lat])), undo_button, button(words.clear, () => change([]))),
+    h('div', { class: 'row' }, button(words.add, () => add(view.map.getCenter().toArray())), undo_button, button(words.clear, () => change([]))),
     saving,
     h('div', { class: 'row measure-save' }, keep_button, export_button),
     heights.element,
@@ -218,8 +218,7 @@ export function measureTool(view, listener) {
     if (event.pointerType === 'touch' || event.buttons !== 0) return;
     is_pointed = true;
     const box = canvas.getBoundingClientRect();
-    const { lng, lat } = view.map.unproject([event.clientX - box.left, event.clientY - box.top]);
-    aimAt([lng, lat]);
+    aimAt(view.map.unproject([event.clientX - box.left, event.clientY - box.top]).toArray());
   });
   canvas.addEventListener('pointerleave', (event) => {
     if (event.pointerType === 'touch') return;
@@ -227,8 +226,7 @@ export function measureTool(view, listener) {
     aimAt(null);
   });
   view.map.on('move', () => {
-    const { lng, lat } = view.map.getCenter();
-    if (!is_pointed) aimAt([lng, lat]);
+    if (!is_pointed) aimAt(view.map.getCenter().toArray());
   });
   element.addEventListener('keydown', onKey);
   canvas.addEventListener('keydown', onKey);

@@ -3,7 +3,7 @@
 /** @import { Bounds } from '../shared/types.js' */
 /** @import { LonLat } from './geodesy.js' */
 import { wrapLongitude } from './coordinates.js';
-import { geodesicLength } from './geodesy.js';
+import { boundsOf, geodesicLength } from './geodesy.js';
 
 /** @typedef {{shown: LonLat, is: LonLat}} PlacePair */
 
@@ -12,9 +12,8 @@ const kNearShare = 0.05;
 
 /** @param {LonLat[]} places @returns {number} metres across the box around them */
 function spread(places) {
-  const lons = places.map(([lon]) => places[0][0] + wrapLongitude(lon - places[0][0]));
-  const lats = places.map(([, lat]) => lat);
-  return geodesicLength([Math.min(...lons), Math.min(...lats)], [Math.max(...lons), Math.max(...lats)]);
+  const [west, south, east, north] = boundsOf(places.map(([lon, lat]) => [places[0][0] + wrapLongitude(lon - places[0][0]), lat]));
+  return geodesicLength([west, south], [east, north]);
 }
 
 /** @param {LonLat[]} shown @param {Bounds} bounds of the map */

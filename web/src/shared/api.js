@@ -88,6 +88,30 @@ export function problem(status, text) {
   return new ApiError(status, strings.errors.status(status));
 }
 
+/** @param {Promise<Response>} asked @returns {Promise<{response: Response, text: string}>} the whole answer; fails where it refuses */
+export async function answerOf(asked) {
+  /** @type {Response} */
+  let response;
+  try {
+    response = await asked;
+  } catch (error) {
+    if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    throw new ApiError(0, strings.errors.unreachable);
+  }
+  const text = await response.text();
+  if (!response.ok) throw problem(response.status, text);
+  return { response, text };
+}
+
+/** @param {Response} response @param {string} text of it @returns {any} */
+export function parsed({ status }, text) {
+  try {
+    return JSON.parse(text);
+  } catch {
+    throw new ApiError(status, strings.errors.not_json);
+  }
+}
+
 /**
  * @param {string} method
  * @param {string} path
@@ -98,30 +122,18 @@ export function problem(status, text) {
  * @returns {Promise<any>} the JSON, or null for an empty answer
  */
 async function request(method, path, body, signal, priority = 'auto', type = 'application/json') {
-  /** @type {Response} */
-  let response;
-  try {
-    const early = method === 'GET' ? takeEarly(path) : null;
-    response = await (early ?? fetch(at(path), {
-      method,
-      signal,
-      priority,
-      headers: { ...authorization(), ...(body ? { 'Content-Type': type } : {}) },
-      body: body ? JSON.stringify(body) : undefined,
-    }));
-  } catch (error) {
-    if (error instanceof DOMException && error.name === 'AbortError') throw error;
-    throw new ApiError(0, strings.errors.unreachable);
-  }
-  const text = await response.text();
-  if (response.status === 401) import('./access.js').then(({ askForToken }) => askForToken()).catch(() => undefined);  // the answer says it too
-  if (!response.ok) throw problem(response.status, text);
-  if (text === '') return null;
-  try {
-    return JSON.parse(text);
-  } catch {
-    throw new ApiError(response.status, strings.errors.not_json);
-  }
+  const early = method === 'GET' ? takeEarly(path) : null;
+  const { response, text } = await answerOf(early ?? fetch(at(path), {
+    method,
+    signal,
+    priority,
+    headers: { ...authorization(), ...(body ? { 'Content-Type': type } : {}) },
+    body: body ? JSON.stringify(body) : undefined,
+  })).catch((error) => {
+    if (error.status === 401) import('./access.js').then(({ askForToken }) => askForToken()).catch(() => undefined);  // the answer says it too
+    throw error;
+  });
+  return text === '' ? null : parsed(response, text);
 }
 
 const flight_path = (/** @type {string} */ id) => `/api/v1/flights/${encodeURIComponent(id)}`;
