@@ -118,7 +118,7 @@ export function openPointForm(control, point) {
   const system = field(control.points.length > 0 ? control.reference_system : kUsualSystem, 'text');
   system.readOnly = control.points.length > (point ? 1 : 0);
   const numberIn = (/** @type {HTMLInputElement} */ input) => (input.value.trim() === '' ? NaN : Number(input.value.trim().replace(',', '.')));
-  openForm('control-point', point ? words.change_title(point.name) : words.add_title, [
+  openForm('control-point', point ? words.change(point.name) : words.add_title, [
     labelled('control-name', words.name, name),
     labelled('control-system', words.system, system, system.readOnly ? '' : words.system_hint),
     h('div', { class: 'control-numbers' }, labelled('control-x', words.x, x), labelled('control-y', words.y, y), labelled('control-height', words.height, height)),

@@ -36,12 +36,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   const names = photos.features.map(({ properties }) => properties.name);
 
   const body = h('tbody', {});
-  const table = h(
-    'table',
-    { class: 'control-table', id: 'control-points', hidden: true },
-    h('thead', {}, h('tr', {}, ...[words.point, words.marks, words.residual].map((text) => h('th', { scope: 'col' }, text)), may_change && h('td', {}))),
-    body,
-  );
+  const table = h('table', { class: 'control-table', id: 'control-points', hidden: true }, headings([words.point, words.marks, words.residual], may_change && h('td', {})), body);
   const hint = h('p', { class: 'muted', id: 'control-hint' });
   const state = h('p', { class: 'control-state', id: 'control-state', role: 'status' });
   const advice = h('p', { class: 'muted', id: 'control-advice' });
@@ -176,6 +171,9 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   };
 }
 
+/** @param {string[]} texts of a table's columns @param {HTMLElement|false} [more] */
+const headings = (texts, more = false) => h('thead', {}, h('tr', {}, ...texts.map((text) => h('th', { scope: 'col' }, text)), more));
+
 /** @param {PointResidual} found */
 const residualText = (found) => (found.is_used ? `${formatLength(found.horizontal_m)} · ${pixels(found.px)}` : strings.control.not_used);
 
@@ -188,12 +186,8 @@ function predictionTable(residuals) {
     'details',
     { class: 'control-residuals', id: 'control-predictions' },
     h('summary', {}, words.predictions, h('span', { class: 'muted' }, ` ${words.predicted(formatLength(found.median_m), found.worst, formatLength(found.worst_m))}`)),
-    h(
-      'table',
-      { class: 'control-table' },
-      h('thead', {}, h('tr', {}, ...[words.point, words.residual].map((text) => h('th', { scope: 'col' }, text)))),
-      h('tbody', {}, ...residuals.map(({ name, predicted_m }) => predicted_m !== null && h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, formatLength(predicted_m))))),
-    ),
+    h('table', { class: 'control-table' }, headings([words.point, words.residual]),
+      h('tbody', {}, ...residuals.map(({ name, predicted_m }) => predicted_m !== null && h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, formatLength(predicted_m)))))),
     h('p', { class: 'muted' }, words.predictions_hint),
   );
 }
@@ -208,17 +202,10 @@ function residualTable(residuals) {
     'details',
     { class: 'control-residuals', id: 'control-residuals' },
     h('summary', {}, words.residuals, worst > 0 && h('span', { class: 'amber' }, ` ${words.outliers(worst)}`)),
-    h(
-      'div',
-      { class: 'control-scroll', role: 'group', 'aria-label': words.residuals, tabindex: 0 },
-      h(
-        'table',
-        { class: 'control-table' },
-        h('thead', {}, h('tr', {}, ...[words.point, words.photo, words.residual].map((text) => h('th', { scope: 'col' }, text)))),
+    h('div', { class: 'control-scroll', role: 'group', 'aria-label': words.residuals, tabindex: 0 },
+      h('table', { class: 'control-table' }, headings([words.point, words.photo, words.residual]),
         h('tbody', {}, ...marks.map(({ point, mark }) =>
-          h('tr', { class: mark.is_outlier ? 'outlier' : null }, h('th', { scope: 'row' }, point.name), h('td', {}, mark.photo), h('td', {}, `${pixels(mark.px)} · ${formatLength(mark.m)}`, mark.is_outlier && h('span', { class: 'control-flag' }, ` ${words.outlier}`))))),
-      ),
-    ),
+          h('tr', { class: mark.is_outlier ? 'outlier' : null }, h('th', { scope: 'row' }, point.name), h('td', {}, mark.photo), h('td', {}, `${pixels(mark.px)} · ${formatLength(mark.m)}`, mark.is_outlier && h('span', { class: 'control-flag' }, ` ${words.outlier}`))))))),
     h('p', { class: 'muted' }, words.residuals_hint),
   );
 }

@@ -8,6 +8,7 @@
 import { announce } from '../shared/announce.js';
 import { ask } from '../shared/dialogs.js';
 import { h } from '../shared/dom.js';
+import { dotted } from '../shared/format.js';
 import { iconButton } from '../shared/icons.js';
 import { fixed } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
@@ -98,14 +99,14 @@ export function openMarking(control, name, photos, listener) {
   };
   const draw = () => {
     const own = markIn(photo());
-    facts.textContent = [
+    facts.textContent = dotted(
       photo(),
       strings.photo.of(shown + 1, photos.length),
       photos[shown].off_vertical_deg === null ? '' : strings.photo.off_vertical(Number(photos[shown].off_vertical_deg)),
       aim ? words.aimed(fixed(aim.x, 1), fixed(aim.y, 1)) : '',
       own && !aim ? words.pixel(fixed(own.x, 1), fixed(own.y, 1)) : '',
       own && !aim ? listener.residual_of(photo()) : '',
-    ].filter(Boolean).join(' · ');
+    );
     undo.disabled = !control.can_undo;
     remove.disabled = !own;
     [...strip.element.children].forEach((frame, i) => {

@@ -7,7 +7,7 @@ import { announce } from '../shared/announce.js';
 import { listExports, messageOf, remarkWords, removeExport, serverWords, startExport } from '../shared/api.js';
 import { refusalBox } from '../shared/dialogs.js';
 import { arrange, h, put } from '../shared/dom.js';
-import { formatBytes, formatDate, formatGsd, formatPercent } from '../shared/format.js';
+import { dotted, formatBytes, formatDate, formatGsd, formatPercent } from '../shared/format.js';
 import { icon, iconButton, runOnce } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaChoice } from './area_choice.js';
@@ -39,7 +39,7 @@ export function wishOf({ format, crs, epsg, resolution_cm }, outline) {
 /** @param {MapExport} made @returns {string} what was asked for, in words */
 export function exportWords({ format, crs, resolution_m, boundary, index, expression, is_current }) {
   const words = strings.exports;
-  return [index?.toUpperCase() ?? expression, words.formats[format] ?? format, crs === 'utm' ? words.systems.utm : crs, resolution_m ? formatGsd(resolution_m) : '', boundary ? words.cut : '', is_current ? '' : words.earlier].filter(Boolean).join(' · ');
+  return dotted(index?.toUpperCase() ?? expression, words.formats[format] ?? format, crs === 'utm' ? words.systems.utm : crs, resolution_m ? formatGsd(resolution_m) : '', boundary ? words.cut : '', is_current ? '' : words.earlier);
 }
 
 /**
@@ -177,7 +177,7 @@ function stateOf({ state, progress, bytes, error, expires_at }) {
   if (state === 'failed') return [h('span', { class: 'bad fine' }, error ? serverWords(error.code, error.message, error.reason) : words.failed(''))];
   if (state === 'successful') {
     const until = expires_at ? formatDate(expires_at, { with_time: true }) : '';
-    return [h('span', { class: 'muted fine' }, [bytes === null ? '' : formatBytes(bytes), until && words.until(until)].filter(Boolean).join(' · '))];
+    return [h('span', { class: 'muted fine' }, dotted(bytes !== null && formatBytes(bytes), until && words.until(until)))];
   }
   const text = state === 'accepted' ? words.waiting : formatPercent(progress);
   return [h('progress', { class: 'bar', max: 1, value: progress, 'aria-label': words.progress }), h('span', { class: 'muted fine' }, text)];

@@ -299,7 +299,7 @@ export class FlightView {
       flight_id: flight.id,
       title: strings.options.again_title,
       hint: strings.options.again_hint,
-      submit: strings.options.again_start,
+      submit: strings.upload.start,
       options: lastOptions(flight),
       outlines: this.stage.outlines(),
       on_submit: async (options) => {

@@ -3,7 +3,7 @@
 import { announce, showError } from '../shared/announce.js';
 import { cancelJob } from '../shared/api.js';
 import { h } from '../shared/dom.js';
-import { formatDuration, formatPercent } from '../shared/format.js';
+import { dotted, formatDuration, formatPercent } from '../shared/format.js';
 import { button, runOnce } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { jobWorkers } from './job_workers.js';
@@ -58,14 +58,12 @@ export function jobView(job_id, may_cancel, heading = strings.job.heading) {
       else bar.value = fraction;
       percent.textContent = waiting ? '' : formatPercent(fraction);
       percent.hidden = waiting;
-      stage.textContent = waiting ? words.waiting : stageName(job.stage);
-      note.textContent = [
+      stage.textContent = stageName(waiting ? 'queued' : job.stage);
+      note.textContent = dotted(
         waiting || job.message === stage.textContent ? '' : job.message,
         timeLeft(job),
         (job.attempts ?? 0) > 1 ? words.attempt(job.attempts ?? 0) : '',
-      ]
-        .filter(Boolean)
-        .join(' · ');
+      );
       workers.update(job);
       announce(`${stage.textContent} ${percent.textContent}`, { is_progress: true });
     },

@@ -6,6 +6,7 @@
 import { kLayers, messageOf } from '../shared/api.js';
 import { ask, closeButton, refusalBox, titledDialog } from '../shared/dialogs.js';
 import { checkRow, h, put } from '../shared/dom.js';
+import { dotted } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
 import { button } from '../shared/icons.js';
 import { areaChoice } from './area_choice.js';
@@ -188,7 +189,7 @@ export function optionWords(options) {
   const words = strings.options;
   const form = formOf(options);
   const chosen = Object.fromEntries(chosenIn(form).map(([name, value]) => [name, choiceWords(name, value)]));
-  return [
+  return dotted(
     form.resolution_cm && `${form.resolution_cm} cm`,
     chosen.method,
     chosen.surface,
@@ -200,7 +201,7 @@ export function optionWords(options) {
     form.origin && `${words.names.origin} ${form.origin}`,
     form.takeoff_height_m && `${words.names.takeoff_height_m} ${form.takeoff_height_m} m`,
     form.boundary && strings.exports.cut,
-  ].filter(Boolean).join(' · ');
+  );
 }
 
 /** What a finished map was made with, as far as is known. @param {Flight} flight @returns {JobOptions} */

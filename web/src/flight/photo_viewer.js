@@ -5,6 +5,7 @@
 import { announce } from '../shared/announce.js';
 import { ask } from '../shared/dialogs.js';
 import { h } from '../shared/dom.js';
+import { dotted } from '../shared/format.js';
 import { compassNeedle, icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { kArrows } from '../shared/follow_pointer.js';
@@ -82,7 +83,7 @@ export function openPhotos(photos, first, on_step) {
     shown = (index + photos.length) % photos.length;
     const { record, url, off_vertical_deg } = photos[shown];
     title.textContent = record.name;
-    facts.textContent = [photos.length > 1 ? words.of(shown + 1, photos.length) : '', off_vertical_deg === null ? '' : words.off_vertical(off_vertical_deg)].filter(Boolean).join(' · ');
+    facts.textContent = dotted(photos.length > 1 && words.of(shown + 1, photos.length), off_vertical_deg !== null && words.off_vertical(off_vertical_deg));
     dialog.setAttribute('aria-label', record.name);
     north.hidden = typeof record.yaw_deg !== 'number';
     save.href = url;

@@ -2,7 +2,7 @@
 /** @import { TrashedFlight } from '../shared/types.js' */
 import { h, put } from '../shared/dom.js';
 import { button } from '../shared/icons.js';
-import { formatBytes, formatDate } from '../shared/format.js';
+import { dotted, formatBytes, formatDate } from '../shared/format.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 
@@ -23,14 +23,8 @@ export function trashList(actions) {
       'li',
       {},
       h('span', { class: 'flight-name' }, flight.name),
-      h(
-        'span',
-        { class: 'flight-facts' },
-        [strings.trash.deleted(formatDate(flight.deleted_at)), strings.flights.files(flight.file_count),
-          flight.bytes > 0 ? formatBytes(flight.bytes) : '', strings.trash.left(flight.days_left)]
-          .filter(Boolean)
-          .join(' · '),
-      ),
+      h('span', { class: 'flight-facts' }, dotted(strings.trash.deleted(formatDate(flight.deleted_at)), strings.flights.files(flight.file_count),
+        flight.bytes > 0 && formatBytes(flight.bytes), strings.trash.left(flight.days_left))),
       h(
         'span',
         { class: 'row' },

@@ -94,7 +94,7 @@ export async function askWhereTo(count, flight_name, has_map) {
   return /** @type {'add'|'new'|''} */ (await choose('where', words.choice_title, (has_map ? words.choice_text : words.choice_text_first)(count, flight_name), [
     { value: '', label: strings.flights.cancel },
     { value: 'add', label: words.choice_add },
-    { value: 'new', label: words.choice_new, is_primary: true },
+    { value: 'new', label: strings.flights.new_flight, is_primary: true },
   ]));
 }
 

@@ -3,7 +3,7 @@
 /** @import { UploadItem } from './upload_queue.js' */
 import { announce } from '../shared/announce.js';
 import { h, put } from '../shared/dom.js';
-import { formatBytes, formatDuration, formatPercent } from '../shared/format.js';
+import { dotted, formatBytes, formatDuration, formatPercent } from '../shared/format.js';
 import { button, icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { optionsButton } from '../flight/options_dialog.js';
@@ -102,15 +102,13 @@ export function uploadView(session) {
     bar.value = fraction;
     percent.textContent = formatPercent(fraction);
     counts.textContent = words.of(picture.done, picture.files);
-    pace.textContent = [
+    pace.textContent = dotted(
       picture.state === 'paused' ? words.paused : '',
       `${formatBytes(picture.sent_bytes)} / ${formatBytes(picture.bytes)}`,
       picture.bytes_per_s > 0 && picture.state === 'running' ? words.speed(formatBytes(picture.bytes_per_s)) : '',
       picture.left_s !== null ? words.left(formatDuration(picture.left_s)) : '',
       picture.was_there > 0 ? words.skipped(picture.was_there) : '',
-    ]
-      .filter(Boolean)
-      .join(' · ');
+    );
     const label = picture.state === 'paused' ? words.resume : words.pause;
     if (pause.textContent !== label) put(pause, icon(picture.state === 'paused' ? 'play' : 'pause'), label);
     pause.hidden = picture.state === 'finished';
