@@ -3,7 +3,7 @@
 /** @import { Flight } from '../shared/types.js' */
 import { showError } from '../shared/announce.js';
 import { changeFlight, ownAccess } from '../shared/api.js';
-import { checkRow, h } from '../shared/dom.js';
+import { checkRow, h, onEscape } from '../shared/dom.js';
 import { button, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { mayChange } from './flight_words.js';
@@ -80,8 +80,7 @@ function askTag(flight, add, proposed, on_tags) {
     event.preventDefault();
     end(true);
   });
-  input.addEventListener('keydown', (event) => {
-    if (event.key !== 'Escape') return;
+  onEscape(input, (event) => {
     event.stopPropagation();
     end(false);
   });

@@ -2,7 +2,7 @@
 /** @import { PhotoRecord } from '../shared/types.js' */
 import { announce } from '../shared/announce.js';
 import { formatCoordinates } from '../map/coordinates.js';
-import { h, put } from '../shared/dom.js';
+import { h, onEscape, put } from '../shared/dom.js';
 import { formatDate, formatError, formatLength } from '../shared/format.js';
 import { button, iconButton } from '../shared/icons.js';
 import { openPhotos } from './photo_viewer.js';
@@ -83,9 +83,7 @@ export function photoCard(listener) {
     listener.on_show(record);
     announce(record.name);
   };
-  element.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape') close();
-  });
+  onEscape(element, close);
   return {
     element,
     show(next_photos) {

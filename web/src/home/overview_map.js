@@ -2,7 +2,7 @@
 // is room. Drawn here and not by the map library, which weighs more than all the rest of the first view.
 /** @import { Bounds, Flight } from '../shared/types.js' */
 import { thumbnailPath } from '../shared/api.js';
-import { h, put } from '../shared/dom.js';
+import { h, onEscape, put } from '../shared/dom.js';
 import { formatDistance } from '../shared/format.js';
 import { button, toolButton } from '../shared/icons.js';
 import { parseRoute, routeHash } from '../shared/router.js';
@@ -130,9 +130,7 @@ export function overviewMap(listener) {
     choice.hidden = false;
     choice.querySelector('a')?.focus();
   };
-  choice.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape') choice.hidden = true;
-  });
+  onEscape(choice, () => (choice.hidden = true));
 
   /** @param {View} next */
   const move = (next) => {

@@ -125,15 +125,9 @@ export class MapView {
     // The new map is drawn over the old one, which goes when the new one is complete: no flicker.
     const old = this.#mosaic;
     this.#mosaic = `mosaic-${(this.#mosaics += 1)}`;
-    this.hideOverlay();
-    this.hideIndex();
-    this.layers = tilejson.layers ?? [];
-    this.bands = grows ? [] : (tilejson.bands ?? []);
-    this.has_bands = !grows && tilejson.bands_bounds !== undefined;
     this.#index_bounds = tilejson.bands_bounds ?? bounds;
-    this.indices = tilejson.indices ?? [];
     this.flight_id = flight_id;
-    this.#setHeights(grows ? {} : tilejson);
+    this.#offer(grows ? { layers: tilejson.layers, indices: tilejson.indices } : tilejson);
     this.tile_template = ownHost(tilejson.tiles[0]);
     this.#tile_size = tilejson.tileSize ?? 256;
     /** @type {any} */
@@ -191,10 +185,11 @@ export class MapView {
     this.addBelowPhotos(layer, height_layers);
   }
 
-  /** @param {{heights?: Surface[], terrain?: string}} of the map that is shown from now on */
-  #setHeights({ heights = [], terrain = '' }) {
-    this.heights = heights;
-    this.terrain = terrain;
+  /** What can be laid over the map that is shown from now on; what lay over the one before goes. @param {Partial<TileJson>} map */
+  #offer({ layers = [], bands = [], bands_bounds, indices = [], heights = [], terrain = '' }) {
+    this.hideOverlay();
+    this.hideIndex();
+    Object.assign(this, { layers, bands, has_bands: bands_bounds !== undefined, indices, heights, terrain });
     this.shown.dispatchEvent(new Event('change'));
   }
 
@@ -287,13 +282,7 @@ export class MapView {
     this.remove(`${this.#mosaic}-coarse`, [`${this.#mosaic}-coarse`]);
     this.mark.hide();
     this.#mosaic = '';
-    this.hideOverlay();
-    this.hideIndex();
-    this.layers = [];
-    this.bands = [];
-    this.has_bands = false;
-    this.indices = [];
-    this.#setHeights({});
+    this.#offer({});
     this.#removePhotos();
     this.remove(kNotes, ownDataLayers(kNotes, '').map((layer) => layer.id));
     this.photos = null;

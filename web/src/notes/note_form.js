@@ -3,7 +3,7 @@
 /** @import { Stage } from '../map/stage.js' */
 /** @import { Note } from './note_shape.js' */
 import { rounded } from '../map/measurement_files.js';
-import { h } from '../shared/dom.js';
+import { h, onEscape } from '../shared/dom.js';
 import { button } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { bytesOf, kMaxNameBytes, kMaxTextBytes, noteOf } from './note_shape.js';
@@ -57,8 +57,7 @@ export function noteForm(stage, note, listener) {
       button(strings.flights.cancel, end),
     ),
   );
-  element.addEventListener('keydown', (event) => {
-    if (event.key !== 'Escape') return;
+  onEscape(element, (event) => {
     event.stopPropagation();
     end();
   });

@@ -138,17 +138,13 @@ async function request(method, path, body, signal, priority = 'auto', type = 'ap
 
 const flight_path = (/** @type {string} */ id) => `/api/v1/flights/${encodeURIComponent(id)}`;
 
-/**
- * All flights, newest first as the server lists them.
- * @param {AbortSignal} [signal]
- * @returns {Promise<Flight[]>}
- */
-export async function listFlights(signal) {
+/** All flights, newest first as the server lists them. @returns {Promise<Flight[]>} */
+export async function listFlights() {
   /** @type {Flight[]} */
   const flights = [];
   let cursor = '';
   do {
-    const page = await request('GET', `/api/v1/flights?limit=500${cursor}`, undefined, signal);
+    const page = await request('GET', `/api/v1/flights?limit=500${cursor}`);
     flights.push(...page.flights);
     cursor = page.next_cursor ? `&cursor=${encodeURIComponent(page.next_cursor)}` : '';
   } while (cursor);
@@ -236,8 +232,8 @@ export const getChange = (id, since) => request('GET', `/tiles/${encodeURICompon
 /** @param {string} id @returns {Promise<ContourCollection>} */
 export const getContours = (id) => request('GET', `${flight_path(id)}/contours.geojson`);
 
-/** @param {AbortSignal} [signal] @returns {Promise<Trash>} */
-export const getTrash = (signal) => request('GET', '/api/v1/trash', undefined, signal);
+/** @returns {Promise<Trash>} */
+export const getTrash = () => request('GET', '/api/v1/trash');
 
 /** @param {string} id @returns {Promise<Flight>} */
 export const restoreFlight = (id) => request('POST', `${flight_path(id)}/restore`);
@@ -245,14 +241,8 @@ export const restoreFlight = (id) => request('POST', `${flight_path(id)}/restore
 /** For good. @param {string} id of a deleted flight @returns {Promise<null>} */
 export const removeFlight = (id) => request('DELETE', `/api/v1/trash/${encodeURIComponent(id)}`);
 
-/**
- * @param {string} id
- * @returns {Promise<StoredFile[]>}
- */
-export async function listFiles(id) {
-  const answer = await request('GET', `${flight_path(id)}/files`);
-  return answer.files ?? [];
-}
+/** @param {string} id @returns {Promise<StoredFile[]>} */
+export const listFiles = async (id) => (await request('GET', `${flight_path(id)}/files`)).files ?? [];
 
 /** The layers that the map page offers. */
 export const kLayers = ['photo', 'error', 'height'];
@@ -284,8 +274,8 @@ export const cancelJob = (id) => request('DELETE', `/api/v1/jobs/${encodeURIComp
 /** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Report>} */
 export const getReport = (id, signal) => request('GET', `${flight_path(id)}/report`, undefined, signal, 'low');
 
-/** @param {string} id @param {AbortSignal} [signal] @returns {Promise<PhotoCollection>} */
-export const getPhotos = (id, signal) => request('GET', `${flight_path(id)}/photos.geojson`, undefined, signal, 'low');
+/** @param {string} id @returns {Promise<PhotoCollection>} */
+export const getPhotos = (id) => request('GET', `${flight_path(id)}/photos.geojson`, undefined, undefined, 'low');
 
 /**
  * The photos that see a place, the best view first.
@@ -314,8 +304,8 @@ export async function getGround(id, name, x, y) {
 /** @param {string} id @param {string} name @returns {string} where the photo itself can be read */
 export const photoPath = (id, name) => readable(`${flight_path(id)}/files/${encodeURIComponent(name)}`);
 
-/** @param {string} path @param {AbortSignal} [signal] @returns {Promise<TileJson>} */
-export const getTileJson = (path, signal) => request('GET', path, undefined, signal);
+/** @param {string} path @returns {Promise<TileJson>} */
+export const getTileJson = (path) => request('GET', path);
 
 /** @param {string} path @returns {Promise<import('./types.js').LayerLegends>} */
 export const getLegends = (path) => request('GET', path);

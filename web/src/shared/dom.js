@@ -81,6 +81,9 @@ export function checkRow(label, id, checked = false, set = () => {}) {
   return { input, row: h('label', { class: 'check', for: id }, input, h('span', {}, label)) };
 }
 
+/** @param {HTMLElement} element that has the focus, or holds it @param {(event: KeyboardEvent) => void} run */
+export const onEscape = (element, run) => element.addEventListener('keydown', (event) => event.key === 'Escape' && run(event));
+
 /** @param {(element: HTMLElement) => void} run once for each that is observed, when it comes into sight */
 export function whenSeen(run) {
   const observer = new IntersectionObserver((entries) => {
