@@ -139,12 +139,12 @@ function wallTime(iso) {
 /**
  * The day that photos were taken, where they were taken.
  * @param {{first: string, last: string}} captured
- * @param {'short'} [timeStyle] the hours too
+ * @param {'short'} [time_style] the hours too
  * @returns {string} empty when it is no time
  */
-export function formatCaptureDay({ first, last }, timeStyle) {
+export function formatCaptureDay({ first, last }, time_style) {
   const [from, to] = [wallTime(first), wallTime(last)];
-  return from && to ? dateFormat({ dateStyle: 'medium', timeStyle, timeZone: 'UTC' }).formatRange(from.wall, to.wall) : '';
+  return from && to ? dateFormat({ dateStyle: 'medium', timeStyle: time_style, timeZone: 'UTC' }).formatRange(from.wall, to.wall) : '';
 }
 
 /** The same with the hours and their zone. @param {{first: string, last: string}} captured */
