@@ -62,14 +62,7 @@ export function flightList(actions) {
   const rows = new Map();
   const list = h('ul', { class: 'flights', id: 'flights' });
   const message = h('p', { class: 'muted', id: 'flights-message' });
-  const search = h('input', {
-    type: 'search',
-    class: 'field',
-    id: 'flight-search',
-    placeholder: strings.flights.search,
-    'aria-label': strings.flights.search,
-    on: { input: () => redraw() },
-  });
+  const search = h('input', { type: 'search', class: 'field', id: 'flight-search', placeholder: strings.flights.search, 'aria-label': strings.flights.search, on: { input: () => redraw() } });
   const order = h(
     'select',
     {
@@ -129,12 +122,10 @@ export function flightList(actions) {
     const picture = JSON.stringify([flight.name, flight.tags, shortFacts(flight), chip.className, chip.textContent]);
     let entry = rows.get(flight.id);
     if (!entry) {
-      entry = { row: h('li'), shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }, icon('photo')), drawn: '' };
+      const [point, leave] = [() => actions.on_point(flight), () => actions.on_point(null)];
+      const row = h('li', { on: { pointerenter: point, focusin: point, pointerleave: leave, focusout: leave } });
+      entry = { row, shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }, icon('photo')), drawn: '' };
       rows.set(flight.id, entry);
-      entry.row.addEventListener('pointerenter', () => actions.on_point(flight));
-      entry.row.addEventListener('focusin', () => actions.on_point(flight));
-      entry.row.addEventListener('pointerleave', () => actions.on_point(null));
-      entry.row.addEventListener('focusout', () => actions.on_point(null));
     }
     if (entry.shown !== picture) {
       entry.shown = picture;
