@@ -51,10 +51,9 @@ test('written positions in all quarters of the world are read back', { skip: has
   for (const [i, [lat, lon]] of [[46.9512345, 7.4391], [-33.4489, -70.6693], [-41.3, 174.78], [64.13, -21.94]].entries()) {
     const path = join(folder, `${i}.jpg`);
     writeFileSync(path, jpeg);
-    const result = spawnSync('exiftool', ['-q', '-overwrite_original', `-GPSLatitude=${Math.abs(lat)}`, `-GPSLatitudeRef=${lat < 0 ? 'S' : 'N'}`, `-GPSLongitude=${Math.abs(lon)}`, `-GPSLongitudeRef=${lon < 0 ? 'W' : 'E'}`, '-GPSAltitude=31', '-GPSAltitudeRef#=1', '-EXIF:DateTimeOriginal=2026:05:12 09:31:00', i % 2 ? '-ExifByteOrder=MM' : '-ExifByteOrder=II', path], { encoding: 'utf8' });
+    const result = spawnSync('exiftool', ['-q', '-overwrite_original', `-GPSLatitude=${Math.abs(lat)}`, `-GPSLatitudeRef=${lat < 0 ? 'S' : 'N'}`, `-GPSLongitude=${Math.abs(lon)}`, `-GPSLongitudeRef=${lon < 0 ? 'W' : 'E'}`, '-EXIF:DateTimeOriginal=2026:05:12 09:31:00', i % 2 ? '-ExifByteOrder=MM' : '-ExifByteOrder=II', path], { encoding: 'utf8' });
     assert.equal(result.status, 0, result.stderr);
     assertAgrees(path);
-    assert.equal(glance(path).altitude_m, -31);
   }
 });
 
@@ -75,7 +74,7 @@ test('no bytes whatever can break the reader', () => {
 
 const photo = (/** @type {number} */ i, more = {}) => ({
   name: `p${i}.jpg`,
-  glance: { lon_deg: 7 + i * 1e-4, lat_deg: 46, altitude_m: 500, taken_s: 1000 + 3 * i, focal_35mm: 24, camera: 'FC300S', ...more },
+  glance: { lon_deg: 7 + i * 1e-4, lat_deg: 46, taken_s: 1000 + 3 * i, camera: 'FC300S', ...more },
 });
 
 test('a good flight is called good, with its size and time', () => {

@@ -7,13 +7,13 @@
 /** @import { Wish } from './upload/drop_zone.js' */
 import { takeSharedToken } from './shared/token.js';
 import { announce, showError, showNote } from './shared/announce.js';
-import { createFlight, getFlight, getTrash, listFiles, listFlights, mayUpload, renameFlight } from './shared/api.js';
-import { byId, h, loadStyle, put } from './shared/dom.js';
+import { changeFlight, createFlight, getFlight, getTrash, listFiles, listFlights, mayUpload, messageOf } from './shared/api.js';
+import { byId, h, linkSettled, loadStyle, put } from './shared/dom.js';
 import { mayChange } from './flight/flight_words.js';
 import { flightList } from './home/flight_list.js';
 import { overviewMap, placeOf } from './home/overview_map.js';
 import { clipName, formatDate } from './shared/format.js';
-import { icon } from './shared/icons.js';
+import { button, icon } from './shared/icons.js';
 import { keepLanguage, kLanguages, language } from './shared/language.js';
 import { go, routeHash, watchRoute } from './shared/router.js';
 import { strings } from './shared/strings.js';
@@ -47,7 +47,7 @@ function fillFrame() {
     h('button', { class: 'sheet-handle', id: 'sheet-handle', type: 'button', 'aria-expanded': 'true', 'aria-controls': 'panel-body' }, h('span', { class: 'visually-hidden', id: 'sheet-handle-text' }, strings.sheet.close)),
   );
   byId('home-link').setAttribute('aria-label', words.home);
-  byId('panel-head').append(languageChoice(), h('button', { type: 'button', class: 'button small', id: 'new-flight' }, icon('plus'), strings.flights.new_flight));
+  byId('panel-head').append(languageChoice(), button(strings.flights.new_flight, null, { picture: 'plus', id: 'new-flight' }));
 }
 
 fillFrame();
@@ -66,15 +66,13 @@ const list = flightList({
   on_tags: (tags) => history.replaceState(null, '', routeHash({ view: 'home', tags })),
 });
 const overview = overviewMap({ on_point: list.point });
-const bar_button = (/** @type {string} */ id, /** @type {string} */ label, /** @type {() => void} */ run) =>
-  h('button', { type: 'button', class: 'text-button', id, on: { click: run } }, label);
 const drop_bar = h(
   'p',
   { class: 'drop-bar', id: 'drop-bar', hidden: true },
   icon('upload'),
   h('span', { class: 'drop-bar-hint' }, strings.drop.anywhere),
-  bar_button('bar-folder', strings.drop.folder, pickers.choose_folder),
-  bar_button('bar-files', strings.drop.files, pickers.choose_files),
+  button(strings.drop.folder, pickers.choose_folder, { class: 'text-button', id: 'bar-folder' }),
+  button(strings.drop.files, pickers.choose_files, { class: 'text-button', id: 'bar-files' }),
 );
 const list_end = h('div', { class: 'list-end' });
 list.element.prepend(drop_bar, h('p', { class: 'reads-only muted', id: 'reads-only' }, strings.welcome.guest_lead));
@@ -90,9 +88,7 @@ let parts = null;
 /** What an open flight needs, with its styles. */
 async function loadParts() {
   const files = /** @type {DocumentFragment} */ (/** @type {HTMLTemplateElement} */ (byId('open-parts')).content.cloneNode(true));
-  const styles = [...files.querySelectorAll('link[rel="stylesheet"]:not([media])')].map(
-    (link) => new Promise((resolve) => ['load', 'error'].forEach((event) => link.addEventListener(event, resolve))),
-  );
+  const styles = [...files.querySelectorAll('link[rel="stylesheet"]:not([media])')].map(linkSettled);
   document.head.append(files);
   const words = import('./shared/flight_strings.js').then(({ loadFlightStrings }) => loadFlightStrings());
   const [module] = await Promise.all([import('./open_parts.js'), words, ...styles]);
@@ -137,7 +133,7 @@ async function rename(flight) {
     const { askName } = await needParts();
     const name = await askName(flight.name);
     if (!name) return;
-    const renamed = await renameFlight(flight.id, clipName(name));
+    const renamed = await changeFlight(flight.id, { name: clipName(name) });
     if (open_view?.id === flight.id && open_view.flight) {
       open_view.flight.name = renamed.name;
       open_view.drawHead(open_view.flight);
@@ -332,7 +328,7 @@ async function refreshList() {
     if (trash || isAtEnd()) void refreshTrash();
     if (flights.some(({ state, id }) => state === 'queued' || state === 'processing' || uploadOf(id))) delay_ms = 2000;
   } catch (error) {
-    list.update(null, `${strings.errors.list} ${error instanceof Error ? error.message : ''}`);
+    list.update(null, `${strings.errors.list} ${messageOf(error)}`);
     delay_ms = 5000;
   }
   clearTimeout(list_timer);

@@ -1,9 +1,9 @@
 // The control points of an open flight: changed here at once, sent to the server a moment later, undone step by step.
 // Events: 'change' (the points), 'saved' (what the state of saving is).
 /** @import { ControlMark, ControlPoint } from './control_lists.js' */
-import { ApiError } from '../shared/api.js';
+import { ApiError, messageOf } from '../shared/api.js';
 import { strings } from '../shared/flight_strings.js';
-import { askDocument, kPatience_ms, kPause_ms, SavedDocument } from '../shared/saved_document.js';
+import { kPatience_ms, kPause_ms, SavedDocument } from '../shared/saved_document.js';
 
 /** @typedef {{reference_system: string, points: ControlPoint[]}} ControlPoints */
 
@@ -12,17 +12,11 @@ const kMaxUndo = 200;
 /** What a panel that was closed still sends: who opens the flight's points next waits for it. @type {Map<string, Promise<void>>} */
 const leaving = new Map();
 
-/** @param {string} id of the flight @param {RequestInit} [init] @returns {Promise<{document: ControlPoints, etag: string}>} */
-const ask = (id, init) => askDocument(id, 'control', init);
-
 export class ControlDocument extends SavedDocument {
   /** @type {ControlPoints} */
   #now = { reference_system: '', points: [] };
-  #etag = '';
   /** @type {string[]} */
   #before = [];
-  /** @type {ReturnType<typeof setTimeout>|undefined} */
-  #timer = undefined;
   #is_dirty = false;
   /** @type {Promise<void>|null} */
   #saving = null;
@@ -30,8 +24,7 @@ export class ControlDocument extends SavedDocument {
 
   /** @param {string} id of the flight */
   constructor(id) {
-    super();
-    this.id = id;
+    super(id, 'control', 'auto');
   }
 
   get points() {
@@ -47,9 +40,7 @@ export class ControlDocument extends SavedDocument {
   /** Reads the points. Nothing may be changed before: what the flight has would be overwritten. */
   async load() {
     if (!this.#is_closed) await leaving.get(this.id);
-    const { document, etag } = await ask(this.id);
-    this.#now = document;
-    this.#etag = etag;
+    this.#now = await this.get();
     this.#before = [];
     this.#is_dirty = false;
     this.tell('saved');
@@ -98,18 +89,12 @@ export class ControlDocument extends SavedDocument {
     this.#is_dirty = true;
     this.tell('saving');
     this.dispatchEvent(new Event('change'));
-    this.#later(kPause_ms);
+    this.flushLater(kPause_ms);
   }
 
-  /** @param {number} pause_ms */
-  #later(pause_ms) {
-    clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => void this.flush().catch(() => undefined), pause_ms);
-  }
-
-  /** Sends what was not sent yet; fails where the server did not take it. */
+  /** Fails where the server did not take it. */
   async flush() {
-    clearTimeout(this.#timer);
+    this.endPause();
     while (this.#saving) await this.#saving.catch(() => undefined);
     if (!this.#is_dirty) return;
     this.#saving = this.#save();
@@ -126,14 +111,10 @@ export class ControlDocument extends SavedDocument {
     this.#is_dirty = false;
     const points = sent.points.map(({ name, x, y, height, marks }) => ({ name, x, y, height, marks }));
     try {
-      const { document, etag } = await ask(this.id, {
-        method: 'PUT',
-        headers: { 'Content-Type': 'application/json', 'If-Match': this.#etag },
-        body: JSON.stringify({ reference_system: sent.reference_system, points }),
-      });
-      this.#etag = etag;
+      /** @type {ControlPoints} */
+      const stored = await this.replace('application/json', { reference_system: sent.reference_system, points });
       // Where points lie on Earth the server says; marks may have been set meanwhile.
-      const placed = new Map(document.points.map((point) => [point.name, point]));
+      const placed = new Map(stored.points.map((point) => [point.name, point]));
       this.#now = { ...this.#now, points: this.points.map((point) => {
         const said = placed.get(point.name);
         return said && said.x === point.x && said.y === point.y ? { ...point, lon: said.lon, lat: said.lat } : point;
@@ -149,7 +130,6 @@ export class ControlDocument extends SavedDocument {
   /** @param {unknown} error */
   async #onRefused(error) {
     const status = error instanceof ApiError ? error.status : -1;
-    const words = error instanceof Error ? error.message : String(error);
     if (status === 412) {
       // Somebody else was first: what is there now is shown.
       await this.load().catch(() => undefined);
@@ -158,8 +138,8 @@ export class ControlDocument extends SavedDocument {
     }
     this.#is_dirty = true;
     const is_passing = status === 409 || (error instanceof ApiError && error.is_passing);
-    this.tell(is_passing ? 'waiting' : 'failed', words);
-    if (is_passing) this.#later(kPatience_ms);
+    this.tell(is_passing ? 'waiting' : 'failed', messageOf(error));
+    if (is_passing) this.flushLater(kPatience_ms);
   }
 
   /** Saves what is left. */

@@ -2,6 +2,7 @@
 // in the form, and nothing is changed.
 /** @import { ControlDocument } from './control_document.js' */
 /** @import { ControlPoint } from './control_lists.js' */
+import { messageOf } from '../shared/api.js';
 import { ask, closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
@@ -26,19 +27,13 @@ const labelled = (id, label, field, hint = '') => {
 function openForm(id, title, fields, go, submit) {
   const fault = h('p', { class: 'place-fault', role: 'alert', id: `${id}-fault` });
   const button = h('button', { type: 'submit', class: 'button primary', id: `${id}-go` }, go);
-  const form = h(
-    'form',
-    { class: 'control-form', novalidate: true },
-    h('h2', { class: 'dialog-title', id: `${id}-title` }, title),
-    ...fields,
-    fault,
-    h('div', { class: 'dialog-actions' }, closeButton(), button),
-  );
+  const actions = h('div', { class: 'dialog-actions' }, closeButton(), button);
+  const form = h('form', { class: 'control-form', novalidate: true }, h('h2', { class: 'dialog-title', id: `${id}-title` }, title), ...fields, fault, actions);
   const dialog = h('dialog', { class: 'dialog control-dialog', id, 'aria-labelledby': `${id}-title` }, form);
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
     button.disabled = true;
-    const text = await submit().catch((error) => (error instanceof Error ? error.message : String(error)));
+    const text = await submit().catch(messageOf);
     button.disabled = false;
     put(fault, text);
     if (text === '') dialog.close();
@@ -123,7 +118,7 @@ export function openPointForm(control, point) {
   const system = field(control.points.length > 0 ? control.reference_system : kUsualSystem, 'text');
   system.readOnly = control.points.length > (point ? 1 : 0);
   const numberIn = (/** @type {HTMLInputElement} */ input) => (input.value.trim() === '' ? NaN : Number(input.value.trim().replace(',', '.')));
-  openForm('control-point', point ? words.change_title(point.name) : words.add_title, [
+  openForm('control-point', point ? words.change(point.name) : words.add_title, [
     labelled('control-name', words.name, name),
     labelled('control-system', words.system, system, system.readOnly ? '' : words.system_hint),
     h('div', { class: 'control-numbers' }, labelled('control-x', words.x, x), labelled('control-y', words.y, y), labelled('control-height', words.height, height)),

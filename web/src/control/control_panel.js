@@ -4,9 +4,10 @@
 /** @import { ControlPoint } from './control_lists.js' */
 /** @import { PointResidual } from './control_residuals.js' */
 import { showError, showNote } from '../shared/announce.js';
+import { messageOf } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { button, icon, iconButton } from '../shared/icons.js';
 import { fixed, number } from '../shared/language.js';
 import { inOneLine } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
@@ -34,22 +35,15 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   const residuals = residualsOf(report);
   const names = photos.features.map(({ properties }) => properties.name);
 
-  const button = (/** @type {string} */ id, /** @type {string} */ picture, /** @type {string} */ label, /** @type {() => void} */ run, kind = '') =>
-    h('button', { type: 'button', class: `button small ${kind}`, id, on: { click: run } }, icon(picture), label);
   const body = h('tbody', {});
-  const table = h(
-    'table',
-    { class: 'control-table', id: 'control-points', hidden: true },
-    h('thead', {}, h('tr', {}, ...[words.point, words.marks, words.residual].map((text) => h('th', { scope: 'col' }, text)), may_change && h('td', {}))),
-    body,
-  );
+  const table = h('table', { class: 'control-table', id: 'control-points', hidden: true }, headings([words.point, words.marks, words.residual], may_change && h('td', {})), body);
   const hint = h('p', { class: 'muted', id: 'control-hint' });
   const state = h('p', { class: 'control-state', id: 'control-state', role: 'status' });
   const advice = h('p', { class: 'muted', id: 'control-advice' });
-  const go = button('control-apply', 'move', words.apply, () => void start(), 'primary');
+  const go = button(words.apply, () => void start(), { picture: 'move', class: 'button small primary', id: 'control-apply' });
   const tools = h('div', { class: 'row no-print', hidden: true },
-    button('control-import-open', 'upload', words.import, () => openImport(control, names)),
-    button('control-add', 'plus', words.add, () => openPointForm(control, null)));
+    button(words.import, () => openImport(control, names), { picture: 'upload', id: 'control-import-open' }),
+    button(words.add, () => openPointForm(control, null), { picture: 'plus', id: 'control-add' }));
   const element = h(
     'div',
     {},
@@ -75,7 +69,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
       'tr',
       { 'data-point': point.name, class: found?.is_outlier ? 'outlier' : null },
       h('th', { scope: 'row' }, may_change
-        ? h('button', { type: 'button', class: 'text-button', 'aria-label': words.mark_point(point.name), on: { click: () => void mark(point.name) } }, point.name)
+        ? button(point.name, () => void mark(point.name), { class: 'text-button', 'aria-label': words.mark_point(point.name) })
         : point.name),
       h('td', { class: point.marks.length >= kMinMarks ? 'control-ready' : null }, point.marks.length >= kMinMarks && icon('check'), number(point.marks.length)),
       h('td', { title: found?.reason ? inOneLine(found.remark && [found.remark], found.reason) : null }, found ? residualText(found) : ''),
@@ -158,8 +152,8 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
       tools.hidden = !may_change;
     } catch (error) {
       if (is_closed) return;
-      put(hint, error instanceof Error ? error.message : String(error), ' ',
-        h('button', { type: 'button', class: 'text-button', id: 'control-retry', on: { click: () => void read() } }, strings.errors.retry));
+      put(hint, messageOf(error), ' ',
+        button(strings.errors.retry, () => void read(), { class: 'text-button', id: 'control-retry' }));
     }
   };
 
@@ -177,6 +171,9 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   };
 }
 
+/** @param {string[]} texts of a table's columns @param {HTMLElement|false} [more] */
+const headings = (texts, more = false) => h('thead', {}, h('tr', {}, ...texts.map((text) => h('th', { scope: 'col' }, text)), more));
+
 /** @param {PointResidual} found */
 const residualText = (found) => (found.is_used ? `${formatLength(found.horizontal_m)} · ${pixels(found.px)}` : strings.control.not_used);
 
@@ -189,12 +186,8 @@ function predictionTable(residuals) {
     'details',
     { class: 'control-residuals', id: 'control-predictions' },
     h('summary', {}, words.predictions, h('span', { class: 'muted' }, ` ${words.predicted(formatLength(found.median_m), found.worst, formatLength(found.worst_m))}`)),
-    h(
-      'table',
-      { class: 'control-table' },
-      h('thead', {}, h('tr', {}, ...[words.point, words.residual].map((text) => h('th', { scope: 'col' }, text)))),
-      h('tbody', {}, ...residuals.map(({ name, predicted_m }) => predicted_m !== null && h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, formatLength(predicted_m))))),
-    ),
+    h('table', { class: 'control-table' }, headings([words.point, words.residual]),
+      h('tbody', {}, ...residuals.map(({ name, predicted_m }) => predicted_m !== null && h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, formatLength(predicted_m)))))),
     h('p', { class: 'muted' }, words.predictions_hint),
   );
 }
@@ -209,17 +202,10 @@ function residualTable(residuals) {
     'details',
     { class: 'control-residuals', id: 'control-residuals' },
     h('summary', {}, words.residuals, worst > 0 && h('span', { class: 'amber' }, ` ${words.outliers(worst)}`)),
-    h(
-      'div',
-      { class: 'control-scroll', role: 'group', 'aria-label': words.residuals, tabindex: 0 },
-      h(
-        'table',
-        { class: 'control-table' },
-        h('thead', {}, h('tr', {}, ...[words.point, words.photo, words.residual].map((text) => h('th', { scope: 'col' }, text)))),
+    h('div', { class: 'control-scroll', role: 'group', 'aria-label': words.residuals, tabindex: 0 },
+      h('table', { class: 'control-table' }, headings([words.point, words.photo, words.residual]),
         h('tbody', {}, ...marks.map(({ point, mark }) =>
-          h('tr', { class: mark.is_outlier ? 'outlier' : null }, h('th', { scope: 'row' }, point.name), h('td', {}, mark.photo), h('td', {}, `${pixels(mark.px)} · ${formatLength(mark.m)}`, mark.is_outlier && h('span', { class: 'control-flag' }, ` ${words.outlier}`))))),
-      ),
-    ),
+          h('tr', { class: mark.is_outlier ? 'outlier' : null }, h('th', { scope: 'row' }, point.name), h('td', {}, mark.photo), h('td', {}, `${pixels(mark.px)} · ${formatLength(mark.m)}`, mark.is_outlier && h('span', { class: 'control-flag' }, ` ${words.outlier}`))))))),
     h('p', { class: 'muted' }, words.residuals_hint),
   );
 }

@@ -6,7 +6,9 @@
 /** @import { Spot } from '../flight/photo_plane.js' */
 /** @import { ControlDocument } from './control_document.js' */
 import { announce } from '../shared/announce.js';
+import { ask } from '../shared/dialogs.js';
 import { h } from '../shared/dom.js';
+import { dotted } from '../shared/format.js';
 import { iconButton } from '../shared/icons.js';
 import { fixed } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
@@ -29,13 +31,10 @@ const kNear = 1;  // pixels of the screen for one of the photo, where it is mark
  */
 export function openMarking(control, name, photos, listener) {
   const words = strings.control;
-  const image = h('img', { class: 'viewer-image', draggable: 'false' });
   const expected = h('div', { class: 'viewer-mark marking-expected', hidden: true, 'aria-hidden': 'true' });
   const mark = h('button', { type: 'button', class: 'marking-mark', id: 'marking-mark', hidden: true, 'aria-label': words.mark_label, tabindex: -1 });
   const cross = h('div', { class: 'marking-cross', id: 'marking-cross', hidden: true, 'aria-hidden': 'true' });
-  const note = h('p', { class: 'viewer-note', role: 'status' });
-  const glass = loupe(image);
-  const view = h('div', { class: 'viewer-view marking-view', tabindex: 0, role: 'application', 'aria-label': words.marking_hint, id: 'marking-view' }, image, expected, mark, cross, glass.element, note);
+  const view = h('div', { class: 'viewer-view marking-view', tabindex: 0, role: 'application', 'aria-label': words.marking_hint, id: 'marking-view' }, expected, mark, cross);
   const title = h('h2', { class: 'card-title' }, words.marking_title(name));
   const facts = h('p', { class: 'viewer-facts', id: 'marking-facts' });
   const undo = iconButton('undo', strings.flights.undo, () => control.undo(), 'marking-undo');
@@ -62,13 +61,22 @@ export function openMarking(control, name, photos, listener) {
   let aim = null;
   const photo = () => photos[shown].record.name;
   const markIn = (/** @type {string} */ of) => control.point(name)?.marks.find((one) => photoKey(one.photo) === photoKey(of)) ?? null;
-  const plane = photoPlane(view, image, {
+  const plane = photoPlane(view, {
     on_draw: () => {
       place(expected, photos[shown].pixel, kExpected_px);
       place(mark, markIn(photo()), kMark_px);
       place(cross, aim, kCross_px);
     },
+    on_load: () => {
+      is_loaded = true;
+      const pixel = markIn(photo()) ?? photos[shown].pixel;
+      if (pixel) plane.show(pixel, Math.max(plane.wholeScale(), kNear));
+      else plane.showWhole();
+      draw();
+    },
   });
+  const glass = loupe(plane.image);
+  view.append(glass.element);
   /** @param {HTMLElement} element @param {Spot|null} pixel @param {number} size_px */
   const place = (element, pixel, size_px) => {
     element.hidden = !pixel || !is_loaded;
@@ -76,7 +84,7 @@ export function openMarking(control, name, photos, listener) {
     const at = plane.onScreen(pixel);
     element.style.transform = `translate(${at.x - size_px / 2}px, ${at.y - size_px / 2}px)`;
   };
-  const isWithin = (/** @type {Spot} */ { x, y }) => x >= -0.5 && y >= -0.5 && x < image.naturalWidth - 0.5 && y < image.naturalHeight - 0.5;
+  const isWithin = (/** @type {Spot} */ { x, y }) => x >= -0.5 && y >= -0.5 && x < plane.image.naturalWidth - 0.5 && y < plane.image.naturalHeight - 0.5;
 
   /** @param {Spot|null} pixel @param {boolean} [is_going_on] */
   const put = (pixel, is_going_on = false) => {
@@ -97,14 +105,14 @@ export function openMarking(control, name, photos, listener) {
   };
   const draw = () => {
     const own = markIn(photo());
-    facts.textContent = [
+    facts.textContent = dotted(
       photo(),
       strings.photo.of(shown + 1, photos.length),
       photos[shown].off_vertical_deg === null ? '' : strings.photo.off_vertical(Number(photos[shown].off_vertical_deg)),
       aim ? words.aimed(fixed(aim.x, 1), fixed(aim.y, 1)) : '',
       own && !aim ? words.pixel(fixed(own.x, 1), fixed(own.y, 1)) : '',
       own && !aim ? listener.residual_of(photo()) : '',
-    ].filter(Boolean).join(' · ');
+    );
     undo.disabled = !control.can_undo;
     remove.disabled = !own;
     [...strip.element.children].forEach((frame, i) => {
@@ -120,26 +128,10 @@ export function openMarking(control, name, photos, listener) {
     shown = (index + photos.length) % photos.length;
     is_loaded = false;
     aim = null;
-    note.textContent = strings.photo.loading;
-    note.hidden = false;
-    image.hidden = true;
-    image.alt = photo();
-    image.src = photos[shown].url;
+    plane.open(photos[shown].url, photo());
     strip.show(shown);
     draw();
   };
-  image.addEventListener('load', () => {
-    is_loaded = true;
-    note.hidden = true;
-    image.hidden = false;
-    const pixel = markIn(photo()) ?? photos[shown].pixel;
-    if (pixel) plane.show(pixel, Math.max(plane.wholeScale(), kNear));
-    else plane.showWhole();
-    draw();
-  });
-  image.addEventListener('error', () => {
-    note.textContent = strings.photo.cannot_show;
-  });
   view.addEventListener('click', (event) => {
     if (!event.defaultPrevented && event.target !== mark) put(plane.pixelAt(event));
   });
@@ -196,14 +188,11 @@ export function openMarking(control, name, photos, listener) {
     action();
   });
   control.addEventListener('change', draw);
-  dialog.addEventListener('close', () => {
+  void ask(dialog).then(() => {
     control.removeEventListener('change', draw);
     strip.close();
-    dialog.remove();
     listener.on_close();
   });
-  document.body.append(dialog);
-  dialog.showModal();
   // The first photo that is not marked yet.
   show(Math.max(0, photos.findIndex(({ record }) => !markIn(record.name))));
   view.focus();

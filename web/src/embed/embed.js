@@ -1,7 +1,7 @@
 // The bare map for frames of other pages (embed_address.js). It changes nothing, keeps nothing in the browser and asks
 // nobody for a token; first_embed.js has taken its own.
 /** @import { TileJson } from '../shared/types.js' */
-import { ApiError, getTileJson } from '../shared/api.js';
+import { ApiError, getTileJson, messageOf } from '../shared/api.js';
 import { byId, h, put } from '../shared/dom.js';
 import { toolButton } from '../shared/icons.js';
 import { embedded } from './embed_address.js';
@@ -17,8 +17,13 @@ const { id, token, wishes } = embedded();
 function say(error) {
   const words = strings.embed;
   const status = error instanceof ApiError ? error.status : -1;
-  const text = status === 401 ? words.no_access : status === 404 || status === 400 ? words.none : error instanceof Error ? error.message : String(error);
+  const text = status === 401 ? words.no_access : status === 404 || status === 400 ? words.none : messageOf(error);
   dropPoster();
+  tell(text);
+}
+
+/** @param {string} text */
+function tell(text) {
   put(byId('note'), h('p', {}, text));
   byId('note').hidden = false;
 }
@@ -53,8 +58,5 @@ async function show() {
 
 loadFlightStrings().then(
   () => show().catch(say),
-  () => {
-    put(byId('note'), h('p', {}, strings.errors.unreachable));
-    byId('note').hidden = false;
-  },
+  () => tell(strings.errors.unreachable),
 );

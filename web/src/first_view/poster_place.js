@@ -2,7 +2,7 @@
 // asked for. Web Mercator, which the library draws and the poster is drawn in; px of the page.
 /** @import { Bounds } from '../shared/types.js' */
 /** @import { ViewPlace } from '../map/view_address.js' */
-import { tilePosition } from '../map/tile_addresses.js';
+import { tileBox, tilePosition } from '../map/tile_addresses.js';
 
 /** @typedef {{top: number, right: number, bottom: number, left: number}} Padding px that other things cover */
 
@@ -31,19 +31,12 @@ const kWorld_px = 512;  // at zoom 0
  * @returns {PosterPlace|null} null where there is no room
  */
 export function fittedPlace(bounds, { width, height }, padding) {
-  const corner = tilePosition(bounds[0], bounds[3], 0);
-  const opposite = tilePosition(bounds[2], bounds[1], 0);
+  const box = tileBox(bounds, 0);
   const room = { x: width - padding.left - padding.right, y: height - padding.top - padding.bottom };
-  const size = { x: opposite.x - corner.x, y: opposite.y - corner.y };
-  if (room.x <= 0 || room.y <= 0 || size.x <= 0 || size.y <= 0) return null;
-  const scale = Math.min(room.x / size.x, room.y / size.y, kWorld_px * 2 ** kMaxZoom);
-  return {
-    left: padding.left + (room.x - size.x * scale) / 2,
-    top: padding.top + (room.y - size.y * scale) / 2,
-    width: size.x * scale,
-    height: size.y * scale,
-    bearing: 0,
-  };
+  if (room.x <= 0 || room.y <= 0 || box.width <= 0 || box.height <= 0) return null;
+  const scale = Math.min(room.x / box.width, room.y / box.height, kWorld_px * 2 ** kMaxZoom);
+  const size = { width: box.width * scale, height: box.height * scale };
+  return { left: padding.left + (room.x - size.width) / 2, top: padding.top + (room.y - size.height) / 2, ...size, bearing: 0 };
 }
 
 /**
@@ -55,13 +48,12 @@ export function fittedPlace(bounds, { width, height }, padding) {
 export function viewedPlace(bounds, { width, height }, { zoom, lat, lon, bearing }) {
   const scale = kWorld_px * 2 ** zoom;
   const centre = tilePosition(lon, lat, 0);
-  const corner = tilePosition(bounds[0], bounds[3], 0);
-  const opposite = tilePosition(bounds[2], bounds[1], 0);
+  const box = tileBox(bounds, 0);
   return {
-    left: width / 2 + (corner.x - centre.x) * scale,
-    top: height / 2 + (corner.y - centre.y) * scale,
-    width: (opposite.x - corner.x) * scale,
-    height: (opposite.y - corner.y) * scale,
+    left: width / 2 + (box.from.x - centre.x) * scale,
+    top: height / 2 + (box.from.y - centre.y) * scale,
+    width: box.width * scale,
+    height: box.height * scale,
     bearing,
   };
 }

@@ -3,6 +3,7 @@
 import { OwnDataError, ownDataFault, readOwnFile } from '../map/own_data.js';
 import { outlineOf } from '../map/outlines.js';
 import { h, put } from '../shared/dom.js';
+import { button } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 
 /**
@@ -16,7 +17,7 @@ export function areaChoice(id, outlines, refuse, cut_to = -1) {
   const known = [...outlines];
   const field = h('select', { id, class: 'field' });
   const file = h('input', { type: 'file', accept: '.geojson,.json,.kml', hidden: true, id: `${id}-file` });
-  const browse = h('button', { type: 'button', class: 'button small', id: `${id}-browse`, on: { click: () => file.click() } }, words.browse);
+  const browse = button(words.browse, () => file.click(), { id: `${id}-browse` });
   const draw = (/** @type {number} */ chosen) => {
     put(field, h('option', { value: '' }, words.whole), ...known.map(({ name }, i) => h('option', { value: String(i) }, name)));
     field.value = chosen < 0 ? '' : String(chosen);

@@ -2,8 +2,7 @@
 // it otherwise, with the same two numbers (MosaicOptions::CheckGsd).
 /** @import { JobOptions } from './job_options.js' */
 import { getFlight, getVerdict } from '../shared/api.js';
-import { ask } from '../shared/dialogs.js';
-import { h } from '../shared/dom.js';
+import { choose } from '../shared/dialogs.js';
 import { formatGsd } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
 import { timesCoarser } from './job_options.js';
@@ -32,17 +31,10 @@ export async function confirmCoarse(flight_id, options, { photos_gsd_m, signal }
   const name = (await getFlight(flight_id, signal).catch((error) => console.debug('no flight', error)))?.name;
   if (signal?.aborted) return null;
   const words = strings.options;
-  const dialog = h(
-    'dialog',
-    { class: 'dialog', 'aria-labelledby': 'coarse-title', id: 'coarse-dialog' },
-    h('h2', { id: 'coarse-title', class: 'dialog-title' }, words.coarse_title(name ?? flight_id)),
-    h('p', {}, times === null ? words.coarse_unknown(formatGsd(options.gsd_m)) : words.coarse_text(formatGsd(options.gsd_m), formatGsd(photos_m), times)),
-    h(
-      'div',
-      { class: 'dialog-actions' },
-      h('button', { type: 'button', class: 'button primary', id: 'coarse-no', on: { click: () => dialog.close('') } }, words.coarse_no),
-      h('button', { type: 'button', class: 'button', id: 'coarse-yes', on: { click: () => dialog.close('yes') } }, words.coarse_yes),
-    ),
-  );
-  return (await ask(dialog)) === 'yes' ? meant : null;
+  const text = times === null ? words.coarse_unknown(formatGsd(options.gsd_m)) : words.coarse_text(formatGsd(options.gsd_m), formatGsd(photos_m), times);
+  const chosen = await choose('coarse-dialog', words.coarse_title(name ?? flight_id), text, [
+    { value: '', label: words.coarse_no, id: 'coarse-no', is_primary: true },
+    { value: 'yes', label: words.coarse_yes, id: 'coarse-yes' },
+  ]);
+  return chosen === 'yes' ? meant : null;
 }

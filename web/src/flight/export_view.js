@@ -4,10 +4,11 @@
 /** @import { Outline } from '../map/outlines.js' */
 import { readable } from '../shared/token.js';
 import { announce } from '../shared/announce.js';
-import { listExports, remarkWords, removeExport, serverWords, startExport } from '../shared/api.js';
-import { h, put } from '../shared/dom.js';
-import { formatBytes, formatDate, formatGsd, formatPercent } from '../shared/format.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { listExports, messageOf, remarkWords, removeExport, serverWords, startExport } from '../shared/api.js';
+import { refusalBox } from '../shared/dialogs.js';
+import { arrange, h, put } from '../shared/dom.js';
+import { dotted, formatBytes, formatDate, formatGsd, formatPercent } from '../shared/format.js';
+import { icon, iconButton, runOnce } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaChoice } from './area_choice.js';
 
@@ -38,7 +39,7 @@ export function wishOf({ format, crs, epsg, resolution_cm }, outline) {
 /** @param {MapExport} made @returns {string} what was asked for, in words */
 export function exportWords({ format, crs, resolution_m, boundary, index, expression, is_current }) {
   const words = strings.exports;
-  return [index?.toUpperCase() ?? expression, words.formats[format] ?? format, crs === 'utm' ? words.systems.utm : crs, resolution_m ? formatGsd(resolution_m) : '', boundary ? words.cut : '', is_current ? '' : words.earlier].filter(Boolean).join(' · ');
+  return dotted(index?.toUpperCase() ?? expression, words.formats[format] ?? format, crs === 'utm' ? words.systems.utm : crs, resolution_m ? formatGsd(resolution_m) : '', boundary ? words.cut : '', is_current ? '' : words.earlier);
 }
 
 /**
@@ -52,14 +53,8 @@ export function exportWords({ format, crs, resolution_m, boundary, index, expres
 export function exportView(flight, outlines, signal, cut_to = -1, has_asked = false) {
   const words = strings.exports;
   const list = h('ul', { class: 'shares exports', id: 'exports' });
-  const refusal = h('div', { 'aria-live': 'assertive' });
-
-  /** @param {string} text '' for none */
-  const refuse = (text) => {
-    put(refusal, text && h('p', { class: 'callout callout-error', role: 'alert', id: 'export-refusal' }, text));
-    if (text) refusal.scrollIntoView({ block: 'nearest' });
-  };
-  const failed = (/** @type {unknown} */ error) => refuse(error instanceof Error ? error.message : String(error));
+  const { element: refusal, refuse } = refusalBox('export-refusal');
+  const failed = (/** @type {unknown} */ error) => refuse(messageOf(error));
 
   const option = (/** @type {string} */ value, /** @type {string} */ label) => h('option', { value }, label);
   const format = h('select', { id: 'export-format', class: 'field' }, ...Object.entries(words.formats).map(([value, label]) => option(value, label)));
@@ -122,18 +117,11 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     entry.row.dataset.state = made.state;
     const what = exportWords(made);
     if (before !== made.state && isOver(made)) announce(made.state === 'successful' ? words.ready(what) : words.failed(what));
-    const remove = iconButton(isOver(made) ? 'trash' : 'close', words.remove(what), null);
-    remove.addEventListener('click', async () => {
-      remove.disabled = true;
+    const remove = iconButton(isOver(made) ? 'trash' : 'close', words.remove(what), () => runOnce(remove, async () => {
       refuse('');
-      try {
-        await removeExport(flight.id, made.id);
-        await watch();
-      } catch (error) {
-        remove.disabled = false;
-        failed(error);
-      }
-    });
+      await removeExport(flight.id, made.id);
+      await watch();
+    }, failed));
     const had_focus = entry.row.contains(document.activeElement);
     put(
       entry.row,
@@ -152,11 +140,7 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     if (signal.aborted) return;
     const kept = new Set(exports.map(({ id }) => id));
     for (const id of rows.keys()) if (!kept.has(id)) rows.delete(id);
-    const wanted = exports.map(drawRow);
-    for (const old of [...list.children]) if (!wanted.includes(/** @type {HTMLLIElement} */ (old))) old.remove();
-    wanted.forEach((element, i) => {
-      if (list.children[i] !== element) list.insertBefore(element, list.children[i] ?? null);
-    });
+    arrange(list, exports.map(drawRow));
     heading.hidden = exports.length === 0;
     clearTimeout(timer);
     if (!exports.every(isOver)) timer = window.setTimeout(() => void watch(), kAgain_ms);
@@ -193,7 +177,7 @@ function stateOf({ state, progress, bytes, error, expires_at }) {
   if (state === 'failed') return [h('span', { class: 'bad fine' }, error ? serverWords(error.code, error.message, error.reason) : words.failed(''))];
   if (state === 'successful') {
     const until = expires_at ? formatDate(expires_at, { with_time: true }) : '';
-    return [h('span', { class: 'muted fine' }, [bytes === null ? '' : formatBytes(bytes), until && words.until(until)].filter(Boolean).join(' · '))];
+    return [h('span', { class: 'muted fine' }, dotted(bytes !== null && formatBytes(bytes), until && words.until(until)))];
   }
   const text = state === 'accepted' ? words.waiting : formatPercent(progress);
   return [h('progress', { class: 'bar', max: 1, value: progress, 'aria-label': words.progress }), h('span', { class: 'muted fine' }, text)];

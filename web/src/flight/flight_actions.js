@@ -7,7 +7,7 @@ import { at } from '../shared/router.js';
 import { showDialog } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes } from '../shared/format.js';
-import { icon } from '../shared/icons.js';
+import { button, icon, runOnce } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { mayChange } from './flight_words.js';
 import { tokenForPrograms } from '../sharing/links_view.js';
@@ -20,14 +20,12 @@ import { tokenForPrograms } from '../sharing/links_view.js';
  */
 export function flightActions(flight, share, outlines) {
   const words = strings.actions;
-  const button = (/** @type {string} */ id, /** @type {string} */ picture, /** @type {string} */ label, /** @type {() => void} */ run) =>
-    h('button', { type: 'button', class: 'button small', id, on: { click: run } }, icon(picture), label);
   return h(
     'div',
     { class: 'row flight-actions no-print' },
-    mayChange(flight) && button('flight-share', 'share', strings.share.action, () => share(flight)),
-    button('flight-download', 'download', words.download, () => showDownloads(flight, outlines())),
-    button('flight-qgis', 'layers', words.qgis, () => showQgis(flight)),
+    mayChange(flight) && button(strings.share.action, () => share(flight), { picture: 'share', id: 'flight-share' }),
+    button(words.download, () => showDownloads(flight, outlines()), { picture: 'download', id: 'flight-download' }),
+    button(words.qgis, () => showQgis(flight), { picture: 'layers', id: 'flight-qgis' }),
   );
 }
 
@@ -54,26 +52,18 @@ export function showDownloads(flight, outlines, { cut_to = -1, wish: wanted = nu
   const namesIn = (/** @type {object} */ files) => /** @type {import('../shared/api.js').DownloadName[]} */ (Object.keys(files));
   const closed = new AbortController();
   const exports = h('div', { class: 'export-part' });
-  const showExports = async (/** @type {HTMLButtonElement} */ button, /** @type {import('../shared/api.js').ExportWish|null} */ wish) => {
-    button.disabled = true;
-    try {
-      const { exportView } = await import('./export_view.js');
-      if (wish) await startExport(flight.id, wish);  // one that is there already is what this gives
-      downloads.remove();  // the exports themselves would be out of sight below
-      put(exports, exportView(flight, outlines, closed.signal, cut_to, wish !== null));
-      if (!wish) put(dialog.querySelector('h2') ?? dialog, strings.exports.open);
-      /** @type {HTMLElement|null} */ (exports.querySelector(wish ? 'a, button' : 'select'))?.focus();
-    } catch (error) {
-      button.disabled = false;
-      showError(error);
-    }
-  };
-  const open = h('button', { type: 'button', class: 'text-button', id: 'export-open' }, strings.exports.open);
-  open.addEventListener('click', () => void showExports(open, null));
+  const showExports = (/** @type {HTMLButtonElement} */ pressed, /** @type {import('../shared/api.js').ExportWish|null} */ wish) => runOnce(pressed, async () => {
+    const { exportView } = await import('./export_view.js');
+    if (wish) await startExport(flight.id, wish);  // one that is there already is what this gives
+    downloads.remove();  // the exports themselves would be out of sight below
+    put(exports, exportView(flight, outlines, closed.signal, cut_to, wish !== null));
+    if (!wish) put(dialog.querySelector('h2') ?? dialog, strings.exports.open);
+    /** @type {HTMLElement|null} */ (exports.querySelector(wish ? 'a, button' : 'select'))?.focus();
+  }, showError);
+  const open = button(strings.exports.open, () => void showExports(open, null), { class: 'text-button', id: 'export-open' });
   const wishRow = (/** @type {string} */ name, /** @type {string} */ title, /** @type {string} */ hint, /** @type {import('../shared/api.js').ExportWish} */ wish) => {
-    const button = h('button', { type: 'button', class: 'download', id: `download-${name}` }, icon('download'), h('span', {}, title), h('small', {}, hint));
-    button.addEventListener('click', () => void showExports(button, wish));
-    return button;
+    const row = h('button', { type: 'button', class: 'download', id: `download-${name}`, on: { click: () => void showExports(row, wish) } }, icon('download'), h('span', {}, title), h('small', {}, hint));
+    return row;
   };
   const wish = (/** @type {keyof typeof kWishes} */ name) => wishRow(name, words.wishes[name][0], words.wishes[name][1], kWishes[name]);
   // What the tiles lie in is not what distances are measured in, so that this comes first.

@@ -3,8 +3,8 @@
 /** @import { Flight } from '../shared/types.js' */
 import { showError } from '../shared/announce.js';
 import { changeFlight, ownAccess } from '../shared/api.js';
-import { h } from '../shared/dom.js';
-import { icon } from '../shared/icons.js';
+import { checkRow, h, onEscape } from '../shared/dom.js';
+import { button, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { mayChange } from './flight_words.js';
 
@@ -42,17 +42,14 @@ export function tagRow(current, known, on_change) {
   };
   const chip = (/** @type {string} */ tag) => {
     if (!may_change) return h('li', { class: 'tag' }, tag);
-    const label = words.remove(tag);
-    const cross = h('button', { type: 'button', class: 'tag-remove no-print', 'aria-label': label, title: label }, icon('close'));
-    cross.addEventListener('click', () => void save({ tags: (current().tags ?? []).filter((other) => other !== tag) }, 'tag-add'));
+    const cross = iconButton('close', words.remove(tag), () => void save({ tags: (current().tags ?? []).filter((other) => other !== tag) }, 'tag-add'), '', 'tag-remove no-print');
     return h('li', { class: 'tag' }, h('span', { class: 'tag-word' }, tag), cross);
   };
   const list = h('ul', { class: 'tags', id: 'flight-tags', 'aria-label': words.heading }, ...tags.map(chip));
   const row = h('div', { class: 'flight-tags' }, list);
   if (may_change && tags.length < kMaxTags) {
-    const add = h('button', { type: 'button', class: 'tag tag-button no-print', id: 'tag-add' }, icon('plus'), words.add);
     const addTo = (/** @type {string[]} */ typed) => save({ tags: [...new Set([...(current().tags ?? []), ...typed])].slice(0, kMaxTags) }, 'tag-add');
-    add.addEventListener('click', () => askTag(flight, add, known().filter((tag) => !tags.includes(tag)), addTo));
+    const add = button(words.add, () => askTag(flight, add, known().filter((tag) => !tags.includes(tag)), addTo), { picture: 'plus', class: 'tag tag-button no-print', id: 'tag-add' });
     row.append(add);
   }
   if (may_change) void ownAccess().then((access) => (access?.keep_days || flight.keep) && row.after(keepSwitch(current, access?.keep_days ?? 0, (keep) => save({ keep }, 'flight-keep'))));
@@ -83,8 +80,7 @@ function askTag(flight, add, proposed, on_tags) {
     event.preventDefault();
     end(true);
   });
-  input.addEventListener('keydown', (event) => {
-    if (event.key !== 'Escape') return;
+  onEscape(input, (event) => {
     event.stopPropagation();
     end(false);
   });
@@ -101,15 +97,15 @@ function askTag(flight, add, proposed, on_tags) {
  */
 function keepSwitch(current, keep_days, on_keep) {
   const words = strings.tags;
-  const input = h('input', { type: 'checkbox', id: 'flight-keep', checked: Boolean(current().keep), 'aria-describedby': 'flight-keep-hint' });
-  input.addEventListener('change', async () => {
-    await on_keep(input.checked);
+  const { input, row } = checkRow(words.keep, 'flight-keep', Boolean(current().keep), async (keep) => {
+    await on_keep(keep);
     input.checked = Boolean(current().keep);  // as before where it could not be saved
   });
+  input.setAttribute('aria-describedby', 'flight-keep-hint');
   return h(
     'div',
     { class: 'flight-keep no-print' },
-    h('label', { class: 'check', for: 'flight-keep' }, input, h('span', {}, words.keep)),
+    row,
     h('small', { class: 'muted', id: 'flight-keep-hint' }, keep_days ? words.keep_hint(keep_days) : words.keep_no_need),
   );
 }

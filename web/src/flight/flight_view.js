@@ -2,7 +2,7 @@
 /** @import { Flight, Job, Report } from '../shared/types.js' */
 /** @import { Stage } from '../map/stage.js' */
 import { announce, showError } from '../shared/announce.js';
-import { ApiError, getFlight, getReport, serverWords, startControl, startJob, startPlacing } from '../shared/api.js';
+import { ApiError, getFlight, getReport, messageOf, serverWords, startControl, startJob, startPlacing } from '../shared/api.js';
 import { controlSection } from '../control/control_section.js';
 import { h, loadStyle, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
@@ -12,7 +12,7 @@ import { askOptions, lastOptions, optionsButton } from './options_dialog.js';
 import { flightActions } from './flight_actions.js';
 import { tagRow } from './flight_tags.js';
 import { followFlight } from './follow_flight.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { button, icon, iconButton } from '../shared/icons.js';
 import { isOver, watchJob } from './job_watch.js';
 import { jobView } from './job_view.js';
 import { linksView } from '../sharing/links_view.js';
@@ -128,17 +128,9 @@ export class FlightView {
     } catch (error) {
       if (this.#abort.signal.aborted) return;
       const gone = error instanceof ApiError && (error.status === 404 || error.status === 400);
-      this.#say(gone ? strings.flights.gone : error instanceof Error ? error.message : String(error), () => this.refresh(), !gone);
+      put(this.#work, h('div', { class: 'callout callout-error', role: 'alert' }, h('p', {}, gone ? strings.flights.gone : messageOf(error)),
+        !gone && button(strings.errors.retry, () => this.refresh(), { picture: 'retry' })));
     }
-  }
-
-  /** @param {string} text @param {() => void} again @param {boolean} can_retry */
-  #say(text, again, can_retry) {
-    put(
-      this.#work,
-      h('div', { class: 'callout callout-error', role: 'alert' }, h('p', {}, text),
-        can_retry && h('button', { type: 'button', class: 'button small', on: { click: again } }, icon('retry'), strings.errors.retry)),
-    );
   }
 
   /** @param {Flight} flight */
@@ -269,10 +261,9 @@ export class FlightView {
     // A map of others is taken over as it is.
     if (flight.job?.options?.import_file) return [this.#startButton(flight, strings.job.again)];
     if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), optionsButton(flight.id, () => this.stage.outlines()), this.#addButton()];
-    const change = h('button', { type: 'button', class: 'button small primary', id: 'place-again' }, strings.place.change);
-    change.addEventListener('click', () => {
+    const change = button(strings.place.change, () => {
       if (this.#report) this.#place(flight, this.#report, change);
-    });
+    }, { class: 'button small primary', id: 'place-again' });
     return [change];
   }
 
@@ -308,7 +299,7 @@ export class FlightView {
       flight_id: flight.id,
       title: strings.options.again_title,
       hint: strings.options.again_hint,
-      submit: strings.options.again_start,
+      submit: strings.upload.start,
       options: lastOptions(flight),
       outlines: this.stage.outlines(),
       on_submit: async (options) => {
@@ -343,14 +334,13 @@ export class FlightView {
   }
 
   #addButton() {
-    return h('button', { type: 'button', class: 'button small', on: { click: this.actions.add_photos } }, icon('folder'), strings.drop.more);
+    return button(strings.drop.more, this.actions.add_photos, { picture: 'folder' });
   }
 
   /** @param {Flight} flight @param {string} label @param {'primary'|''} [kind] */
   #startButton(flight, label, kind = 'primary') {
-    const button = h('button', { type: 'button', class: `button small ${kind}`, id: 'start-job' }, icon('play'), label);
-    button.addEventListener('click', async () => {
-      button.disabled = true;
+    const start = button(label, async () => {
+      start.disabled = true;
       try {
         const before = flight.job?.options;
         const meant = before?.import_file ? before : await confirmCoarse(flight.id, chosenOptions(flight.id));
@@ -362,8 +352,8 @@ export class FlightView {
         showError(error);
       }
       await this.refresh();
-    });
-    return button;
+    }, { picture: 'play', class: `button small ${kind}`, id: 'start-job' });
+    return start;
   }
 
   /** @param {Flight} flight */

@@ -2,7 +2,7 @@
 // true it is. What holds, the server says (core/pipeline/report/judge_map.h); nothing is judged here.
 /** @import { Flight, MapLimit, MapQuality } from '../shared/types.js' */
 import { h } from '../shared/dom.js';
-import { formatBytes, formatCaptureDay, formatDate, formatError, formatGsd, formatPercent } from '../shared/format.js';
+import { dotted, formatBytes, formatCaptureDay, formatDate, formatError, formatGsd, formatPercent } from '../shared/format.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 import { uploadOf } from '../upload/drop_zone.js';
@@ -31,25 +31,21 @@ function photosOf(flight) {
   return flight.photos ? strings.flights.photos(flight.photos.total) : strings.flights.files(flight.file_count);
 }
 
-/**
- * @param {Flight} flight
- * @returns {string}
- */
+/** @param {Flight} flight */
+const uploadedWords = ({ file_count, created_at }) => (file_count > 0 ? strings.flights.uploaded(formatDate(created_at)) : formatDate(created_at));
+
+/** @param {Flight} flight @returns {string} */
 export function flightFacts(flight) {
   // What has arrived so far, the upload itself says.
   if (!flight.photos && uploadOf(flight.id)) return formatDate(flight.created_at);
-  const photos = photosOf(flight);
-  return [takenDay(flight), photos, accuracyMark(flight.quality), flight.bytes > 0 ? formatBytes(flight.bytes) : '', flight.file_count > 0 ? strings.flights.uploaded(formatDate(flight.created_at)) : formatDate(flight.created_at)]
-    .filter(Boolean)
-    .join(' · ');
+  return dotted(takenDay(flight), photosOf(flight), accuracyMark(flight.quality), flight.bytes > 0 ? formatBytes(flight.bytes) : '', uploadedWords(flight));
 }
 
 /** The same in a row of the list, where there is room for what tells flights apart. @param {Flight} flight @returns {string[]} lines */
 export function shortFacts(flight) {
-  const photos = photosOf(flight);
-  const day = takenDay(flight) || (flight.file_count > 0 ? strings.flights.uploaded(formatDate(flight.created_at)) : formatDate(flight.created_at));
+  const day = takenDay(flight) || uploadedWords(flight);
   const gsd = flight.gsd_m && isScaleKnown(flight.quality) ? formatGsd(flight.gsd_m) : '';
-  return [day, [photos, gsd || (flight.bytes > 0 ? formatBytes(flight.bytes) : ''), accuracyMark(flight.quality)].filter(Boolean).join(' · ')];
+  return [day, dotted(photosOf(flight), gsd || (flight.bytes > 0 && formatBytes(flight.bytes)), accuracyMark(flight.quality))];
 }
 
 /** A map of others: without its photos it can be neither moved nor made again. @param {Flight} flight */

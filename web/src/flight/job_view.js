@@ -3,7 +3,8 @@
 import { announce, showError } from '../shared/announce.js';
 import { cancelJob } from '../shared/api.js';
 import { h } from '../shared/dom.js';
-import { formatDuration, formatPercent } from '../shared/format.js';
+import { dotted, formatDuration, formatPercent } from '../shared/format.js';
+import { button, runOnce } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { jobWorkers } from './job_workers.js';
 
@@ -36,16 +37,7 @@ export function jobView(job_id, may_cancel, heading = strings.job.heading) {
   const percent = h('strong', { class: 'big-number' });
   const stage = h('span', { class: 'stage-name', id: 'job-stage' });
   const note = h('p', { class: 'muted', id: 'job-note' });
-  const cancel = h('button', { type: 'button', class: 'button small', id: 'job-cancel' }, words.cancel);
-  cancel.addEventListener('click', async () => {
-    cancel.disabled = true;
-    try {
-      await cancelJob(job_id);
-    } catch (error) {
-      cancel.disabled = false;
-      showError(error);
-    }
-  });
+  const cancel = button(words.cancel, () => runOnce(cancel, () => cancelJob(job_id), showError), { id: 'job-cancel' });
   const workers = jobWorkers();
   const element = h(
     'section',
@@ -66,14 +58,12 @@ export function jobView(job_id, may_cancel, heading = strings.job.heading) {
       else bar.value = fraction;
       percent.textContent = waiting ? '' : formatPercent(fraction);
       percent.hidden = waiting;
-      stage.textContent = waiting ? words.waiting : stageName(job.stage);
-      note.textContent = [
+      stage.textContent = stageName(waiting ? 'queued' : job.stage);
+      note.textContent = dotted(
         waiting || job.message === stage.textContent ? '' : job.message,
         timeLeft(job),
         (job.attempts ?? 0) > 1 ? words.attempt(job.attempts ?? 0) : '',
-      ]
-        .filter(Boolean)
-        .join(' · ');
+      );
       workers.update(job);
       announce(`${stage.textContent} ${percent.textContent}`, { is_progress: true });
     },

@@ -4,7 +4,7 @@ import { ApiError, getJob } from '../shared/api.js';
 
 /**
  * @param {string} job_id
- * @param {{on_job: (job: Job) => void, on_lost: () => void, on_gone: (error: ApiError) => void}} listener
+ * @param {{on_job: (job: Job) => void, on_lost: () => void, on_gone: () => void}} listener
  *   on_lost: no answer, still trying; on_gone: the server no longer knows the job
  * @param {AbortSignal} signal stops the watching
  */
@@ -21,7 +21,7 @@ export async function watchJob(job_id, listener, signal) {
       if (signal.aborted) return;
       if (!(error instanceof ApiError)) throw error;
       if (!error.is_passing) {
-        listener.on_gone(error);
+        listener.on_gone();
         return;
       }
       listener.on_lost();

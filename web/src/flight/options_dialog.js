@@ -3,11 +3,12 @@
 /** @import { Flight } from '../shared/types.js' */
 /** @import { Outline } from '../map/outlines.js' */
 /** @import { Choice, JobOptions, OptionsForm, TypedField } from './job_options.js' */
-import { kLayers } from '../shared/api.js';
-import { closeButton } from '../shared/dialogs.js';
-import { h, put } from '../shared/dom.js';
+import { kLayers, messageOf } from '../shared/api.js';
+import { ask, closeButton, refusalBox, titledDialog } from '../shared/dialogs.js';
+import { checkRow, h, put } from '../shared/dom.js';
+import { dotted } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
-import { icon } from '../shared/icons.js';
+import { button } from '../shared/icons.js';
 import { areaChoice } from './area_choice.js';
 import { confirmCoarse } from './coarse_map.js';
 import { chosenIn, chooseOptions, chosenOptions, formOf, jobArea, kChoiceNames, kChoices, keepPreset, keptPresets, kLimits, kPresets, optionsOf } from './job_options.js';
@@ -24,10 +25,6 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     h('input', { id: `option-${name}`, class: 'field', type: 'text', inputmode: name === 'origin' ? 'text' : 'decimal', placeholder, autocomplete: 'off', 'aria-describedby': `option-${name}-hint option-${name}-fault` });
   const choice = (/** @type {Choice} */ name) =>
     h('select', { id: `option-${name}`, class: 'field', 'aria-describedby': `option-${name}-hint` }, ...kChoices[name].map((value) => h('option', { value }, choiceWords(name, value))));
-  const box = (/** @type {string} */ id, /** @type {string} */ label) => {
-    const input = h('input', { type: 'checkbox', id });
-    return { input, row: h('label', { class: 'check', for: id }, input, h('span', {}, label)) };
-  };
 
   const typed = {
     resolution_cm: text('resolution_cm', words.as_photos),
@@ -39,8 +36,8 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
   };
   const fields = /** @type {TypedField[]} */ (Object.keys(typed));
   const choices = /** @type {Record<Choice, HTMLSelectElement>} */ (Object.fromEntries(kChoiceNames.map((name) => [name, choice(name)])));
-  const not_finer = box('option-not_finer', words.not_finer);
-  const layers = kLayers.map((name) => ({ name, ...box(`option-layer-${name}`, /** @type {Record<string, string>} */ (strings.map.overlays)[name]) }));
+  const not_finer = checkRow(words.not_finer, 'option-not_finer');
+  const layers = kLayers.map((name) => ({ name, ...checkRow(/** @type {Record<string, string>} */ (strings.map.overlays)[name], `option-layer-${name}`) }));
   /** @type {Record<string, HTMLElement>} */
   const faults = Object.fromEntries(fields.map((name) => [name, h('small', { class: 'bad', id: `option-${name}-fault`, role: 'alert' })]));
 
@@ -55,7 +52,8 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     );
   };
 
-  const area = areaChoice('option-boundary', outlines, (why) => refuse(why));
+  const { element: refusal, refuse } = refusalBox('options-refusal');
+  const area = areaChoice('option-boundary', outlines, refuse);
   area.field.setAttribute('aria-describedby', 'option-boundary-hint');
 
   /** @returns {OptionsForm} */
@@ -87,7 +85,10 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
   };
 
   const preset = h('select', { id: 'option-preset', class: 'field' });
-  const forget = h('button', { type: 'button', class: 'button small', id: 'preset-forget' }, words.forget);
+  const forget = button(words.forget, () => {
+    keepPreset(preset.value.slice(kOwn.length), null);
+    drawPresets('');
+  }, { id: 'preset-forget' });
   const drawPresets = (/** @type {string} */ shown) => {
     const own = Object.keys(keptPresets()).sort();
     put(
@@ -108,26 +109,16 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     area.field.value = shown_area;
     forget.hidden = !name.startsWith(kOwn);
   });
-  forget.addEventListener('click', () => {
-    keepPreset(preset.value.slice(kOwn.length), null);
-    drawPresets('');
-  });
   const name_of_preset = h('input', { id: 'preset-name', class: 'field', type: 'text', maxlength: 60, placeholder: words.preset_name, 'aria-label': words.preset_name });
-  const keep = h('button', { type: 'button', class: 'button small', id: 'preset-keep' }, strings.flights.save);
-  keep.addEventListener('click', () => {
+  const keep = button(strings.flights.save, () => {
     const name = name_of_preset.value.trim();
     if (name === '' || !check()) return name_of_preset.focus();
     if (keepPreset(name, read())) {
       drawPresets(kOwn + name);
       name_of_preset.value = '';
     } else refuse(words.not_kept);
-  });
+  }, { id: 'preset-keep' });
 
-  const refusal = h('div', { 'aria-live': 'assertive' });
-  const refuse = (/** @type {string} */ why) => {
-    put(refusal, why && h('p', { class: 'callout callout-error', role: 'alert', id: 'options-refusal' }, why));
-    if (why) refusal.scrollIntoView({ block: 'nearest' });
-  };
   const send = h('button', { type: 'submit', class: 'button primary', id: 'options-submit' }, submit);
   const form = h(
     'form',
@@ -180,19 +171,14 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
         dialog.close();
       } else typed.resolution_cm.focus();
     } catch (error) {
-      refuse(error instanceof Error ? error.message : String(error));
+      refuse(messageOf(error));
     }
     send.disabled = false;
   });
-  const dialog = h('dialog', { class: 'dialog', 'aria-labelledby': 'options-title', id: 'options-dialog' }, h('h2', { id: 'options-title', class: 'dialog-title' }, title), hint && h('p', { class: 'muted' }, hint), form);
-  dialog.addEventListener('close', () => {
-    closed.abort();
-    dialog.remove();
-  });
-  document.body.append(dialog);
+  const dialog = titledDialog('options-dialog', title, hint && h('p', { class: 'muted' }, hint), form);
   drawPresets('');
   fill(formOf(options));
-  dialog.showModal();
+  void ask(dialog).then(() => closed.abort());
 }
 
 /** @param {Choice} name @param {string} value */
@@ -203,7 +189,7 @@ export function optionWords(options) {
   const words = strings.options;
   const form = formOf(options);
   const chosen = Object.fromEntries(chosenIn(form).map(([name, value]) => [name, choiceWords(name, value)]));
-  return [
+  return dotted(
     form.resolution_cm && `${form.resolution_cm} cm`,
     chosen.method,
     chosen.surface,
@@ -215,7 +201,7 @@ export function optionWords(options) {
     form.origin && `${words.names.origin} ${form.origin}`,
     form.takeoff_height_m && `${words.names.takeoff_height_m} ${form.takeoff_height_m} m`,
     form.boundary && strings.exports.cut,
-  ].filter(Boolean).join(' · ');
+  );
 }
 
 /** What a finished map was made with, as far as is known. @param {Flight} flight @returns {JobOptions} */
@@ -234,7 +220,7 @@ export function optionsButton(flight_id, outlines = () => []) {
     const text = optionWords(chosenOptions(flight_id));
     chosen.textContent = text && words.chosen(text);
   };
-  const ask = () =>
+  const open = () =>
     askOptions({
       flight_id,
       title: words.title,
@@ -247,5 +233,5 @@ export function optionsButton(flight_id, outlines = () => []) {
       },
     });
   draw();
-  return h('span', { class: 'option-choice' }, h('button', { type: 'button', class: 'button small', id: 'options-open', on: { click: ask } }, icon('sliders'), words.action), chosen);
+  return h('span', { class: 'option-choice' }, button(words.action, open, { picture: 'sliders', id: 'options-open' }), chosen);
 }

@@ -2,9 +2,9 @@
 /** @import { PhotoRecord } from '../shared/types.js' */
 import { announce } from '../shared/announce.js';
 import { formatCoordinates } from '../map/coordinates.js';
-import { h, put } from '../shared/dom.js';
+import { h, onEscape, put } from '../shared/dom.js';
 import { formatDate, formatError, formatLength } from '../shared/format.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { button, iconButton } from '../shared/icons.js';
 import { openPhotos } from './photo_viewer.js';
 import { fixed } from '../shared/language.js';
 import { inOneLine } from '../shared/remarks.js';
@@ -75,8 +75,7 @@ export function photoCard(listener) {
         iconButton('close', strings.page.close, close),
       ),
       h('dl', { class: 'record' }, ...facts(record, off_vertical_deg).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
-      h('button', { type: 'button', class: 'button small', id: 'photo-open', on: { click: () => openPhotos(photos, shown, (index) => { shown = index; draw(); }) } },
-        icon('photo'), pixel ? words.open_here : words.open),
+      button(pixel ? words.open_here : words.open, () => openPhotos(photos, shown, (index) => { shown = index; draw(); }), { picture: 'photo', id: 'photo-open' }),
       photos.length > 1 && h('div', { class: 'row between pager' }, back, h('span', { class: 'muted' }, words.of(shown + 1, photos.length)), next),
     );
     element.hidden = false;
@@ -84,9 +83,7 @@ export function photoCard(listener) {
     listener.on_show(record);
     announce(record.name);
   };
-  element.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape') close();
-  });
+  onEscape(element, close);
   return {
     element,
     show(next_photos) {

@@ -1,5 +1,7 @@
 // A photo that is panned, zoomed and turned within a view: what is in the middle, how large, and which pixel is where.
 // Pixels: the centre of the first one is (0, 0), as stored, whatever the EXIF orientation says.
+import { h } from '../shared/dom.js';
+import { strings } from '../shared/flight_strings.js';
 import { followPointer } from '../shared/follow_pointer.js';
 
 export const kZoomStep = 1.5;
@@ -12,11 +14,23 @@ const kPixelated = 3;
 const turned = ({ x, y }, angle) => ({ x: x * Math.cos(angle) - y * Math.sin(angle), y: x * Math.sin(angle) + y * Math.cos(angle) });
 
 /**
- * @param {HTMLElement} view
- * @param {HTMLImageElement} image in it
- * @param {{turn_rad?: () => number, on_draw: () => void}} listener
+ * @param {HTMLElement} view gets the photo, below what is in it, and a note while there is none
+ * @param {{turn_rad?: () => number, on_draw: () => void, on_load: () => void, on_error?: () => void}} listener
  */
-export function photoPlane(view, image, { turn_rad = () => 0, on_draw }) {
+export function photoPlane(view, { turn_rad = () => 0, on_draw, on_load, on_error = () => {} }) {
+  const image = h('img', { class: 'viewer-image', draggable: 'false' });
+  const note = h('p', { class: 'viewer-note', role: 'status' });
+  view.prepend(image);
+  view.append(note);
+  image.addEventListener('load', () => {
+    note.hidden = true;
+    image.hidden = false;
+    on_load();
+  });
+  image.addEventListener('error', () => {
+    note.textContent = strings.photo.cannot_show;
+    on_error();
+  });
   // What is in the middle of the view, in pixels of the image, and how it is drawn there.
   let middle = { x: 0, y: 0 };
   let scale = 1;
@@ -55,6 +69,15 @@ export function photoPlane(view, image, { turn_rad = () => 0, on_draw }) {
   new ResizeObserver(draw).observe(view);
   followPointer(view, { pan, zoom });
   return {
+    image,
+    /** @param {string} url @param {string} name */
+    open(url, name) {
+      note.textContent = strings.photo.loading;
+      note.hidden = false;
+      image.hidden = true;
+      image.alt = name;
+      image.src = url;
+    },
     draw,
     /** What keys do. */
     keys: { '+': () => zoom(kZoomStep), '=': () => zoom(kZoomStep), '-': () => zoom(1 / kZoomStep), 0: showWhole },

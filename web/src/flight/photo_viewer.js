@@ -3,7 +3,9 @@
 // N turns the photo to north, Escape closes.
 /** @import { SeenPhoto } from './photo_card.js' */
 import { announce } from '../shared/announce.js';
+import { ask } from '../shared/dialogs.js';
 import { h } from '../shared/dom.js';
+import { dotted } from '../shared/format.js';
 import { compassNeedle, icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { kArrows } from '../shared/follow_pointer.js';
@@ -21,10 +23,8 @@ const kNorth = 'skyquilt.photo_north';
  */
 export function openPhotos(photos, first, on_step) {
   const words = strings.photo;
-  const image = h('img', { class: 'viewer-image', draggable: 'false' });
   const mark = h('div', { class: 'viewer-mark', hidden: true, 'aria-hidden': 'true' });
-  const note = h('p', { class: 'viewer-note', role: 'status' });
-  const view = h('div', { class: 'viewer-view', tabindex: 0, role: 'application', 'aria-label': words.viewer_hint, id: 'viewer-view' }, image, mark, note);
+  const view = h('div', { class: 'viewer-view', tabindex: 0, role: 'application', 'aria-label': words.viewer_hint, id: 'viewer-view' }, mark);
   const title = h('h2', { class: 'card-title' });
   const facts = h('p', { class: 'viewer-facts' });
   const save = h('a', { class: 'icon-button', 'aria-label': words.download, title: words.download }, icon('download'));
@@ -58,7 +58,7 @@ export function openPhotos(photos, first, on_step) {
   let is_first = true;
 
   const turn_rad = () => (is_north ? ((photos[shown].record.yaw_deg ?? 0) * Math.PI) / 180 : 0);
-  const plane = photoPlane(view, image, {
+  const plane = photoPlane(view, {
     turn_rad,
     on_draw: () => {
       needle.style.transform = `rotate(${turn_rad() - ((photos[shown].record.yaw_deg ?? 0) * Math.PI) / 180}rad)`;
@@ -67,6 +67,15 @@ export function openPhotos(photos, first, on_step) {
       const at = plane.onScreen(pixel);
       mark.style.transform = `translate(${at.x - kMark_px / 2}px, ${at.y - kMark_px / 2}px)`;
     },
+    on_load: () => {
+      const { pixel } = photos[shown];
+      mark.hidden = !pixel;
+      if (!pixel) plane.showWhole();
+      // The next photo of the same place is shown as near, so that they can be told apart.
+      else plane.show(pixel, is_first ? Math.max(plane.wholeScale(), 1 / window.devicePixelRatio) : plane.scale);
+      is_first = false;
+    },
+    on_error: () => (is_first = false),
   });
   /** @param {boolean} on */
   const setNorth = (on) => {
@@ -81,37 +90,19 @@ export function openPhotos(photos, first, on_step) {
     shown = (index + photos.length) % photos.length;
     const { record, url, off_vertical_deg } = photos[shown];
     title.textContent = record.name;
-    facts.textContent = [photos.length > 1 ? words.of(shown + 1, photos.length) : '', off_vertical_deg === null ? '' : words.off_vertical(off_vertical_deg)].filter(Boolean).join(' · ');
+    facts.textContent = dotted(photos.length > 1 && words.of(shown + 1, photos.length), off_vertical_deg !== null && words.off_vertical(off_vertical_deg));
     dialog.setAttribute('aria-label', record.name);
     north.hidden = typeof record.yaw_deg !== 'number';
     save.href = url;
     save.setAttribute('download', record.name);
-    note.textContent = words.loading;
-    note.hidden = false;
     mark.hidden = true;
-    image.alt = record.name;
-    image.hidden = true;
-    image.src = url;
+    plane.open(url, record.name);
     strip.show(shown);
     if (!is_first) {
       on_step(shown);
       announce(record.name);
     }
   };
-  image.addEventListener('load', () => {
-    const { pixel } = photos[shown];
-    note.hidden = true;
-    image.hidden = false;
-    mark.hidden = !pixel;
-    if (!pixel) plane.showWhole();
-    // The next photo of the same place is shown as near, so that they can be told apart.
-    else plane.show(pixel, is_first ? Math.max(plane.wholeScale(), 1 / window.devicePixelRatio) : plane.scale);
-    is_first = false;
-  });
-  image.addEventListener('error', () => {
-    note.textContent = words.cannot_show;
-    is_first = false;
-  });
   /** @type {Record<string, () => void>} */
   const keys = { ...plane.keys, n: () => setNorth(!is_north) };
   dialog.addEventListener('keydown', (event) => {
@@ -123,12 +114,7 @@ export function openPhotos(photos, first, on_step) {
     else if (arrow[0] !== 0 && !event.shiftKey && photos.length > 1) show(shown + arrow[0]);
     else plane.pan(-arrow[0] * kPanStep_px, -arrow[1] * kPanStep_px);
   });
-  dialog.addEventListener('close', () => {
-    strip.close();
-    dialog.remove();
-  });
-  document.body.append(dialog);
-  dialog.showModal();
+  void ask(dialog).then(strip.close);
   north.setAttribute('aria-pressed', String(is_north));
   show(first);
   view.focus();

@@ -2,7 +2,7 @@
 /** @import { PhotoCollection, PhotoRecord, Report } from '../shared/types.js' */
 import { h, svg } from '../shared/dom.js';
 import { formatDuration, formatError, formatLength } from '../shared/format.js';
-import { isInside } from '../map/geodesy.js';
+import { boundsOf, isInside } from '../map/geodesy.js';
 import { stageName } from './job_view.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
@@ -16,11 +16,7 @@ import { strings } from '../shared/flight_strings.js';
 export function coverageGrid(photos, longest_side) {
   const rings = photos.features.map((feature) => feature.geometry?.coordinates?.[0] ?? []).filter((ring) => ring.length > 3);
   if (rings.length === 0) return null;
-  const all = rings.flat();
-  const lons = all.map(([lon]) => lon);
-  const lats = all.map(([, lat]) => lat);
-  const [west, east] = [Math.min(...lons), Math.max(...lons)];
-  const [south, north] = [Math.min(...lats), Math.max(...lats)];
+  const [west, south, east, north] = boundsOf(rings.flat());
   const squeeze = Math.cos((((south + north) / 2) * Math.PI) / 180);
   const wide = Math.max((east - west) * squeeze, 1e-12);
   const high = Math.max(north - south, 1e-12);
@@ -32,10 +28,9 @@ export function coverageGrid(photos, longest_side) {
   const row = (/** @type {number} */ lat) => ((north - lat) / (north - south)) * height;
   for (const ring of rings) {
     const cell_ring = ring.map(([lon, lat]) => [column(lon), row(lat)]);
-    const xs = cell_ring.map(([x]) => x);
-    const ys = cell_ring.map(([, y]) => y);
-    for (let y = Math.max(0, Math.floor(Math.min(...ys))); y < Math.min(height, Math.max(...ys)); y += 1) {
-      for (let x = Math.max(0, Math.floor(Math.min(...xs))); x < Math.min(width, Math.max(...xs)); x += 1) {
+    const [left, top, right, bottom] = boundsOf(cell_ring);
+    for (let y = Math.max(0, Math.floor(top)); y < Math.min(height, bottom); y += 1) {
+      for (let x = Math.max(0, Math.floor(left)); x < Math.min(width, right); x += 1) {
         if (isInside([x + 0.5, y + 0.5], cell_ring)) counts[y * width + x] += 1;
       }
     }

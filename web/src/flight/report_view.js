@@ -3,7 +3,7 @@
 import { photoPath, thumbnailPath } from '../shared/api.js';
 import { h } from '../shared/dom.js';
 import { formatBytes, formatCaptureTime, formatDate, formatGsd } from '../shared/format.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { button, icon, iconButton } from '../shared/icons.js';
 import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
 import { number } from '../shared/language.js';
 import { saidOf, whyLeftOut } from '../shared/remarks.js';
@@ -115,7 +115,7 @@ export function reportView(flight, report, photos, change) {
     ),
     resultView(report),
     place && report.is_placed === false &&
-      h('button', { type: 'button', class: 'button primary place-button no-print', id: 'flight-place', on: { click: (/** @type {Event} */ event) => place(/** @type {HTMLElement} */ (event.currentTarget)) } }, icon('move'), strings.place.place),
+      button(strings.place.place, (/** @type {Event} */ event) => place(/** @type {HTMLElement} */ (event.currentTarget)), { picture: 'move', class: 'button primary place-button no-print', id: 'flight-place' }),
     h(
       'dl',
       { class: 'facts' },
@@ -158,7 +158,7 @@ export function reportView(flight, report, photos, change) {
         report.peak_memory_bytes > 0 && fact(words.memory, formatBytes(report.peak_memory_bytes)),
         fact(strings.options.made_with, optionWords(lastOptions(flight)) || strings.options.standard),
       ),
-      change && h('button', { type: 'button', class: 'button small no-print', id: 'run-again', on: { click: change.again } }, icon('retry'), strings.options.again),
+      change && button(strings.options.again, change.again, { picture: 'retry', class: 'button small no-print', id: 'run-again' }),
       timingPicture(report),
     ),
   );

@@ -4,7 +4,7 @@
 import { getVerdict, listFiles } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { mayChange } from './flight_words.js';
-import { icon } from '../shared/icons.js';
+import { button, icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { whatIsMissing } from '../upload/upload_memory.js';
 import { stoppedUploadOf } from '../upload/drop_zone.js';
@@ -46,7 +46,7 @@ export function waitingView(flight, parts) {
     };
     put(
       actions,
-      stopped && h('button', { type: 'button', class: 'button small primary', id: 'upload-resume', on: { click: resume } }, icon('play'), words.go_on),
+      stopped && button(words.go_on, resume, { picture: 'play', class: 'button small primary', id: 'upload-resume' }),
       is_uploaded && parts.start(lacks > 0 ? words.start_without(lacks) : words.start, lacks > 0 ? '' : 'primary'),
       parts.add(),
       is_uploaded && parts.options(),

@@ -25,7 +25,7 @@ const kHillshade = 'hillshade';
  */
 function layerChoice(label, id, { get, lay, take }) {
   let turn = 0;
-  const element = checkRow(label, id, false, async (on) => {
+  const { input, row: element } = checkRow(label, id, false, async (on) => {
     const own_turn = (turn += 1);
     take();
     if (!on) return;
@@ -38,7 +38,6 @@ function layerChoice(label, id, { get, lay, take }) {
       showError(error);
     }
   });
-  const input = /** @type {HTMLInputElement} */ (element.querySelector('input'));
   return {
     element,
     reset(is_offered) {

@@ -4,7 +4,7 @@
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { MapView } from '../map/map_view.js' */
 /** @import { Units } from '../shared/units.js' */
-import { ApiError, getHeights } from '../shared/api.js';
+import { ApiError, getHeights, messageOf } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { isImported } from '../flight/flight_words.js';
 import { strings } from '../shared/flight_strings.js';
@@ -54,7 +54,7 @@ export function heightProfile(view) {
     if (error instanceof ApiError && error.status === 404) {
       knows_heights = false;
       say(words.none);
-    } else say(error instanceof Error ? error.message : String(error));
+    } else say(messageOf(error));
   });
   const drop = () => {
     asker.drop();

@@ -4,7 +4,7 @@
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { MapView } from '../map/map_view.js' */
 /** @import { Units } from '../shared/units.js' */
-import { ApiError, getVolume } from '../shared/api.js';
+import { ApiError, getVolume, messageOf } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatPercent, parseNumber } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
@@ -85,7 +85,7 @@ export function volumeSection(view) {
   const asker = askAtRest(kRest_ms, (/** @type {VolumeFigures|null} */ found, /** @type {unknown} */ error) => {
     if (found) put(result, ...volumeWords(found, units));
     else if (error instanceof ApiError && error.status === kNothingThere) say(base.value.startsWith(kSince) ? words.unknown_since : words.unknown);
-    else say(error instanceof Error ? error.message : String(error));
+    else say(messageOf(error));
   });
   const drop = () => {
     asker.drop();

@@ -1,7 +1,7 @@
 // The list of flights in the panel: open, rename, delete, search and tags; states that change are redrawn in place. A flight's picture is
 // fetched when its row comes into sight.
 /** @import { Flight } from '../shared/types.js' */
-import { h, put, whenSeen } from '../shared/dom.js';
+import { arrange, h, put, whenSeen } from '../shared/dom.js';
 import { formatCaptureDay } from '../shared/format.js';
 import { mayChange, shortFacts, stateChip } from '../flight/flight_words.js';
 import { thumbnailPath } from '../shared/api.js';
@@ -62,14 +62,7 @@ export function flightList(actions) {
   const rows = new Map();
   const list = h('ul', { class: 'flights', id: 'flights' });
   const message = h('p', { class: 'muted', id: 'flights-message' });
-  const search = h('input', {
-    type: 'search',
-    class: 'field',
-    id: 'flight-search',
-    placeholder: strings.flights.search,
-    'aria-label': strings.flights.search,
-    on: { input: () => redraw() },
-  });
+  const search = h('input', { type: 'search', class: 'field', id: 'flight-search', placeholder: strings.flights.search, 'aria-label': strings.flights.search, on: { input: () => redraw() } });
   const order = h(
     'select',
     {
@@ -116,16 +109,8 @@ export function flightList(actions) {
     const kept_ids = new Set(shown.map(({ id }) => id));
     filters.hidden = (flights?.length ?? 0) < kFilteredFrom;
     actions.on_shown(shown);
-    for (const [id, { row }] of rows) {
-      if (!kept_ids.has(id)) {
-        row.remove();
-        rows.delete(id);
-      }
-    }
-    shown.forEach((flight, i) => {
-      const row = rowOf(flight);
-      if (list.children[i] !== row) list.insertBefore(row, list.children[i] ?? null);
-    });
+    for (const id of rows.keys()) if (!kept_ids.has(id)) rows.delete(id);
+    arrange(list, shown.map(rowOf));
     message.textContent =
       failure || (flights === null ? '' : flights.length === 0 ? strings.flights.none : shown.length ? '' : strings.flights.no_match);
     message.hidden = message.textContent === '';
@@ -137,12 +122,10 @@ export function flightList(actions) {
     const picture = JSON.stringify([flight.name, flight.tags, shortFacts(flight), chip.className, chip.textContent]);
     let entry = rows.get(flight.id);
     if (!entry) {
-      entry = { row: h('li'), shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }, icon('photo')), drawn: '' };
+      const [point, leave] = [() => actions.on_point(flight), () => actions.on_point(null)];
+      const row = h('li', { on: { pointerenter: point, focusin: point, pointerleave: leave, focusout: leave } });
+      entry = { row, shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }, icon('photo')), drawn: '' };
       rows.set(flight.id, entry);
-      entry.row.addEventListener('pointerenter', () => actions.on_point(flight));
-      entry.row.addEventListener('focusin', () => actions.on_point(flight));
-      entry.row.addEventListener('pointerleave', () => actions.on_point(null));
-      entry.row.addEventListener('focusout', () => actions.on_point(null));
     }
     if (entry.shown !== picture) {
       entry.shown = picture;

@@ -2,9 +2,9 @@
 // is room. Drawn here and not by the map library, which weighs more than all the rest of the first view.
 /** @import { Bounds, Flight } from '../shared/types.js' */
 import { thumbnailPath } from '../shared/api.js';
-import { h, put } from '../shared/dom.js';
+import { h, onEscape, put } from '../shared/dom.js';
 import { formatDistance } from '../shared/format.js';
-import { toolButton } from '../shared/icons.js';
+import { button, toolButton } from '../shared/icons.js';
 import { parseRoute, routeHash } from '../shared/router.js';
 import { fixed, number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
@@ -106,12 +106,8 @@ export function overviewMap(listener) {
     );
   /** @param {Group} group */
   const groupMark = (group) =>
-    h(
-      'button',
-      { type: 'button', class: 'overview-mark mark-group', 'data-ids': group.members.map(({ flight }) => flight.id).join(' '), 'aria-label': words.group(group.members.length),
-        title: words.group(group.members.length), on: { click: () => openGroup(group) } },
-      number(group.members.length),
-    );
+    button(number(group.members.length), () => openGroup(group), { class: 'overview-mark mark-group', 'data-ids': group.members.map(({ flight }) => flight.id).join(' '),
+      'aria-label': words.group(group.members.length), title: words.group(group.members.length) });
   /** @param {string} id */
   const pointing = (id) => ({
     pointerenter: () => listener.on_point(id),
@@ -134,9 +130,7 @@ export function overviewMap(listener) {
     choice.hidden = false;
     choice.querySelector('a')?.focus();
   };
-  choice.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape') choice.hidden = true;
-  });
+  onEscape(choice, () => (choice.hidden = true));
 
   /** @param {View} next */
   const move = (next) => {
@@ -295,10 +289,8 @@ export function outlinesOf(ring) {
  */
 function drawLand(canvas, land, view, width, height) {
   const fine = Math.min(2, devicePixelRatio);
-  if (canvas.width !== Math.round(width * fine) || canvas.height !== Math.round(height * fine)) {
-    canvas.width = Math.round(width * fine);
-    canvas.height = Math.round(height * fine);
-  }
+  const [columns, rows] = [Math.round(width * fine), Math.round(height * fine)];
+  if (canvas.width !== columns || canvas.height !== rows) Object.assign(canvas, { width: columns, height: rows });
   const context = canvas.getContext('2d');
   if (!context) return;
   const style = getComputedStyle(document.documentElement);
@@ -308,35 +300,23 @@ function drawLand(canvas, land, view, width, height) {
   // Close up the coarse outline would be wrong by kilometres.
   const zoom = Math.log2(view.scale / 512);
   const strength = Math.min(1, Math.max(0, (10 - zoom) / 2));
-  if (land && strength > 0) fillLand(context, land, strength, view, width, height, fine);
+  if (land && strength > 0) {
+    context.globalAlpha = strength;
+    context.setTransform(view.scale * fine, 0, 0, view.scale * fine, (width / 2 - view.x * view.scale) * fine, (height / 2 - view.y * view.scale) * fine);
+    context.save();
+    context.beginPath();
+    context.rect(0, 0, 1, 1);
+    context.clip();
+    context.fillStyle = style.getPropertyValue('--land');
+    context.fill(land);
+    context.strokeStyle = style.getPropertyValue('--line-strong');
+    context.lineWidth = 0.7 / view.scale;
+    context.globalAlpha *= 0.7;
+    context.stroke(land);
+    context.restore();
+    context.globalAlpha = 1;
+  }
   drawGrid(context, view, width, height, fine);
-}
-
-/**
- * @param {CanvasRenderingContext2D} context
- * @param {Path2D} land
- * @param {number} strength 0 to 1
- * @param {View} view
- * @param {number} width
- * @param {number} height
- * @param {number} fine pixels of the screen in one of the page
- */
-function fillLand(context, land, strength, view, width, height, fine) {
-  const style = getComputedStyle(document.documentElement);
-  context.globalAlpha = strength;
-  context.setTransform(view.scale * fine, 0, 0, view.scale * fine, (width / 2 - view.x * view.scale) * fine, (height / 2 - view.y * view.scale) * fine);
-  context.save();
-  context.beginPath();
-  context.rect(0, 0, 1, 1);
-  context.clip();
-  context.fillStyle = style.getPropertyValue('--land');
-  context.fill(land);
-  context.strokeStyle = style.getPropertyValue('--line-strong');
-  context.lineWidth = 0.7 / view.scale;
-  context.globalAlpha *= 0.7;
-  context.stroke(land);
-  context.restore();
-  context.globalAlpha = 1;
 }
 
 /**

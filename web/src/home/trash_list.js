@@ -1,7 +1,8 @@
 // The flights that were deleted and can still be taken back, folded away below the list of flights.
 /** @import { TrashedFlight } from '../shared/types.js' */
 import { h, put } from '../shared/dom.js';
-import { formatBytes, formatDate } from '../shared/format.js';
+import { button } from '../shared/icons.js';
+import { dotted, formatBytes, formatDate } from '../shared/format.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 
@@ -16,28 +17,19 @@ export function trashList(actions) {
   const folded = h('details', { id: 'trash-fold' }, summary, list);
   let shown = '';
 
-  const button = (/** @type {string} */ label, /** @type {string} */ name, /** @type {() => void} */ run) =>
-    h('button', { type: 'button', class: 'button small', 'aria-label': `${label}: ${name}`, on: { click: run } }, label);
-
   /** @param {TrashedFlight} flight */
   const row = (flight) =>
     h(
       'li',
       {},
       h('span', { class: 'flight-name' }, flight.name),
-      h(
-        'span',
-        { class: 'flight-facts' },
-        [strings.trash.deleted(formatDate(flight.deleted_at)), strings.flights.files(flight.file_count),
-          flight.bytes > 0 ? formatBytes(flight.bytes) : '', strings.trash.left(flight.days_left)]
-          .filter(Boolean)
-          .join(' · '),
-      ),
+      h('span', { class: 'flight-facts' }, dotted(strings.trash.deleted(formatDate(flight.deleted_at)), strings.flights.files(flight.file_count),
+        flight.bytes > 0 && formatBytes(flight.bytes), strings.trash.left(flight.days_left))),
       h(
         'span',
         { class: 'row' },
-        button(strings.trash.restore, flight.name, () => actions.restore(flight)),
-        button(strings.trash.remove, flight.name, () => actions.remove(flight)),
+        button(strings.trash.restore, () => actions.restore(flight), { 'aria-label': `${strings.trash.restore}: ${flight.name}` }),
+        button(strings.trash.remove, () => actions.remove(flight), { 'aria-label': `${strings.trash.remove}: ${flight.name}` }),
       ),
     );
 

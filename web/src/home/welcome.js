@@ -1,7 +1,7 @@
 // The first thing one sees: what to do, where to drop, and the same for the command line.
 import { serverAddress } from '../shared/router.js';
 import { h } from '../shared/dom.js';
-import { icon } from '../shared/icons.js';
+import { button, icon } from '../shared/icons.js';
 import { copyButton } from '../sharing/links_view.js';
 import { strings } from '../shared/strings.js';
 
@@ -24,18 +24,8 @@ export function welcomeView(actions) {
       h(
         'div',
         { class: 'drop-actions' },
-        h(
-          'button',
-          { type: 'button', class: 'button primary large', id: 'choose-folder', on: { click: actions.choose_folder } },
-          icon('folder'),
-          strings.drop.folder,
-        ),
-        h(
-          'button',
-          { type: 'button', class: 'button large', id: 'choose-files', on: { click: actions.choose_files } },
-          icon('photo'),
-          strings.drop.files,
-        ),
+        button(strings.drop.folder, actions.choose_folder, { picture: 'folder', class: 'button primary large', id: 'choose-folder' }),
+        button(strings.drop.files, actions.choose_files, { picture: 'photo', class: 'button large', id: 'choose-files' }),
       ),
       h('p', { class: 'fine' }, words.kinds),
     ),

@@ -4,7 +4,8 @@
 /** @import { MapView } from '../map/map_view.js' */
 import { showNote } from '../shared/announce.js';
 import { getBands, getIndexStatistics, getIndexValue, getReport, zonesPath } from '../shared/api.js';
-import { h, put, svg } from '../shared/dom.js';
+import { checkRow, h, put, svg } from '../shared/dom.js';
+import { button } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { fixed } from '../shared/language.js';
 import { calibrationOf, indexQuery, indexTiles, parseRange, roundTo } from './index_query.js';
@@ -33,14 +34,16 @@ export function indexSection(view, download) {
   const colours = h('select', { id: 'index-colours', class: 'field', 'aria-label': words.colours });
   const least = h('input', { type: 'text', inputmode: 'decimal', id: 'index-least', class: 'field mono', 'aria-label': words.least });
   const most = h('input', { type: 'text', inputmode: 'decimal', id: 'index-most', class: 'field mono', 'aria-label': words.most });
-  const fit = h('button', { type: 'button', class: 'text-button', id: 'index-fit' }, words.fit);
-  const turned = h('input', { type: 'checkbox', id: 'index-turned' });
+  const fit = button(words.fit, () => fitToValues(), { class: 'text-button', id: 'index-fit' });
+  const { input: turned, row: turned_row } = checkRow(words.turned, 'index-turned', false, () => recolour());
   const fault = h('p', { class: 'muted', id: 'index-fault', role: 'alert', hidden: true });
   const histogram = svg('svg', { class: 'index-histogram', id: 'index-histogram', viewBox: `0 0 64 ${kHistogramHeight}`, preserveAspectRatio: 'none', role: 'img' });
   const ramp = h('div', { class: 'layer-ramp', id: 'index-ramp', 'aria-hidden': 'true' });
   const value = h('p', { class: 'row between', id: 'index-value' });
   const calibration = h('p', { class: 'muted fine', id: 'index-calibration' });
-  const geotiff = h('button', { type: 'button', class: 'text-button', id: 'index-geotiff' }, words.geotiff);
+  const geotiff = button(words.geotiff, () => {
+    if (shown) download({ format: 'geotiff', crs: 'utm', ...(shown.id ? { index: shown.id } : { expression: shown.expression }) });
+  }, { class: 'text-button', id: 'index-geotiff' });
   const zones = h('select', { id: 'index-zones', class: 'field' }, ...[3, 4, 5, 6, 7].map((n) => h('option', { value: n }, words.zones(n))));
   zones.value = String(kUsualZones);
   const geojson = h('a', { id: 'zones-geojson', download: '' }, 'GeoJSON');
@@ -50,7 +53,7 @@ export function indexSection(view, download) {
     { class: 'index-details', hidden: true },
     own,
     fault,
-    h('div', { class: 'index-colours' }, colours, h('label', { class: 'check', for: 'index-turned' }, turned, h('span', {}, words.turned))),
+    h('div', { class: 'index-colours' }, colours, turned_row),
     histogram,
     ramp,
     h('div', { class: 'index-range' }, least, fit, most),
@@ -206,11 +209,7 @@ export function indexSection(view, download) {
   which.addEventListener('change', choose);
   own.addEventListener('input', afterPause(showOwn, 2 * kTypingPause_ms));
   for (const input of [least, most]) input.addEventListener('input', recolourSoon);
-  for (const input of [colours, turned, zones]) input.addEventListener('change', recolour);
-  fit.addEventListener('click', fitToValues);
-  geotiff.addEventListener('click', () => {
-    if (shown) download({ format: 'geotiff', crs: 'utm', ...(shown.id ? { index: shown.id } : { expression: shown.expression }) });
-  });
+  for (const input of [colours, zones]) input.addEventListener('change', recolour);
 
   const loadRamps = async () => {
     if (ramps.size > 0) return;

@@ -2,7 +2,7 @@
 // A second map lies on the first, moves with it, and is clipped (swipe) or made translucent (fade).
 /** @import { Flight } from '../shared/types.js' */
 /** @import { MapView } from './map_view.js' */
-import { h } from '../shared/dom.js';
+import { h, onEscape } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { takenDay } from '../flight/flight_words.js';
 import { icon, iconButton } from '../shared/icons.js';
@@ -131,8 +131,6 @@ export function compareChooser(others, on_choose) {
         h('strong', {}, other.name), h('span', { class: 'muted' }, dayOf(other)))),
     );
   }
-  element.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape') element.remove();
-  });
+  onEscape(element, () => element.remove());
   return element;
 }

@@ -9,10 +9,6 @@ import { h } from '../shared/dom.js';
  * @returns {{remove: () => void}}
  */
 export function controlMark(view, { name, place, label, is_marked }, on_choose) {
-  const element = h('button', { type: 'button', class: is_marked ? 'control-mark is-marked' : 'control-mark', 'data-point': name, 'aria-label': label, title: label }, h('span', {}, name));
-  element.addEventListener('click', (event) => {
-    event.stopPropagation();  // not one on the map
-    on_choose(name);
-  });
+  const element = h('button', { type: 'button', class: is_marked ? 'control-mark is-marked' : 'control-mark', 'data-point': name, 'aria-label': label, title: label, on: { click: () => on_choose(name) } }, h('span', {}, name));
   return view.addMark(element, place, 0, null);
 }

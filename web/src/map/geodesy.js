@@ -57,6 +57,18 @@ export function geodesicLength(from, to) {
   return b_m * big_a * (sigma - delta);
 }
 
+/** @param {number[][]} places @returns {[number, number, number, number]} west, south, east, north of all; infinite of none */
+export function boundsOf(places) {
+  const bounds = /** @type {[number, number, number, number]} */ ([Infinity, Infinity, -Infinity, -Infinity]);
+  for (const [lon, lat] of places) {
+    bounds[0] = Math.min(bounds[0], lon);
+    bounds[1] = Math.min(bounds[1], lat);
+    bounds[2] = Math.max(bounds[2], lon);
+    bounds[3] = Math.max(bounds[3], lat);
+  }
+  return bounds;
+}
+
 /**
  * @param {LonLat[]} places
  * @returns {number} metres along all legs

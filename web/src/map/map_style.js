@@ -52,15 +52,7 @@ const is_selected = ['boolean', ['feature-state', 'selected'], false];
  * @param {boolean} visible false: only the chosen photo's
  * @returns {ExpressionSpecification}
  */
-export const lineOpacity = (visible) => [
-  'interpolate',
-  ['linear'],
-  ['zoom'],
-  18.5,
-  ['case', is_selected, 1, visible ? 0.75 : 0],
-  20.5,
-  ['case', is_selected, 1, visible ? 0.18 : 0],
-];
+export const lineOpacity = (visible) => ['interpolate', ['linear'], ['zoom'], 18.5, ['case', is_selected, 1, visible ? 0.75 : 0], 20.5, ['case', is_selected, 1, visible ? 0.18 : 0]];
 
 /**
  * Layers of the photos, bottom up.
@@ -69,46 +61,15 @@ export const lineOpacity = (visible) => [
  */
 export function photoLayers(colour) {
   return [
-    {
-      id: 'photos-fill',
-      type: 'fill',
-      source: 'photos',
-      paint: { 'fill-color': colour, 'fill-opacity': ['case', is_selected, 0.22, 0] },
-    },
-    {
-      id: 'photos-line',
-      type: 'line',
-      source: 'photos',
-      paint: {
-        'line-color': colour,
-        'line-width': ['case', is_selected, 3, 1.2],
-        'line-opacity': lineOpacity(true),
-      },
-    },
-    {
-      id: 'flight-path-casing',
-      type: 'line',
-      source: 'flight-path',
-      layout: { 'line-join': 'round' },
-      paint: { 'line-color': '#10201c', 'line-opacity': 0.55, 'line-width': 3 },
-    },
-    {
-      id: 'flight-path',
-      type: 'line',
-      source: 'flight-path',
-      layout: { 'line-join': 'round' },
-      paint: { 'line-color': '#ffffff', 'line-width': 1.4 },
-    },
+    { id: 'photos-fill', type: 'fill', source: 'photos', paint: { 'fill-color': colour, 'fill-opacity': ['case', is_selected, 0.22, 0] } },
+    { id: 'photos-line', type: 'line', source: 'photos', paint: { 'line-color': colour, 'line-width': ['case', is_selected, 3, 1.2], 'line-opacity': lineOpacity(true) } },
+    { id: 'flight-path-casing', type: 'line', source: 'flight-path', layout: { 'line-join': 'round' }, paint: { 'line-color': '#10201c', 'line-opacity': 0.55, 'line-width': 3 } },
+    { id: 'flight-path', type: 'line', source: 'flight-path', layout: { 'line-join': 'round' }, paint: { 'line-color': '#ffffff', 'line-width': 1.4 } },
     {
       id: 'cameras',
       type: 'circle',
       source: 'cameras',
-      paint: {
-        'circle-radius': ['interpolate', ['linear'], ['zoom'], 14, 2.5, 19, 5],
-        'circle-color': colour,
-        'circle-stroke-color': '#ffffff',
-        'circle-stroke-width': ['case', is_selected, 3, 1.5],
-      },
+      paint: { 'circle-radius': ['interpolate', ['linear'], ['zoom'], 14, 2.5, 19, 5], 'circle-color': colour, 'circle-stroke-color': '#ffffff', 'circle-stroke-width': ['case', is_selected, 3, 1.5] },
     },
   ];
 }
@@ -124,38 +85,12 @@ export function ownDataLayers(id, colour) {
 }
 
 /** @returns {LayerSpecification[]} */
-export function measureLayers() {
-  return [
-    {
-      id: 'measure-fill',
-      type: 'fill',
-      source: 'measure',
-      filter: ['==', ['geometry-type'], 'Polygon'],
-      paint: { 'fill-color': '#ffffff', 'fill-opacity': 0.25 },
-    },
-    {
-      id: 'measure-casing',
-      type: 'line',
-      source: 'measure',
-      filter: ['==', ['geometry-type'], 'LineString'],
-      paint: { 'line-color': '#10201c', 'line-width': 5, 'line-opacity': ['case', ['has', 'band'], 0.4, 0.8] },
-    },
-    {
-      id: 'measure-band',
-      type: 'line',
-      source: 'measure',
-      filter: ['has', 'band'],
-      paint: { 'line-color': '#ffe14d', 'line-width': 2, 'line-dasharray': [3, 2] },
-    },
-    {
-      id: 'measure-line',
-      type: 'line',
-      source: 'measure',
-      filter: ['all', ['==', ['geometry-type'], 'LineString'], ['!', ['has', 'band']]],
-      paint: { 'line-color': '#ffe14d', 'line-width': 2.5 },
-    },
-  ];
-}
+export const measureLayers = () => [
+  { id: 'measure-fill', type: 'fill', source: 'measure', filter: ['==', ['geometry-type'], 'Polygon'], paint: { 'fill-color': '#ffffff', 'fill-opacity': 0.25 } },
+  { id: 'measure-casing', type: 'line', source: 'measure', filter: ['==', ['geometry-type'], 'LineString'], paint: { 'line-color': '#10201c', 'line-width': 5, 'line-opacity': ['case', ['has', 'band'], 0.4, 0.8] } },
+  { id: 'measure-band', type: 'line', source: 'measure', filter: ['has', 'band'], paint: { 'line-color': '#ffe14d', 'line-width': 2, 'line-dasharray': [3, 2] } },
+  { id: 'measure-line', type: 'line', source: 'measure', filter: ['all', ['==', ['geometry-type'], 'LineString'], ['!', ['has', 'band']]], paint: { 'line-color': '#ffe14d', 'line-width': 2.5 } },
+];
 
 /**
  * @param {PhotoCollection} photos
@@ -183,17 +118,6 @@ export function flightPath(photos) {
     if (x !== y) return x < y ? -1 : 1;
     return a.name < b.name ? -1 : 1;
   });
-  return {
-    type: 'FeatureCollection',
-    features:
-      records.length < 2
-        ? []
-        : [
-            {
-              type: 'Feature',
-              properties: {},
-              geometry: { type: 'LineString', coordinates: records.map((r) => [r.camera_lon, r.camera_lat]) },
-            },
-          ],
-  };
+  const coordinates = records.map((r) => [r.camera_lon, r.camera_lat]);
+  return { type: 'FeatureCollection', features: records.length < 2 ? [] : [{ type: 'Feature', properties: {}, geometry: { type: 'LineString', coordinates } }] };
 }

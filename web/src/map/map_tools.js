@@ -9,7 +9,7 @@ import { relief } from '../heights/relief.js';
 import { indexSection } from '../indices/index_section.js';
 import { keepBasemap, offeredBasemaps, shownBasemap } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
-import { checkRow, h, put } from '../shared/dom.js';
+import { checkRow, h, onEscape, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
 import { compassNeedle, toolButton } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
@@ -64,8 +64,7 @@ export function mapTools(view, actions) {
   };
   layers_button.setAttribute('aria-expanded', 'false');
   layers_button.setAttribute('aria-controls', card.element.id);
-  card.element.addEventListener('keydown', (event) => {
-    if (event.key !== 'Escape') return;
+  onEscape(card.element, () => {
     toggleLayers(false);
     layers_button.focus();
   });
@@ -128,8 +127,7 @@ function layersCard(view, download) {
     footprints.checked = true;
     draw();
   });
-  const footprints_row = checkRow(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on));
-  const footprints = /** @type {HTMLInputElement} */ (footprints_row.querySelector('input'));
+  const { input: footprints, row: footprints_row } = checkRow(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on));
   const basemap = h('select', { id: 'basemap', class: 'field' });
   const drawBasemaps = async () => {
     const { server, public: left } = await offeredBasemaps();
@@ -159,7 +157,7 @@ function layersCard(view, download) {
     overlay.element,
     heightLayers(view),
     footprints_row,
-    checkRow(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)),
+    checkRow(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)).row,
     h('label', { for: 'colour-by', class: 'small-label' }, words.colour),
     by,
     legend,

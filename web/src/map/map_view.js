@@ -125,15 +125,9 @@ export class MapView {
     // The new map is drawn over the old one, which goes when the new one is complete: no flicker.
     const old = this.#mosaic;
     this.#mosaic = `mosaic-${(this.#mosaics += 1)}`;
-    this.hideOverlay();
-    this.hideIndex();
-    this.layers = tilejson.layers ?? [];
-    this.bands = grows ? [] : (tilejson.bands ?? []);
-    this.has_bands = !grows && tilejson.bands_bounds !== undefined;
     this.#index_bounds = tilejson.bands_bounds ?? bounds;
-    this.indices = tilejson.indices ?? [];
     this.flight_id = flight_id;
-    this.#setHeights(grows ? {} : tilejson);
+    this.#offer(grows ? { layers: tilejson.layers, indices: tilejson.indices } : tilejson);
     this.tile_template = ownHost(tilejson.tiles[0]);
     this.#tile_size = tilejson.tileSize ?? 256;
     /** @type {any} */
@@ -191,10 +185,11 @@ export class MapView {
     this.addBelowPhotos(layer, height_layers);
   }
 
-  /** @param {{heights?: Surface[], terrain?: string}} of the map that is shown from now on */
-  #setHeights({ heights = [], terrain = '' }) {
-    this.heights = heights;
-    this.terrain = terrain;
+  /** What can be laid over the map that is shown from now on; what lay over the one before goes. @param {Partial<TileJson>} map */
+  #offer({ layers = [], bands = [], bands_bounds, indices = [], heights = [], terrain = '' }) {
+    this.hideOverlay();
+    this.hideIndex();
+    Object.assign(this, { layers, bands, has_bands: bands_bounds !== undefined, indices, heights, terrain });
     this.shown.dispatchEvent(new Event('change'));
   }
 
@@ -257,11 +252,8 @@ export class MapView {
   /** @param {PhotoCollection} photos */
   async showPhotos(photos) {
     await this.ready;
-    this.remove('photos', ['photos-fill', 'photos-line']);
-    this.remove('cameras', ['cameras']);
-    this.remove('flight-path', path_layers);
+    this.#removePhotos();
     this.photos = photos;
-    this.#selected = '';
     this.map.addSource('photos', { type: 'geojson', data: /** @type {any} */ (photos), promoteId: 'name' });
     this.map.addSource('cameras', { type: 'geojson', data: cameraPoints(photos), promoteId: 'name' });
     this.map.addSource('flight-path', { type: 'geojson', data: flightPath(photos) });
@@ -280,7 +272,7 @@ export class MapView {
     }
     if (notes.features.length === 0) return;
     this.map.addSource(kNotes, { type: 'geojson', data: notes });
-    for (const layer of ownDataLayers(kNotes, kNoteColour)) this.map.addLayer(layer, this.map.getLayer('measure-fill') ? 'measure-fill' : undefined);
+    this.#addBelowMeasured(ownDataLayers(kNotes, kNoteColour));
   }
 
   /** Removes everything of the flight. */
@@ -290,22 +282,20 @@ export class MapView {
     this.remove(`${this.#mosaic}-coarse`, [`${this.#mosaic}-coarse`]);
     this.mark.hide();
     this.#mosaic = '';
-    this.hideOverlay();
-    this.hideIndex();
-    this.layers = [];
-    this.bands = [];
-    this.has_bands = false;
-    this.indices = [];
-    this.#setHeights({});
-    this.remove('photos', ['photos-fill', 'photos-line']);
-    this.remove('cameras', ['cameras']);
-    this.remove('flight-path', path_layers);
+    this.#offer({});
+    this.#removePhotos();
     this.remove(kNotes, ownDataLayers(kNotes, '').map((layer) => layer.id));
     this.photos = null;
     this.bounds = null;
     this.is_moved = false;
-    this.#selected = '';
     this.container.dataset.mapState = 'empty';
+  }
+
+  #removePhotos() {
+    this.remove('photos', ['photos-fill', 'photos-line']);
+    this.remove('cameras', ['cameras']);
+    this.remove('flight-path', path_layers);
+    this.#selected = '';
   }
 
   /** Takes away what of a source and its layers is there. @param {string} source @param {string[]} layers */
@@ -376,7 +366,7 @@ export class MapView {
   }
 
   /**
-   * A mark, which can be dragged where that is listened to.
+   * A mark, which can be dragged where that is listened to. A click on one that is a button is none on the map.
    * @param {HTMLElement} element
    * @param {[number, number]} place
    * @param {number} above_px that the element stands above it; negative: hangs below it; 0: lies on it
@@ -386,6 +376,7 @@ export class MapView {
     const anchor = above_px === 0 ? 'center' : above_px < 0 ? 'top' : 'bottom';
     const mark = new maplibre.Marker({ element, draggable: on_drag !== null, anchor, offset: [0, -above_px] }).setLngLat(place).addTo(this.map);
     mark.on('drag', () => on_drag?.(mark.getLngLat().toArray()));
+    if (element instanceof HTMLButtonElement) element.addEventListener('click', (event) => event.stopPropagation());
     return mark;
   }
 
@@ -400,7 +391,12 @@ export class MapView {
     const outline = outlineOf(name, data);
     if (outline) this.own_outlines.set(id, outline);
     this.map.addSource(id, { type: 'geojson', data });
-    for (const layer of ownDataLayers(id, colour)) this.map.addLayer(layer, this.map.getLayer('measure-fill') ? 'measure-fill' : undefined);
+    this.#addBelowMeasured(ownDataLayers(id, colour));
+  }
+
+  /** @param {LayerSpecification[]} layers */
+  #addBelowMeasured(layers) {
+    for (const layer of layers) this.map.addLayer(layer, this.map.getLayer('measure-fill') ? 'measure-fill' : undefined);
   }
 
   /** @param {string} id */

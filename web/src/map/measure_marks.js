@@ -3,7 +3,7 @@
 /** @import { LonLat } from './geodesy.js' */
 /** @import { MapView } from './map_view.js' */
 import { h } from '../shared/dom.js';
-import { kArrows } from '../shared/follow_pointer.js';
+import { movedByKey } from '../shared/follow_pointer.js';
 import { strings } from '../shared/flight_strings.js';
 
 const kKeyStep_px = 4;
@@ -36,8 +36,6 @@ export function measureMarks(view, listener) {
       is_dragged = false;
       listener.on_drop();
     });
-    // The map below would take it for a new point.
-    element.addEventListener('click', (event) => event.stopPropagation());
     element.addEventListener('keydown', (event) => {
       if (event.key === 'Delete') {
         event.stopPropagation();
@@ -45,16 +43,10 @@ export function measureMarks(view, listener) {
         points[Math.min(index, points.length - 1)]?.element.focus();
         return;
       }
-      const step = kArrows[event.key];
-      if (!step) return;
-      event.preventDefault();
-      event.stopPropagation();
-      const at = view.map.project(mark.getLngLat());
-      at.x += step[0] * kKeyStep_px;
-      at.y += step[1] * kKeyStep_px;
-      const next = view.map.unproject(at);
+      const next = movedByKey(event, view.map, mark, kKeyStep_px);
+      if (!next) return;
       listener.on_grab();
-      listener.on_move(index, [next.lng, next.lat]);
+      listener.on_move(index, next);
       listener.on_drop();
     });
     // The library names its marks by itself.

@@ -9,7 +9,7 @@ import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
 import { showDownloads } from '../flight/flight_actions.js';
 import { geodesicLength } from './geodesy.js';
-import { iconButton } from '../shared/icons.js';
+import { button, iconButton } from '../shared/icons.js';
 import { heightProfile } from '../heights/height_profile.js';
 import { volumeSection } from '../heights/volume_section.js';
 import { measureLayers } from './map_style.js';
@@ -65,14 +65,12 @@ export function measureTool(view, listener) {
   const title = h('h2', { class: 'card-title' });
   const result = h('output', { class: 'measure-result', id: 'measure-result' });
   const more = h('p', { class: 'muted' });
-  const button = (/** @type {string} */ label, /** @type {() => void} */ run, id = '') =>
-    h('button', { type: 'button', class: 'button small', id: id || null, on: { click: run } }, label);
   const unit_choice = h(
     'select',
     { class: 'field units', id: 'units', 'aria-label': words.units, on: { change: () => setUnits(/** @type {Units} */ (unit_choice.value)) } },
     ...Object.entries(words.unit_names).map(([value, label]) => h('option', { value }, label)),
   );
-  const undo_button = button(strings.flights.undo, () => undo(), 'measure-undo');
+  const undo_button = button(strings.flights.undo, () => undo(), { id: 'measure-undo' });
   const saving = savingRow('measure', () => {
     const found = measured();
     return found && kind && { file: words.file_name[kind], measurements: [found] };
@@ -81,8 +79,8 @@ export function measureTool(view, listener) {
   const volume = volumeSection(view);
   /** @type {Keeper|null} */
   let keeper = null;
-  const keep_button = button(strings.notes.keep, () => keep(), 'measure-keep');
-  const export_button = button(strings.exports.drawn_go, () => flight && showDownloads(flight, listener.outlines(), { cut_to: 0 }), 'measure-export');
+  const keep_button = button(strings.notes.keep, () => keep(), { id: 'measure-keep' });
+  const export_button = button(strings.exports.drawn_go, () => flight && showDownloads(flight, listener.outlines(), { cut_to: 0 }), { id: 'measure-export' });
   const element = h(
     'section',
     { class: 'measure-card no-print', id: 'measure-card', 'aria-label': words.distance, hidden: true },
@@ -95,7 +93,7 @@ export function measureTool(view, listener) {
     ),
     result,
     more,
-    h('div', { class: 'row' }, button(words.add, () => add([view.map.getCenter().lng, view.map.getCenter().lat])), undo_button, button(words.clear, () => change([]))),
+    h('div', { class: 'row' }, button(words.add, () => add(view.map.getCenter().toArray())), undo_button, button(words.clear, () => change([]))),
     saving,
     h('div', { class: 'row measure-save' }, keep_button, export_button),
     heights.element,
@@ -220,8 +218,7 @@ export function measureTool(view, listener) {
     if (event.pointerType === 'touch' || event.buttons !== 0) return;
     is_pointed = true;
     const box = canvas.getBoundingClientRect();
-    const { lng, lat } = view.map.unproject([event.clientX - box.left, event.clientY - box.top]);
-    aimAt([lng, lat]);
+    aimAt(view.map.unproject([event.clientX - box.left, event.clientY - box.top]).toArray());
   });
   canvas.addEventListener('pointerleave', (event) => {
     if (event.pointerType === 'touch') return;
@@ -229,8 +226,7 @@ export function measureTool(view, listener) {
     aimAt(null);
   });
   view.map.on('move', () => {
-    const { lng, lat } = view.map.getCenter();
-    if (!is_pointed) aimAt([lng, lat]);
+    if (!is_pointed) aimAt(view.map.getCenter().toArray());
   });
   element.addEventListener('keydown', onKey);
   canvas.addEventListener('keydown', onKey);

@@ -1,6 +1,7 @@
 // Measurements, and points with words, as files that other programs open. WGS84, longitude first, as GeoJSON and KML have it.
 /** @import { LonLat } from './geodesy.js' */
 import { h } from '../shared/dom.js';
+import { button } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { saveText, xmlText } from '../sharing/connect_files.js';
 import { pathLength, polygonArea } from './geodesy.js';
@@ -115,6 +116,6 @@ export function savingRow(id, what) {
     'div',
     { class: `row ${id}-save` },
     h('span', { class: 'fine' }, strings.measure.save),
-    ...Object.entries(kForms).map(([form, { label }]) => h('button', { type: 'button', class: 'button small', id: `${id}-${form}`, on: { click: () => save(/** @type {FileForm} */ (form)) } }, label)),
+    ...Object.entries(kForms).map(([form, { label }]) => button(label, () => save(/** @type {FileForm} */ (form)), { id: `${id}-${form}` })),
   );
 }

@@ -1,5 +1,6 @@
 // Reads a user's own GeoJSON or KML, to be laid over the map. It stays in the browser. What cannot be read is refused
 // with a message that says what to do; sizes are bounded, so that no file stalls the page.
+import { boundsOf } from './geodesy.js';
 import { strings } from '../shared/flight_strings.js';
 
 const kMaxBytes = 20_000_000;
@@ -119,21 +120,9 @@ function fromKml(text, counter) {
   return found.filter(({ coordinates }) => coordinates?.length > 0).map((geometry) => ({ type: 'Feature', properties: {}, geometry }));
 }
 
-/** @param {GeoJSON.FeatureCollection} data @returns {[number, number, number, number]} west, south, east, north */
+/** @param {GeoJSON.FeatureCollection} data */
 export function boundsOfData(data) {
-  /** @type {[number, number, number, number]} */
-  const bounds = [Infinity, Infinity, -Infinity, -Infinity];
-  const visit = (/** @type {any} */ coordinates) => {
-    if (typeof coordinates[0] !== 'number') {
-      for (const inner of coordinates) visit(inner);
-      return;
-    }
-    const [lon, lat] = coordinates;
-    bounds[0] = Math.min(bounds[0], lon);
-    bounds[1] = Math.min(bounds[1], lat);
-    bounds[2] = Math.max(bounds[2], lon);
-    bounds[3] = Math.max(bounds[3], lat);
-  };
-  for (const { geometry } of data.features) visit(/** @type {any} */ (geometry).coordinates);
-  return bounds;
+  /** @type {(coordinates: any) => number[][]} */
+  const placesIn = (coordinates) => (typeof coordinates[0] === 'number' ? [coordinates] : coordinates.flatMap(placesIn));
+  return boundsOf(data.features.flatMap(({ geometry }) => placesIn(/** @type {any} */ (geometry).coordinates)));
 }

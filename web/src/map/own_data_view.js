@@ -2,7 +2,7 @@
 /** @import { MapView } from './map_view.js' */
 import { announce, showNote } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { button, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { boundsOfData, ownDataFault, readOwnFile } from './own_data.js';
 
@@ -33,11 +33,11 @@ export function ownDataView(view) {
       'li',
       {},
       swatch,
-      h('button', { type: 'button', class: 'text-button', title: words.show(file.name), on: { click: show } }, file.name),
+      button(file.name, show, { class: 'text-button', title: words.show(file.name) }),
       iconButton('close', words.remove(file.name), () => {
         view.removeOwnData(id);
         row.remove();
-        button.focus();
+        add_button.focus();
       }),
     );
     list.append(row);
@@ -57,6 +57,6 @@ export function ownDataView(view) {
       }
     }
   });
-  const button = h('button', { type: 'button', class: 'button small', id: 'own-data-add', on: { click: () => input.click() } }, icon('plus'), words.add);
-  return h('div', { class: 'own-data-part' }, h('span', { class: 'small-label' }, words.heading), list, button, input);
+  const add_button = button(words.add, () => input.click(), { picture: 'plus', id: 'own-data-add' });
+  return h('div', { class: 'own-data-part' }, h('span', { class: 'small-label' }, words.heading), list, add_button, input);
 }

@@ -1,7 +1,7 @@
 // A mark where the map lies, while it is too small on the screen to be seen, or has no tiles: from afar one finds it.
 /** @import { Bounds } from '../shared/types.js' */
 /** @import { Map as MapLibreMap, Point } from '../../vendor/maplibre-gl.mjs' */
-import { tilePosition } from './tile_addresses.js';
+import { tileBox } from './tile_addresses.js';
 
 const kMark = 'place-mark';
 const kSmallest_px = 28;
@@ -12,10 +12,9 @@ const kWorld_px = 512;  // of MapLibre's zoom 0
  * @param {number} min_zoom of MapLibre, from which the tiles are drawn
  * @returns {number} the zoom up to which the mark is shown
  */
-function markZoom([west, south, east, north], min_zoom) {
-  const from = tilePosition(west, north, 0);
-  const to = tilePosition(east, south, 0);
-  const span = Math.max(to.x - from.x, to.y - from.y, 1e-9);
+function markZoom(bounds, min_zoom) {
+  const { width, height } = tileBox(bounds, 0);
+  const span = Math.max(width, height, 1e-9);
   return Math.max(min_zoom, Math.min(24, Math.log2(kSmallest_px / (kWorld_px * span))));
 }
 

@@ -3,7 +3,7 @@
 /** @import { Bounds } from '../shared/types.js' */
 /** @import { LonLat } from './geodesy.js' */
 import { wrapLongitude } from './coordinates.js';
-import { geodesicLength } from './geodesy.js';
+import { boundsOf, geodesicLength } from './geodesy.js';
 
 /** @typedef {{shown: LonLat, is: LonLat}} PlacePair */
 
@@ -12,14 +12,31 @@ const kNearShare = 0.05;
 
 /** @param {LonLat[]} places @returns {number} metres across the box around them */
 function spread(places) {
-  const lons = places.map(([lon]) => places[0][0] + wrapLongitude(lon - places[0][0]));
-  const lats = places.map(([, lat]) => lat);
-  return geodesicLength([Math.min(...lons), Math.min(...lats)], [Math.max(...lons), Math.max(...lats)]);
+  const [west, south, east, north] = boundsOf(places.map(([lon, lat]) => [places[0][0] + wrapLongitude(lon - places[0][0]), lat]));
+  return geodesicLength([west, south], [east, north]);
 }
 
 /** @param {LonLat[]} shown @param {Bounds} bounds of the map */
 export function lieNear(shown, [west, south, east, north]) {
   return shown.length > 1 && spread(shown) < kNearShare * geodesicLength([west, south], [east, north]);
+}
+
+/** @typedef {{x: number, y: number}} Spot of a plane */
+
+/**
+ * What brings points to others by least squares, both from their middles, as one complex factor.
+ * @param {Spot[]} from
+ * @param {Spot[]} to
+ * @returns {{re: number, im: number, square: number}} square: the sum of how far the first lie from their middle, squared; where it is 0 there is no factor
+ */
+export function factorOf(from, to) {
+  let [re, im, square] = [0, 0, 0];
+  from.forEach((a, i) => {
+    re += to[i].x * a.x + to[i].y * a.y;
+    im += to[i].y * a.x - to[i].x * a.y;
+    square += a.x ** 2 + a.y ** 2;
+  });
+  return { re: re / square, im: im / square, square };
 }
 
 /**
@@ -43,15 +60,8 @@ export function movement(pairs) {
   const [from, to] = sides;
   const shift_m = geodesicLength([from.middle.lon, from.middle.lat], [to.middle.lon, to.middle.lat]);
   if (pairs.length === 1) return { shift_m, scale: 1, turn_deg: 0, miss_m: 0 };
-  let [re, im, square] = [0, 0, 0];
-  from.points.forEach((a, i) => {
-    const b = to.points[i];
-    re += b.x * a.x + b.y * a.y;
-    im += b.y * a.x - b.x * a.y;
-    square += a.x ** 2 + a.y ** 2;
-  });
+  const { re, im, square } = factorOf(from.points, to.points);
   if (square === 0 || (re === 0 && im === 0)) return null;
-  [re, im] = [re / square, im / square];
   const misses_m = from.points.map((a, i) => Math.hypot(re * a.x - im * a.y - to.points[i].x, im * a.x + re * a.y - to.points[i].y));
   return { shift_m, scale: Math.hypot(re, im), turn_deg: (-Math.atan2(im, re) * 180) / Math.PI, miss_m: Math.max(...misses_m) };
 }

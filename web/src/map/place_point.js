@@ -4,7 +4,7 @@
 /** @import { MapView } from './map_view.js' */
 import { formatCoordinates, wrapLongitude } from './coordinates.js';
 import { h } from '../shared/dom.js';
-import { kArrows } from '../shared/follow_pointer.js';
+import { movedByKey } from '../shared/follow_pointer.js';
 import { icon } from '../shared/icons.js';
 import { parsePlace } from './parse_place.js';
 import { strings } from '../shared/flight_strings.js';
@@ -24,16 +24,11 @@ function markAt(view, kind, place, on_move) {
   const element = h('button', { type: 'button', class: `point-mark point-mark-${kind}` });
   const moved = (/** @type {LonLat} */ [lon, lat]) => on_move([wrapLongitude(lon), lat]);
   const mark = view.addMark(element, place, kind === 'shown' ? kStem_px : -kStem_px, moved);
-  element.addEventListener('click', (event) => event.stopPropagation());  // not one on the map
   element.addEventListener('keydown', (event) => {
-    const step = kArrows[event.key];
-    if (!step) return;
-    event.preventDefault();
-    event.stopPropagation();
-    const point = view.map.project(mark.getLngLat());
-    const px = event.shiftKey ? 10 : 1;
-    mark.setLngLat(view.map.unproject([point.x + px * step[0], point.y + px * step[1]]));
-    moved(mark.getLngLat().toArray());
+    const next = movedByKey(event, view.map, mark, event.shiftKey ? 10 : 1);
+    if (!next) return;
+    mark.setLngLat(next);
+    moved(next);
   });
   return {
     element,

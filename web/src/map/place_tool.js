@@ -6,11 +6,12 @@
 /** @import { PlacePair } from './place_pairs.js' */
 /** @import { PlacePoint } from './place_point.js' */
 import { announce } from '../shared/announce.js';
+import { messageOf } from '../shared/api.js';
 import { basemapWithPlaces, chosenBasemap } from './basemap.js';
 import { wrapLongitude } from './coordinates.js';
 import { h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
-import { iconButton } from '../shared/icons.js';
+import { button, iconButton } from '../shared/icons.js';
 import { lieNear, movement } from './place_pairs.js';
 import { placePoint } from './place_point.js';
 import { number } from '../shared/language.js';
@@ -51,11 +52,9 @@ export function placeTool(view, listener) {
   const hint = h('p', { class: 'place-hint amber', hidden: true, id: 'place-hint' });
   const effect = h('p', { class: 'muted', id: 'place-effect' });
   const failure = h('p', { class: 'place-fault', role: 'alert', id: 'place-failure' });
-  const button = (/** @type {string} */ id, /** @type {string} */ label, /** @type {() => void} */ run, kind = '') =>
-    h('button', { type: 'button', class: `button small ${kind}`, id, on: { click: run } }, label);
-  const centre = button('place-centre', words.centre, () => click(view.map.getCenter().toArray()));
-  const basemap = button('place-basemap', words.basemap, () => (endPicking ? endPicking() : pick()));
-  const go = button('place-go', words.go, () => void submit(), 'primary');
+  const centre = button(words.centre, () => click(view.map.getCenter().toArray()), { id: 'place-centre' });
+  const basemap = button(words.basemap, () => (endPicking ? endPicking() : pick()), { id: 'place-basemap' });
+  const go = button(words.go, () => void submit(), { class: 'button small primary', id: 'place-go' });
   const element = h(
     'section',
     { class: 'place-card floating', id: 'place-card', 'aria-labelledby': 'place-title', hidden: true },
@@ -199,7 +198,7 @@ export function placeTool(view, listener) {
       await own.submit(pairs());
       if (subject === own) leave();
     } catch (error) {
-      failure.textContent = error instanceof Error ? error.message : String(error);
+      failure.textContent = messageOf(error);
       draw();
     }
   };

@@ -26,16 +26,10 @@ import { uploadOf } from '../upload/drop_zone.js';
 const kPreview = 'preview';
 const kBelowNote_px = 8;  // between the note of a preview and the map
 
-/**
- * @typedef {object} Shown
- * @property {string} id
- * @property {string} revision
- */
-
 export class Stage {
   /** @type {MapView|null} */
   #view = null;
-  /** @type {Shown|null} */
+  /** @type {{id: string, revision: string}|null} */
   #shown = null;
   /** @type {{fit: (animated: boolean) => void, card: ReturnType<typeof photoCard>, measure: ReturnType<typeof measureTool>, place: ReturnType<typeof placeTool>, tools: ReturnType<typeof mapTools>}|null} */
   #parts = null;
@@ -142,10 +136,17 @@ export class Stage {
     // Beside the map, on a phone below it: a card over it covers what is measured.
     byId('panel-head').after(measure.element);
 
+    /** To the tool that is at work. @param {[number, number]} at @returns {boolean} whether one is */
+    const give = (at) => {
+      if (measure.kind) measure.add(at);
+      else if (place.is_open) place.click(at);
+      else return false;
+      return true;
+    };
     view.map.on('click', (event) => {
-      if (this.#taker) this.#taker([event.lngLat.lng, event.lngLat.lat]);
-      else if (measure.kind) measure.add([event.lngLat.lng, event.lngLat.lat]);
-      else if (place.is_open) place.click([event.lngLat.lng, event.lngLat.lat]);
+      const at = event.lngLat.toArray();
+      if (this.#taker) this.#taker(at);
+      else if (give(at)) return;
       else if (view.mark.isAt(event.point)) fit(true);
       else void this.#showPlace(view, event.lngLat, event.point);
     });
@@ -162,14 +163,7 @@ export class Stage {
       }
       if (event.key !== 'Enter') return;
       const centre = view.map.getCenter();
-      if (measure.kind) {
-        measure.add([centre.lng, centre.lat]);
-        return;
-      }
-      if (place.is_open) {
-        place.click([centre.lng, centre.lat]);
-        return;
-      }
+      if (give(centre.toArray())) return;
       void this.#showPlace(view, centre).then((count) => {
         if (count === 0) showNote(strings.photo.none, { duration_ms: 3000 });
       });
@@ -429,11 +423,11 @@ export class Stage {
   async #chooseCompare() {
     const flight = this.#flight;
     if (!flight) return;
-    byIdOrNull('compare-chooser')?.remove();
+    document.getElementById('compare-chooser')?.remove();
     this.#parts?.tools.closeLayers();
     this.#parts?.place.end();
     const others = (await listFlights()).filter((other) => other.id !== flight.id && overlap(flight, other));
-    if (flight !== this.#flight || byIdOrNull('compare-chooser')) return;
+    if (flight !== this.#flight || document.getElementById('compare-chooser')) return;
     const chooser = compareChooser(others, (other) => {
       chooser.remove();
       go({ view: 'compare', id: flight.id, other: other.id });
@@ -492,6 +486,3 @@ function loadMapView() {
   map_style ??= styleLoaded(kMapStyle) ?? loadStyle(kMapStyle, document.querySelector('link[rel="stylesheet"]'));
   return Promise.all([import('./map_view.js'), map_style]).then(([module]) => module);
 }
-
-/** @param {string} id */
-const byIdOrNull = (id) => document.getElementById(id);

@@ -2,7 +2,6 @@
 /** @import { Bounds } from '../shared/types.js' */
 import { at } from '../shared/router.js';
 
-
 /**
  * Web Mercator position in tiles of a zoom level.
  * @param {number} lon_deg
@@ -14,6 +13,13 @@ export function tilePosition(lon_deg, lat_deg, zoom) {
   const sin = Math.sin((lat_deg * Math.PI) / 180);
   const n = 2 ** zoom;
   return { x: ((lon_deg + 180) / 360) * n, y: (0.5 - Math.atanh(sin) / (2 * Math.PI)) * n };
+}
+
+/** The corners of bounds in tiles of a zoom level. @param {Bounds} bounds @param {number} zoom */
+export function tileBox([west, south, east, north], zoom) {
+  const from = tilePosition(west, north, zoom);
+  const to = tilePosition(east, south, zoom);
+  return { from, to, width: to.x - from.x, height: to.y - from.y };
 }
 
 /**
@@ -33,11 +39,10 @@ export function ownHost(template) {
  * @param {number} max_zoom
  * @returns {{z: number, x: number, y: number}[]} the tiles of these zooms that touch the bounds
  */
-export function tilesIn([west, south, east, north], min_zoom, max_zoom) {
+export function tilesIn(bounds, min_zoom, max_zoom) {
   const tiles = [];
   for (let z = min_zoom; z <= max_zoom; z += 1) {
-    const from = tilePosition(west, north, z);
-    const to = tilePosition(east, south, z);
+    const { from, to } = tileBox(bounds, z);
     for (let x = Math.floor(from.x); x <= Math.floor(to.x); x += 1) {
       for (let y = Math.floor(from.y); y <= Math.floor(to.y); y += 1) tiles.push({ z, x, y });
     }
@@ -49,8 +54,7 @@ export function tilesIn([west, south, east, north], min_zoom, max_zoom) {
  * @param {Bounds} bounds
  * @returns {number} the finest zoom whose tiles are as large as the bounds or larger: four of them cover these at most
  */
-export function zoomOfFew([west, south, east, north]) {
-  const from = tilePosition(west, north, 0);
-  const to = tilePosition(east, south, 0);
-  return Math.floor(-Math.log2(Math.max(to.x - from.x, to.y - from.y)));
+export function zoomOfFew(bounds) {
+  const { width, height } = tileBox(bounds, 0);
+  return Math.floor(-Math.log2(Math.max(width, height)));
 }

@@ -2,21 +2,14 @@
 // Events: 'change' (the notes), 'saved' (what the state of saving is), 'merged' (others had changed the same notes).
 /** @import { Changes } from './note_merge.js' */
 /** @import { Note } from './note_shape.js' */
-import { ApiError } from '../shared/api.js';
+import { ApiError, messageOf } from '../shared/api.js';
 import { strings } from '../shared/flight_strings.js';
-import { askDocument, kPatience_ms, kPause_ms, SavedDocument } from '../shared/saved_document.js';
+import { kPatience_ms, kPause_ms, SavedDocument } from '../shared/saved_document.js';
 import { rebased, withChanges } from './note_merge.js';
 
 const kMaxTurns = 5;  // of others who save at the same moment
 
 const memoryKey = (/** @type {string} */ id) => `skyquilt.notes.${id}`;
-
-/** @param {string} id of the flight @param {RequestInit} [init] @returns {Promise<{notes: Note[], etag: string}>} */
-async function ask(id, init) {
-  const { document, etag } = await askDocument(id, 'notes', { priority: 'low', ...init });
-  if (!document) throw new ApiError(200, strings.errors.not_json);
-  return { notes: document.features, etag };
-}
 
 /** @param {string} id of the flight @returns {Changes} that a page left behind */
 function remembered(id) {
@@ -31,11 +24,8 @@ function remembered(id) {
 export class NoteDocument extends SavedDocument {
   /** @type {Note[]} */
   #kept = [];
-  #etag = '';
   /** @type {Changes} */
   #changes = new Map();
-  /** @type {ReturnType<typeof setTimeout>|undefined} */
-  #timer = undefined;
   /** @type {Promise<void>|null} */
   #saving = null;
   #is_closed = false;
@@ -44,8 +34,7 @@ export class NoteDocument extends SavedDocument {
 
   /** @param {string} id of the flight @param {boolean} may_change */
   constructor(id, may_change) {
-    super();
-    this.id = id;
+    super(id, 'notes', 'low');
     this.may_change = may_change;
     addEventListener('online', this.#online);
   }
@@ -68,11 +57,11 @@ export class NoteDocument extends SavedDocument {
   }
 
   async #read() {
-    const { notes, etag } = await ask(this.id);
-    this.#kept = notes;
-    this.#etag = etag;
+    const found = await this.get();
+    if (!found) throw new ApiError(200, strings.errors.not_json);
+    this.#kept = found.features;
     this.#is_read = true;
-    const { changes, conflicts } = rebased(notes, this.#changes, strings.notes.own_copy);
+    const { changes, conflicts } = rebased(this.#kept, this.#changes, strings.notes.own_copy);
     this.#changes = changes;
     this.#remember();
     this.dispatchEvent(new Event('change'));
@@ -113,13 +102,11 @@ export class NoteDocument extends SavedDocument {
 
   /** @param {number} pause_ms */
   #later(pause_ms) {
-    clearTimeout(this.#timer);
-    if (!this.#is_closed) this.#timer = setTimeout(() => void this.flush(), pause_ms);
+    if (!this.#is_closed) this.flushLater(pause_ms);
   }
 
-  /** Sends what was not sent yet. What became of it is the state. */
   async flush() {
-    clearTimeout(this.#timer);
+    this.endPause();
     while (this.#saving) await this.#saving;
     this.#saving = this.#save().catch((error) => this.#onRefused(error));
     await this.#saving;
@@ -132,13 +119,9 @@ export class NoteDocument extends SavedDocument {
       const sent = this.#changes;
       this.#changes = new Map(sent);
       try {
-        const { notes, etag } = await ask(this.id, {
-          method: 'PUT',
-          headers: { 'Content-Type': 'application/geo+json', 'If-Match': this.#etag },
-          body: JSON.stringify({ type: 'FeatureCollection', features: withChanges(this.#kept, sent) }),
-        });
+        /** @type {Note[]} */
+        const notes = (await this.replace('application/geo+json', { type: 'FeatureCollection', features: withChanges(this.#kept, sent) })).features;
         this.#kept = notes;
-        this.#etag = etag;
         for (const [id, { next }] of sent) {
           if (this.#changes.get(id)?.next !== next) {
             const known = notes.find((note) => note.id === id);
@@ -158,15 +141,14 @@ export class NoteDocument extends SavedDocument {
 
   /** @param {unknown} error */
   #onRefused(error) {
-    const words = error instanceof Error ? error.message : String(error);
     const is_passing = error instanceof ApiError && (error.is_passing || error.status === 409 || error.status === 412);
-    this.tell(is_passing ? 'waiting' : 'failed', words);
+    this.tell(is_passing ? 'waiting' : 'failed', messageOf(error));
     if (is_passing) this.#later(kPatience_ms);
   }
 
   /** Sends what is left, once; what the server does not take now stays in this browser. */
   close() {
-    clearTimeout(this.#timer);
+    this.endPause();
     removeEventListener('online', this.#online);
     if (this.#changes.size > 0) void this.flush();
     this.#is_closed = true;

@@ -3,7 +3,8 @@
 /** @import { Stage } from '../map/stage.js' */
 /** @import { Note } from './note_shape.js' */
 import { rounded } from '../map/measurement_files.js';
-import { h } from '../shared/dom.js';
+import { h, onEscape } from '../shared/dom.js';
+import { button } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { bytesOf, kMaxNameBytes, kMaxTextBytes, noteOf } from './note_shape.js';
 
@@ -52,12 +53,11 @@ export function noteForm(stage, note, listener) {
       'div',
       { class: 'row' },
       h('button', { type: 'submit', class: 'button small primary', id: 'note-save' }, strings.flights.save),
-      mark && h('button', { type: 'button', class: 'button small', id: 'note-centre', on: { click: () => moveTo(centre()) } }, words.at_centre),
-      h('button', { type: 'button', class: 'button small', on: { click: end } }, strings.flights.cancel),
+      mark && button(words.at_centre, () => moveTo(centre()), { id: 'note-centre' }),
+      button(strings.flights.cancel, end),
     ),
   );
-  element.addEventListener('keydown', (event) => {
-    if (event.key !== 'Escape') return;
+  onEscape(element, (event) => {
     event.stopPropagation();
     end();
   });

@@ -2,7 +2,7 @@
 // in the list wait until there is room.
 /** @import { MapView } from '../map/map_view.js' */
 /** @import { Note } from './note_shape.js' */
-import { h } from '../shared/dom.js';
+import { button } from '../shared/icons.js';
 import { labelPlace } from './note_shape.js';
 
 /** Names on the map; all are in the list. */
@@ -37,11 +37,7 @@ export function noteLabels(view, notes, on_choose) {
     const { name, text } = note.properties;
     const label = text ? `${name}: ${text}` : name;
     const place = labelPlace(note);
-    const element = h('button', { type: 'button', class: 'note-mark', 'data-note-mark': note.id }, name);
-    element.addEventListener('click', (event) => {
-      event.stopPropagation();  // not one on the map
-      on_choose(note.id);
-    });
+    const element = button(name, () => on_choose(note.id), { class: 'note-mark', 'data-note-mark': note.id });
     const mark = view.addMark(element, place, kAbove_px, null);
     // The library names its marks by itself.
     element.setAttribute('aria-label', label);

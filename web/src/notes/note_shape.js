@@ -1,7 +1,7 @@
 // What a note is: a GeoJSON feature with a name and, perhaps, words; a point, a measured line or a measured area.
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { Measurement } from '../map/measurement_files.js' */
-/** @import { Bounds } from '../shared/types.js' */
+import { boundsOf } from '../map/geodesy.js';
 import { measurementOf, polygonOf, rounded } from '../map/measurement_files.js';
 
 /** @typedef {GeoJSON.Feature<GeoJSON.Point|GeoJSON.LineString|GeoJSON.Polygon, {name: string, text?: string}> & {id: string}} Note */
@@ -21,13 +21,8 @@ function placesOf({ geometry }) {
 /** @param {Note} note @returns {Measurement} */
 export const measurementOfNote = (note) => ({ ...measurementOf(note.properties.name, placesOf(note), note.geometry.type === 'Polygon'), text: note.properties.text ?? '' });
 
-/** @param {Note} note @returns {Bounds} */
-export function boundsOfNote(note) {
-  const places = placesOf(note);
-  const lons = places.map(([lon]) => lon);
-  const lats = places.map(([, lat]) => lat);
-  return [Math.min(...lons), Math.min(...lats), Math.max(...lons), Math.max(...lats)];
-}
+/** @param {Note} note */
+export const boundsOfNote = (note) => boundsOf(placesOf(note));
 
 /** Where its name stands on the map. @param {Note} note @returns {LonLat} */
 export function labelPlace(note) {

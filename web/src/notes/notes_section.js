@@ -4,8 +4,9 @@
 /** @import { Stage } from '../map/stage.js' */
 /** @import { Note } from './note_shape.js' */
 import { announce, showNote } from '../shared/announce.js';
+import { messageOf } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { button, icon, iconButton } from '../shared/icons.js';
 import { savingRow } from '../map/measurement_files.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, lengthIn, units_chosen } from '../shared/units.js';
@@ -36,7 +37,7 @@ export function notesSection(flight, stage, may_change) {
   const state = h('p', { class: 'muted fine', id: 'notes-state', role: 'status' });
   const form_place = h('div', {});
   const list = h('ul', { class: 'note-list', id: 'note-list' });
-  const add_button = h('button', { type: 'button', class: 'button small', id: 'note-add', on: { click: () => openForm(null) } }, icon('plus'), words.add);
+  const add_button = button(words.add, () => openForm(null), { picture: 'plus', id: 'note-add' });
   const saving = savingRow('notes', () => ({ file: words.file_name, measurements: notes.notes.map(measurementOfNote) }));
   const element = h(
     'details',
@@ -86,7 +87,7 @@ export function notesSection(flight, stage, may_change) {
       'li',
       { 'data-note': note.id },
       icon(kIcons[note.geometry.type]),
-      h('button', { type: 'button', class: 'text-button note-show', title: words.show(name), on: { click: () => stage.showBounds(boundsOfNote(note)) } }, name),
+      button(name, () => stage.showBounds(boundsOfNote(note)), { class: 'text-button note-show', title: words.show(name) }),
       h('span', { class: 'muted note-figure' }, figure(note)),
       may_change && iconButton('pencil', words.edit(name), () => openForm(note), '', 'icon-button note-edit'),
       may_change && iconButton('trash', words.remove(name), () => remove(note), '', 'icon-button note-remove'),
@@ -118,7 +119,7 @@ export function notesSection(flight, stage, may_change) {
     state.dataset.state = notes.state;
     state.classList.toggle('amber', notes.state === 'waiting' || notes.state === 'failed');
     if (state.firstChild?.textContent === text) return;
-    put(state, text, notes.state === 'failed' && h('button', { type: 'button', class: 'text-button', id: 'notes-retry', on: { click: () => void notes.flush() } }, strings.errors.retry));
+    put(state, text, notes.state === 'failed' && button(strings.errors.retry, () => void notes.flush(), { class: 'text-button', id: 'notes-retry' }));
   };
   notes.addEventListener('change', draw);
   notes.addEventListener('saved', tell);
@@ -149,7 +150,7 @@ export function notesSection(flight, stage, may_change) {
         put(state);
         void read();
       };
-      put(state, words.unread(error instanceof Error ? error.message : String(error)), ' ', h('button', { type: 'button', class: 'text-button', on: { click: again } }, strings.errors.retry));
+      put(state, words.unread(messageOf(error)), ' ', button(strings.errors.retry, again, { class: 'text-button' }));
       add_button.hidden = true;
       saving.hidden = true;
       return;

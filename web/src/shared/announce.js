@@ -1,6 +1,7 @@
 // What changes on the page, said once to screen readers, and the short notes at the bottom of the window.
+import { messageOf } from './api.js';
 import { byId, h } from './dom.js';
-import { icon } from './icons.js';
+import { button, icon } from './icons.js';
 import { strings } from './strings.js';
 
 let last_text = '';
@@ -40,21 +41,10 @@ export function showNote(text, options = {}) {
     'div',
     { class: options.is_error ? 'note note-error' : 'note' },
     h('span', { class: 'note-text' }, text),
-    action &&
-      h(
-        'button',
-        {
-          type: 'button',
-          class: 'note-action',
-          on: {
-            click: () => {
-              action.run();
-              close();
-            },
-          },
-        },
-        action.label,
-      ),
+    action && button(action.label, () => {
+      action.run();
+      close();
+    }, { class: 'note-action' }),
     h('button', { type: 'button', class: 'icon-button', 'aria-label': strings.page.close, on: { click: close } }, icon('close')),
   );
   const timer = setTimeout(close, options.duration_ms ?? 8000);
@@ -67,5 +57,5 @@ export function showNote(text, options = {}) {
  * @param {unknown} error
  */
 export function showError(error) {
-  showNote(error instanceof Error ? error.message : String(error), { is_error: true });
+  showNote(messageOf(error), { is_error: true });
 }

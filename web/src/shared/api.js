@@ -29,6 +29,9 @@ export class ApiError extends Error {
   }
 }
 
+/** What can be shown of it. @param {unknown} error */
+export const messageOf = (error) => (error instanceof Error ? error.message : String(error));
+
 /** Of what the server remarks, once the words of flights are there (flight_strings.js). @returns {Record<string, (values: any) => string>} */
 const remarkSentences = () => /** @type {any} */ (strings).remarks ?? {};
 
@@ -85,6 +88,30 @@ export function problem(status, text) {
   return new ApiError(status, strings.errors.status(status));
 }
 
+/** @param {Promise<Response>} asked @returns {Promise<{response: Response, text: string}>} the whole answer; fails where it refuses */
+export async function answerOf(asked) {
+  /** @type {Response} */
+  let response;
+  try {
+    response = await asked;
+  } catch (error) {
+    if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    throw new ApiError(0, strings.errors.unreachable);
+  }
+  const text = await response.text();
+  if (!response.ok) throw problem(response.status, text);
+  return { response, text };
+}
+
+/** @param {Response} response @param {string} text of it @returns {any} */
+export function parsed({ status }, text) {
+  try {
+    return JSON.parse(text);
+  } catch {
+    throw new ApiError(status, strings.errors.not_json);
+  }
+}
+
 /**
  * @param {string} method
  * @param {string} path
@@ -95,45 +122,29 @@ export function problem(status, text) {
  * @returns {Promise<any>} the JSON, or null for an empty answer
  */
 async function request(method, path, body, signal, priority = 'auto', type = 'application/json') {
-  /** @type {Response} */
-  let response;
-  try {
-    const early = method === 'GET' ? takeEarly(path) : null;
-    response = await (early ?? fetch(at(path), {
-      method,
-      signal,
-      priority,
-      headers: { ...authorization(), ...(body ? { 'Content-Type': type } : {}) },
-      body: body ? JSON.stringify(body) : undefined,
-    }));
-  } catch (error) {
-    if (error instanceof DOMException && error.name === 'AbortError') throw error;
-    throw new ApiError(0, strings.errors.unreachable);
-  }
-  const text = await response.text();
-  if (response.status === 401) import('./access.js').then(({ askForToken }) => askForToken()).catch(() => undefined);  // the answer says it too
-  if (!response.ok) throw problem(response.status, text);
-  if (text === '') return null;
-  try {
-    return JSON.parse(text);
-  } catch {
-    throw new ApiError(response.status, strings.errors.not_json);
-  }
+  const early = method === 'GET' ? takeEarly(path) : null;
+  const { response, text } = await answerOf(early ?? fetch(at(path), {
+    method,
+    signal,
+    priority,
+    headers: { ...authorization(), ...(body ? { 'Content-Type': type } : {}) },
+    body: body ? JSON.stringify(body) : undefined,
+  })).catch((error) => {
+    if (error.status === 401) import('./access.js').then(({ askForToken }) => askForToken()).catch(() => undefined);  // the answer says it too
+    throw error;
+  });
+  return text === '' ? null : parsed(response, text);
 }
 
 const flight_path = (/** @type {string} */ id) => `/api/v1/flights/${encodeURIComponent(id)}`;
 
-/**
- * All flights, newest first as the server lists them.
- * @param {AbortSignal} [signal]
- * @returns {Promise<Flight[]>}
- */
-export async function listFlights(signal) {
+/** All flights, newest first as the server lists them. @returns {Promise<Flight[]>} */
+export async function listFlights() {
   /** @type {Flight[]} */
   const flights = [];
   let cursor = '';
   do {
-    const page = await request('GET', `/api/v1/flights?limit=500${cursor}`, undefined, signal);
+    const page = await request('GET', `/api/v1/flights?limit=500${cursor}`);
     flights.push(...page.flights);
     cursor = page.next_cursor ? `&cursor=${encodeURIComponent(page.next_cursor)}` : '';
   } while (cursor);
@@ -161,15 +172,12 @@ export async function getVerdict(id, signal) {
   }
 }
 
-/** What who asks may do here. @returns {Promise<Access>} */
-const getAccess = () => request('GET', '/api/v1/access');
-
 /** @type {Promise<Access|null>|null} */
 let asked_access = null;
 
-/** Asked once; what would be refused is not offered. @returns {Promise<Access|null>} null where the server does not say: then everything is offered, and it decides */
+/** What who asks may do here. Asked once; what would be refused is not offered. @returns {Promise<Access|null>} null where the server does not say: then everything is offered, and it decides */
 export function ownAccess() {
-  asked_access ??= getAccess().catch(() => {
+  asked_access ??= request('GET', '/api/v1/access').catch(() => {
     asked_access = null;  // the next who asks tries again
     return null;
   });
@@ -181,9 +189,6 @@ export async function mayUpload() {
   const access = await ownAccess();
   return access === null || access.scope !== 'read';
 }
-
-/** @param {string} id @param {string} name @returns {Promise<Flight>} */
-export const renameFlight = (id, name) => changeFlight(id, { name });
 
 /** @param {string} id @param {{name?: string, tags?: string[], keep?: boolean}} change @returns {Promise<Flight>} */
 export const changeFlight = (id, change) => request('PATCH', flight_path(id), change);
@@ -227,8 +232,8 @@ export const getChange = (id, since) => request('GET', `/tiles/${encodeURICompon
 /** @param {string} id @returns {Promise<ContourCollection>} */
 export const getContours = (id) => request('GET', `${flight_path(id)}/contours.geojson`);
 
-/** @param {AbortSignal} [signal] @returns {Promise<Trash>} */
-export const getTrash = (signal) => request('GET', '/api/v1/trash', undefined, signal);
+/** @returns {Promise<Trash>} */
+export const getTrash = () => request('GET', '/api/v1/trash');
 
 /** @param {string} id @returns {Promise<Flight>} */
 export const restoreFlight = (id) => request('POST', `${flight_path(id)}/restore`);
@@ -236,14 +241,8 @@ export const restoreFlight = (id) => request('POST', `${flight_path(id)}/restore
 /** For good. @param {string} id of a deleted flight @returns {Promise<null>} */
 export const removeFlight = (id) => request('DELETE', `/api/v1/trash/${encodeURIComponent(id)}`);
 
-/**
- * @param {string} id
- * @returns {Promise<StoredFile[]>}
- */
-export async function listFiles(id) {
-  const answer = await request('GET', `${flight_path(id)}/files`);
-  return answer.files ?? [];
-}
+/** @param {string} id @returns {Promise<StoredFile[]>} */
+export const listFiles = async (id) => (await request('GET', `${flight_path(id)}/files`)).files ?? [];
 
 /** The layers that the map page offers. */
 export const kLayers = ['photo', 'error', 'height'];
@@ -275,8 +274,8 @@ export const cancelJob = (id) => request('DELETE', `/api/v1/jobs/${encodeURIComp
 /** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Report>} */
 export const getReport = (id, signal) => request('GET', `${flight_path(id)}/report`, undefined, signal, 'low');
 
-/** @param {string} id @param {AbortSignal} [signal] @returns {Promise<PhotoCollection>} */
-export const getPhotos = (id, signal) => request('GET', `${flight_path(id)}/photos.geojson`, undefined, signal, 'low');
+/** @param {string} id @returns {Promise<PhotoCollection>} */
+export const getPhotos = (id) => request('GET', `${flight_path(id)}/photos.geojson`, undefined, undefined, 'low');
 
 /**
  * The photos that see a place, the best view first.
@@ -305,8 +304,8 @@ export async function getGround(id, name, x, y) {
 /** @param {string} id @param {string} name @returns {string} where the photo itself can be read */
 export const photoPath = (id, name) => readable(`${flight_path(id)}/files/${encodeURIComponent(name)}`);
 
-/** @param {string} path @param {AbortSignal} [signal] @returns {Promise<TileJson>} */
-export const getTileJson = (path, signal) => request('GET', path, undefined, signal);
+/** @param {string} path @returns {Promise<TileJson>} */
+export const getTileJson = (path) => request('GET', path);
 
 /** @param {string} path @returns {Promise<import('./types.js').LayerLegends>} */
 export const getLegends = (path) => request('GET', path);

@@ -1,5 +1,6 @@
 // The page's few questions, as native <dialog>s (focus is kept inside and returns by itself).
-import { h } from './dom.js';
+import { h, put } from './dom.js';
+import { button } from './icons.js';
 import { strings } from './strings.js';
 
 /**
@@ -19,27 +20,44 @@ export function ask(dialog) {
 
 /** Leaves the dialog that it stands in. @param {string} [label] @returns {HTMLButtonElement} */
 export function closeButton(label = strings.flights.cancel) {
-  const button = h('button', { type: 'button', class: 'button', on: { click: () => button.closest('dialog')?.close() } }, label);
-  return button;
+  const close = button(label, () => close.closest('dialog')?.close(), { class: 'button' });
+  return close;
+}
+
+/** @param {string} id @param {string} title @param {...import('./dom.js').Child} content @returns {HTMLDialogElement} */
+export const titledDialog = (id, title, ...content) =>
+  h('dialog', { class: 'dialog', 'aria-labelledby': `${id}-title`, id }, h('h2', { id: `${id}-title`, class: 'dialog-title' }, title), ...content);
+
+/** Shows something until it is closed. @param {string} id @param {string} title @param {HTMLElement} body @returns {HTMLDialogElement} */
+export function showDialog(id, title, body) {
+  const dialog = titledDialog(id, title, body, h('div', { class: 'dialog-actions' }, closeButton(strings.page.close)));
+  void ask(dialog);
+  return dialog;
 }
 
 /**
- * Shows something until it is closed.
  * @param {string} id
  * @param {string} title
- * @param {HTMLElement} body
- * @returns {HTMLDialogElement}
+ * @param {string} text
+ * @param {{value: string, label: string, id?: string, is_primary?: boolean}[]} ways in their order; value: '' changes nothing
+ * @returns {Promise<string>} what was chosen
  */
-export function showDialog(id, title, body) {
-  const dialog = h(
-    'dialog',
-    { class: 'dialog', 'aria-labelledby': `${id}-title`, id },
-    h('h2', { id: `${id}-title`, class: 'dialog-title' }, title),
-    body,
-    h('div', { class: 'dialog-actions' }, closeButton(strings.page.close)),
-  );
-  void ask(dialog);
-  return dialog;
+export function choose(id, title, text, ways) {
+  const actions = ways.map(({ value, label, id: own, is_primary }) => button(label, () => dialog.close(value), { id: own, class: is_primary ? 'button primary' : 'button' }));
+  const dialog = titledDialog(id, title, h('p', {}, text), h('div', { class: 'dialog-actions' }, ...actions));
+  return ask(dialog);
+}
+
+/** Where a form says, in sight, what is refused. @param {string} id of what it says @returns {{element: HTMLElement, refuse: (why: string) => void}} refuse: '' takes it back */
+export function refusalBox(id) {
+  const element = h('div', { 'aria-live': 'assertive' });
+  return {
+    element,
+    refuse(why) {
+      put(element, why && h('p', { class: 'callout callout-error', role: 'alert', id }, why));
+      if (why) element.scrollIntoView({ block: 'nearest' });
+    },
+  };
 }
 
 /**
@@ -56,12 +74,7 @@ export async function askName(name) {
       { method: 'dialog' },
       h('label', { for: 'rename-input', class: 'dialog-title' }, strings.flights.rename_label),
       input,
-      h(
-        'div',
-        { class: 'dialog-actions' },
-        closeButton(),
-        h('button', { type: 'submit', class: 'button primary', value: 'save' }, strings.flights.save),
-      ),
+      h('div', { class: 'dialog-actions' }, closeButton(), h('button', { type: 'submit', class: 'button primary', value: 'save' }, strings.flights.save)),
     ),
   );
   const chosen = ask(dialog);
@@ -77,39 +90,18 @@ export async function askName(name) {
  * @returns {Promise<'add'|'new'|''>}
  */
 export async function askWhereTo(count, flight_name, has_map) {
-  const choose = (/** @type {string} */ value) => () => dialog.close(value);
-  const dialog = h(
-    'dialog',
-    { class: 'dialog', 'aria-labelledby': 'where-title' },
-    h('h2', { id: 'where-title', class: 'dialog-title' }, strings.drop.choice_title),
-    h('p', {}, (has_map ? strings.drop.choice_text : strings.drop.choice_text_first)(count, flight_name)),
-    h(
-      'div',
-      { class: 'dialog-actions' },
-      closeButton(),
-      h('button', { type: 'button', class: 'button', on: { click: choose('add') } }, strings.drop.choice_add),
-      h('button', { type: 'button', class: 'button primary', on: { click: choose('new') } }, strings.drop.choice_new),
-    ),
-  );
-  return /** @type {'add'|'new'|''} */ (await ask(dialog));
+  const words = strings.drop;
+  return /** @type {'add'|'new'|''} */ (await choose('where', words.choice_title, (has_map ? words.choice_text : words.choice_text_first)(count, flight_name), [
+    { value: '', label: strings.flights.cancel },
+    { value: 'add', label: words.choice_add },
+    { value: 'new', label: strings.flights.new_flight, is_primary: true },
+  ]));
 }
 
-/**
- * @param {string} name of the flight
- * @returns {Promise<boolean>}
- */
+/** @param {string} name of the flight @returns {Promise<boolean>} */
 export async function askToRemove(name) {
-  const dialog = h(
-    'dialog',
-    { class: 'dialog', 'aria-labelledby': 'remove-title' },
-    h('h2', { id: 'remove-title', class: 'dialog-title' }, strings.trash.title(name)),
-    h('p', {}, strings.trash.text),
-    h(
-      'div',
-      { class: 'dialog-actions' },
-      closeButton(),
-      h('button', { type: 'button', class: 'button primary', id: 'remove-confirm', on: { click: () => dialog.close('remove') } }, strings.trash.remove),
-    ),
-  );
-  return (await ask(dialog)) === 'remove';
+  return (await choose('remove', strings.trash.title(name), strings.trash.text, [
+    { value: '', label: strings.flights.cancel },
+    { value: 'remove', label: strings.trash.remove, id: 'remove-confirm', is_primary: true },
+  ])) === 'remove';
 }

@@ -49,6 +49,19 @@ export function put(parent, ...children) {
 }
 
 /**
+ * Exactly these, in their order. What is there already stays where it is, with its focus.
+ * @param {Element} parent
+ * @param {Element[]} children
+ */
+export function arrange(parent, children) {
+  const wanted = new Set(children);
+  for (const old of [...parent.children]) if (!wanted.has(old)) old.remove();
+  children.forEach((child, i) => {
+    if (parent.children[i] !== child) parent.insertBefore(child, parent.children[i] ?? null);
+  });
+}
+
+/**
  * @template {keyof SVGElementTagNameMap} K
  * @param {K} tag
  * @param {Record<string, string|number>} [attributes]
@@ -62,18 +75,14 @@ export function svg(tag, attributes = {}, ...children) {
   return element;
 }
 
-/**
- * @param {string} label
- * @param {string} id
- * @param {boolean} checked
- * @param {(on: boolean) => void} set
- * @returns {HTMLLabelElement} a checkbox with its words
- */
-export function checkRow(label, id, checked, set) {
-  const input = h('input', { type: 'checkbox', id, checked });
-  input.addEventListener('change', () => set(input.checked));
-  return h('label', { class: 'check', for: id }, input, h('span', {}, label));
+/** A checkbox with its words. @param {string} label @param {string} id @param {boolean} [checked] @param {(on: boolean) => void} [set] */
+export function checkRow(label, id, checked = false, set = () => {}) {
+  const input = h('input', { type: 'checkbox', id, checked, on: { change: () => set(input.checked) } });
+  return { input, row: h('label', { class: 'check', for: id }, input, h('span', {}, label)) };
 }
+
+/** @param {HTMLElement} element that has the focus, or holds it @param {(event: KeyboardEvent) => void} run */
+export const onEscape = (element, run) => element.addEventListener('keydown', (event) => event.key === 'Escape' && run(event));
 
 /** @param {(element: HTMLElement) => void} run once for each that is observed, when it comes into sight */
 export function whenSeen(run) {
@@ -104,10 +113,10 @@ export function byId(id) {
  * @param {Element|null} [before] another one, which overrides it
  * @returns {Promise<void>} also where it cannot be had: what it styles is of use without it
  */
-export const loadStyle = (href, before = null) =>
-  new Promise((resolve) => {
-    document.head.insertBefore(h('link', { rel: 'stylesheet', href, on: { load: () => resolve(), error: () => resolve() } }), before);
-  });
+export const loadStyle = (href, before = null) => linkSettled(document.head.insertBefore(h('link', { rel: 'stylesheet', href }), before));
+
+/** @param {Element} link of a style sheet @returns {Promise<void>} when that is there, or cannot be had */
+export const linkSettled = (link) => new Promise((resolve) => ['load', 'error'].forEach((event) => link.addEventListener(event, () => resolve())));
 
 /**
  * A style sheet that the document names already.
@@ -117,6 +126,5 @@ export const loadStyle = (href, before = null) =>
 export function styleLoaded(href) {
   const link = document.querySelector(`link[rel="stylesheet"][href="${href}"]`);
   if (!(link instanceof HTMLLinkElement)) return null;
-  if (link.sheet) return Promise.resolve();
-  return new Promise((resolve) => ['load', 'error'].forEach((event) => link.addEventListener(event, () => resolve())));
+  return link.sheet ? Promise.resolve() : linkSettled(link);
 }

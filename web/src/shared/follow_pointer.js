@@ -4,6 +4,22 @@
 export const kArrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 /**
+ * @param {KeyboardEvent} event
+ * @param {import('../../vendor/maplibre-gl.mjs').Map} map
+ * @param {import('../../vendor/maplibre-gl.mjs').Marker} mark on it
+ * @param {number} step_px of the screen
+ * @returns {[number, number]|null} longitude and latitude where the key leads the mark; null: it is no arrow
+ */
+export function movedByKey(event, map, mark, step_px) {
+  const step = kArrows[event.key];
+  if (!step) return null;
+  event.preventDefault();
+  event.stopPropagation();
+  const { x, y } = map.project(mark.getLngLat());
+  return map.unproject([x + step[0] * step_px, y + step[1] * step_px]).toArray();
+}
+
+/**
  * @param {HTMLElement} element
  * @param {{pan: (x_px: number, y_px: number) => void, zoom: (by: number, x_px?: number, y_px?: number) => void}} actions pixels of the screen; zoom: around a place from the middle
  */

@@ -2,6 +2,9 @@
 import { dateFormat, fixed, number } from './language.js';
 import { strings } from './strings.js';
 
+/** What there is of several words, one after the other. @param {...(string|false|null|undefined)} words */
+export const dotted = (...words) => words.filter(Boolean).join(' · ');
+
 /**
  * A number with about three significant digits.
  * @param {number} value
@@ -136,24 +139,18 @@ function wallTime(iso) {
 /**
  * The day that photos were taken, where they were taken.
  * @param {{first: string, last: string}} captured
+ * @param {'short'} [time_style] the hours too
  * @returns {string} empty when it is no time
  */
-export function formatCaptureDay({ first, last }) {
+export function formatCaptureDay({ first, last }, time_style) {
   const [from, to] = [wallTime(first), wallTime(last)];
-  if (!from || !to) return '';
-  return dateFormat({ dateStyle: 'medium', timeZone: 'UTC' }).formatRange(from.wall, to.wall);
+  return from && to ? dateFormat({ dateStyle: 'medium', timeStyle: time_style, timeZone: 'UTC' }).formatRange(from.wall, to.wall) : '';
 }
 
-/**
- * The same with the hours and their zone.
- * @param {{first: string, last: string}} captured
- * @returns {string} empty when it is no time
- */
-export function formatCaptureTime({ first, last }) {
-  const [from, to] = [wallTime(first), wallTime(last)];
-  if (!from || !to) return '';
-  const form = dateFormat({ dateStyle: 'medium', timeStyle: 'short', timeZone: 'UTC' });
-  return `${form.formatRange(from.wall, to.wall)}${from.zone ? ` (${from.zone})` : ''}`;
+/** The same with the hours and their zone. @param {{first: string, last: string}} captured */
+export function formatCaptureTime(captured) {
+  const [words, zone] = [formatCaptureDay(captured, 'short'), wallTime(captured.first)?.zone];
+  return words && zone ? `${words} (${zone})` : words;
 }
 
 /**

@@ -49,6 +49,32 @@ export function icon(name) {
 }
 
 /**
+ * A button with words.
+ * @param {string} label
+ * @param {((event: MouseEvent) => void)|null} run
+ * @param {{picture?: string, [attribute: string]: any}} [look] picture: the icon before the words
+ * @returns {HTMLButtonElement}
+ */
+export const button = (label, run, { picture = '', ...attributes } = {}) =>
+  h('button', { type: 'button', class: 'button small', on: run && { click: run }, ...attributes }, picture !== '' && icon(picture), label);
+
+/**
+ * A button is pressed once, and again where that failed.
+ * @param {HTMLButtonElement} pressed
+ * @param {() => Promise<unknown>} work
+ * @param {(error: unknown) => void} fail
+ */
+export async function runOnce(pressed, work, fail) {
+  pressed.disabled = true;
+  try {
+    await work();
+  } catch (error) {
+    pressed.disabled = false;
+    fail(error);
+  }
+}
+
+/**
  * A button that shows no word: its label is read out, and shown where it is pointed at.
  * @param {string|Node} picture the name of an icon, or what is drawn
  * @param {string} label

@@ -1,38 +1,53 @@
 // A document that is changed here at once and sent to the server a moment later: what is said of its saving. Event: 'saved'.
-import { ApiError, problem } from './api.js';
+import { answerOf, parsed } from './api.js';
 import { at } from './router.js';
-import { strings } from './strings.js';
 import { authorization } from './token.js';
 
 export const kPause_ms = 500;      // until a change is sent
 export const kPatience_ms = 5000;  // until a server that was away, or a flight that was being stitched, is asked again
 
-/**
- * @param {string} id of the flight
- * @param {'control'|'notes'} name
- * @param {RequestInit} [init]
- * @returns {Promise<{document: any, etag: string}>}
- */
-export async function askDocument(id, name, init = {}) {
-  let response;
-  try {
-    response = await fetch(at(`/api/v1/flights/${encodeURIComponent(id)}/${name}`), { ...init, headers: { ...authorization(), ...init.headers } });
-  } catch {
-    throw new ApiError(0, strings.errors.unreachable);
-  }
-  const text = await response.text();
-  if (!response.ok) throw problem(response.status, text);
-  try {
-    return { document: JSON.parse(text), etag: response.headers.get('ETag') ?? '' };
-  } catch {
-    throw new ApiError(response.status, strings.errors.not_json);
-  }
-}
-
 export class SavedDocument extends EventTarget {
   /** @type {'saved'|'saving'|'waiting'|'failed'} */
   state = 'saved';
   failure = '';
+  #etag = '';
+  /** @type {ReturnType<typeof setTimeout>|undefined} */
+  #timer = undefined;
+
+  /** @param {string} id of the flight @param {'control'|'notes'} name @param {RequestPriority} priority */
+  constructor(id, name, priority) {
+    super();
+    this.id = id;
+    this.name = name;
+    this.priority = priority;
+  }
+
+  /** What the server has. @param {RequestInit} [init] @returns {Promise<any>} */
+  async get(init = {}) {
+    const address = at(`/api/v1/flights/${encodeURIComponent(this.id)}/${this.name}`);
+    const { response, text } = await answerOf(fetch(address, { priority: this.priority, ...init, headers: { ...authorization(), ...init.headers } }));
+    const document = parsed(response, text);
+    this.#etag = response.headers.get('ETag') ?? '';
+    return document;
+  }
+
+  /** In place of what was there the last time; 412 where that has changed. @param {string} type @param {object} next @returns {Promise<any>} */
+  replace(type, next) {
+    return this.get({ method: 'PUT', headers: { 'Content-Type': type, 'If-Match': this.#etag }, body: JSON.stringify(next) });
+  }
+
+  /** Sends what was not sent yet. */
+  async flush() {}
+
+  /** @param {number} pause_ms */
+  flushLater(pause_ms) {
+    this.endPause();
+    this.#timer = setTimeout(() => void this.flush().catch(() => undefined), pause_ms);  // what came of it is the state
+  }
+
+  endPause() {
+    clearTimeout(this.#timer);
+  }
 
   /** @param {'saved'|'saving'|'waiting'|'failed'} state @param {string} [failure] in the server's words */
   tell(state, failure = '') {

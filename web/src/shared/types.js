@@ -28,8 +28,6 @@
  * @property {number|null} [eta_high_s]
  * @property {number} [attempts]
  * @property {string|null} [created_at]
- * @property {string|null} [started_at]
- * @property {string|null} [finished_at]
  * @property {ServerError|null} [error]
  * @property {JobPart[]} [parts] of a large flight, at work; for those who run the server
  * @property {WorkerAside[]} [workers_aside] for those too
@@ -178,7 +176,6 @@
  * @property {number} file_count
  * @property {number} bytes
  * @property {string} deleted_at
- * @property {string} removed_at
  * @property {number} days_left
  */
 

@@ -1,6 +1,6 @@
 // Ready settings for other programs, written here from the map's address: nothing needs to be typed there.
 /** @import { Flight, TileJson } from '../shared/types.js' */
-import { tilePosition } from '../map/tile_addresses.js';
+import { tileBox } from '../map/tile_addresses.js';
 
 /** @param {string} text @returns {string} safe inside XML text and attributes */
 export function xmlText(text) {
@@ -23,9 +23,7 @@ export function gdalXml(template, tilejson) {
   const address = template.replace('{z}', '${z}').replace('{x}', '${x}').replace('{y}', '${y}');
   const side = tilejson.tileSize ?? 256;
   const [low, high] = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
-  const [west, south, east, north] = tilejson.bounds ?? [-180, -85.05, 180, 85.05];
-  const from = tilePosition(west, north, low);
-  const to = tilePosition(east, south, low);
+  const { from, to } = tileBox(tilejson.bounds ?? [-180, -85.05, 180, 85.05], low);
   const first = { x: Math.floor(from.x), y: Math.floor(from.y) };
   const last = { x: Math.ceil(to.x), y: Math.ceil(to.y) };
   const tiles = 2 ** (high - low);

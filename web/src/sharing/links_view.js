@@ -7,7 +7,7 @@ import { connectFiles, josmAddress, saveText } from './connect_files.js';
 import { at } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
 import { mayChange } from '../flight/flight_words.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { button, icon, iconButton, runOnce } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { ownHost } from '../map/tile_addresses.js';
 
@@ -17,8 +17,7 @@ import { ownHost } from '../map/tile_addresses.js';
  * @returns {HTMLButtonElement}
  */
 export function copyButton(what, text) {
-  const button = iconButton('copy', strings.page.copy(what), null);
-  button.addEventListener('click', async () => {
+  const copy = iconButton('copy', strings.page.copy(what), async () => {
     try {
       await copyText(text);
     } catch (error) {
@@ -26,10 +25,10 @@ export function copyButton(what, text) {
       return;
     }
     announce(strings.page.copied);
-    button.replaceChildren(icon('check'));
-    setTimeout(() => button.replaceChildren(icon('copy')), 1500);
+    copy.replaceChildren(icon('check'));
+    setTimeout(() => copy.replaceChildren(icon('copy')), 1500);
   });
-  return button;
+  return copy;
 }
 
 /** @param {string} text */
@@ -76,8 +75,7 @@ export function linksView(flight, tilejson) {
   );
 }
 
-/** Tokens of links that were made here for other programs, by flight. */
-/** @type {Map<string, string>} */
+/** Tokens of links that were made here for other programs, by flight. @type {Map<string, string>} */
 const made_tokens = new Map();
 
 /**
@@ -111,7 +109,7 @@ async function drawAddresses(flight, tilejson, element) {
   if (token === null) return;
   const template = withToken(ownHost(tilejson.tiles[0]), token);
   const settings = connectFiles(flight, tilejson, template).map(({ label, file, text }) =>
-    h('button', { type: 'button', class: 'button small', on: { click: () => saveText(file, text) } }, words.connect(label)),
+    button(words.connect(label), () => saveText(file, text)),
   );
   put(
     element,
@@ -125,16 +123,9 @@ async function drawAddresses(flight, tilejson, element) {
 
 /** @param {Flight} flight @param {() => Promise<void>} again */
 function makeToken(flight, again) {
-  const button = h('button', { type: 'button', class: 'button small', id: 'links-make' }, strings.links.make);
-  button.addEventListener('click', async () => {
-    button.disabled = true;
-    try {
-      made_tokens.set(flight.id, (await addShare(flight.id, null)).token);
-      await again();
-    } catch (error) {
-      button.disabled = false;
-      showError(error);
-    }
-  });
-  return h('div', {}, h('p', { class: 'muted' }, strings.links.make_hint), button);
+  const make = button(strings.links.make, () => runOnce(make, async () => {
+    made_tokens.set(flight.id, (await addShare(flight.id, null)).token);
+    await again();
+  }, showError), { id: 'links-make' });
+  return h('div', {}, h('p', { class: 'muted' }, strings.links.make_hint), make);
 }

@@ -2,11 +2,12 @@
 // revokes them. Says who can open it: a server that listens to its own machine alone has links for that machine, until it is
 // opened to the network from there.
 /** @import { Flight, Share } from '../shared/types.js' */
-import { addShare, listShares, openNetwork, removeShare } from '../shared/api.js';
+import { addShare, listShares, messageOf, openNetwork, removeShare } from '../shared/api.js';
 import { serverAddress } from '../shared/router.js';
 import { showDialog } from '../shared/dialogs.js';
 import { fill, h, put } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
+import { button, runOnce } from '../shared/icons.js';
 import { xmlText } from './connect_files.js';
 import { showDownloads } from '../flight/flight_actions.js';
 import { addressField } from './links_view.js';
@@ -36,11 +37,7 @@ export function showShareDialog(flight) {
   const words = strings.share;
   const body = h('div', { id: 'share-body', 'aria-live': 'polite' }, h('p', { class: 'muted' }, words.loading));
   showDialog('share-dialog', words.title(flight.name), body);
-  /** @param {unknown} error */
-  const showFailure = (error) => {
-    const text = error instanceof Error ? error.message : String(error);
-    body.append(h('p', { class: 'callout callout-error', role: 'alert' }, text));
-  };
+  const showFailure = (/** @type {unknown} */ error) => body.append(h('p', { class: 'callout callout-error', role: 'alert' }, messageOf(error)));
   fillIn(flight, body, showFailure).catch(showFailure);
 }
 
@@ -58,21 +55,14 @@ async function fillIn(flight, body, showFailure) {
     ...kDays.map((days) => h('option', { value: String(days), selected: days === kUsualDays }, words.days(days))),
   );
   const made = h('div', { id: 'share-made' });
-  const make = h('button', { type: 'button', class: 'button primary', id: 'share-make' }, words.make);
-  make.addEventListener('click', async () => {
-    make.disabled = true;
-    try {
-      const share = await addShare(flight.id, choice.value === 'null' ? null : Number(choice.value));
-      await again();
-      const link = `${server}/#/flights/${encodeURIComponent(flight.id)}?token=${share.token}`;
-      // On a phone beside this computer it is read off the screen.
-      const code = is_opened ? await qrCode(link, words.code).catch(() => null) : null;  // the link is there all the same
-      fill(/** @type {HTMLElement} */ (body.querySelector('#share-made')), [h('p', { class: 'muted' }, words.once), addressField(reached_at ? words.link : words.link_local, link), code, embedField(flight, server, share.token)]);
-    } catch (error) {
-      make.disabled = false;
-      showFailure(error);
-    }
-  });
+  const make = button(words.make, () => runOnce(make, async () => {
+    const share = await addShare(flight.id, choice.value === 'null' ? null : Number(choice.value));
+    await again();
+    const link = `${server}/#/flights/${encodeURIComponent(flight.id)}?token=${share.token}`;
+    // On a phone beside this computer it is read off the screen.
+    const code = is_opened ? await qrCode(link, words.code).catch(() => null) : null;  // the link is there all the same
+    fill(/** @type {HTMLElement} */ (body.querySelector('#share-made')), [h('p', { class: 'muted' }, words.once), addressField(reached_at ? words.link : words.link_local, link), code, embedField(flight, server, share.token)]);
+  }, showFailure), { class: 'button primary', id: 'share-make' });
   put(
     body,
     h('p', { id: 'share-who' }, reached_at ? words.text : words.local),
@@ -88,19 +78,12 @@ async function fillIn(flight, body, showFailure) {
 
 /** @param {() => Promise<void>} again @param {(error: unknown) => void} showFailure */
 function openButton(again, showFailure) {
-  const button = h('button', { type: 'button', class: 'button small', id: 'share-open-network' }, strings.share.open_network);
-  button.addEventListener('click', async () => {
-    button.disabled = true;
-    try {
-      await openNetwork();
-      await again();
-      document.getElementById('share-make')?.focus();
-    } catch (error) {
-      button.disabled = false;
-      showFailure(error);
-    }
-  });
-  return button;
+  const open = button(strings.share.open_network, () => runOnce(open, async () => {
+    await openNetwork();
+    await again();
+    document.getElementById('share-make')?.focus();
+  }, showFailure), { id: 'share-open-network' });
+  return open;
 }
 
 /**
@@ -110,11 +93,10 @@ function openButton(again, showFailure) {
  */
 function localPart(flight, open) {
   const words = strings.share;
-  const file = h('button', { type: 'button', class: 'button small', id: 'share-file' }, words.choose_file);
-  file.addEventListener('click', () => {
+  const file = button(words.choose_file, () => {
     file.closest('dialog')?.close();
     showDownloads(flight, []);
-  });
+  }, { id: 'share-file' });
   return h(
     'div',
     { id: 'share-local' },
@@ -128,16 +110,9 @@ function localPart(flight, open) {
 function shareRow(flight, share, again, showFailure) {
   const words = strings.share;
   const text = words.row(formatDate(share.created_at), share.expires_at ? formatDate(share.expires_at) : null);
-  const revoke = h('button', { type: 'button', class: 'button small', 'aria-label': `${words.revoke}: ${text}` }, words.revoke);
-  revoke.addEventListener('click', async () => {
-    revoke.disabled = true;
-    try {
-      await removeShare(flight.id, share.id);
-      await again();
-    } catch (error) {
-      revoke.disabled = false;
-      showFailure(error);
-    }
-  });
+  const revoke = button(words.revoke, () => runOnce(revoke, async () => {
+    await removeShare(flight.id, share.id);
+    await again();
+  }, showFailure), { 'aria-label': `${words.revoke}: ${text}` });
   return h('li', {}, h('span', {}, text), revoke);
 }

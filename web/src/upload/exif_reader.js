@@ -1,13 +1,11 @@
-// Reads what a verdict before the upload needs from a photo's first bytes: where and when it was taken, its size and
-// focal length. JPEG and TIFF (EXIF 2.3). Anything odd is simply absent: the server reads the photos properly.
+// Reads what a verdict before the upload needs from a photo's first bytes: where and when it was taken, by
+// which camera. JPEG and TIFF (EXIF 2.3). Anything odd is simply absent: the server reads the photos properly.
 
 /**
  * @typedef {object} PhotoGlance
  * @property {number|null} lon_deg
  * @property {number|null} lat_deg
- * @property {number|null} altitude_m
  * @property {number|null} taken_s seconds on the camera's own clock
- * @property {number|null} focal_35mm 35 mm equivalent focal length
  * @property {string} camera
  */
 
@@ -138,7 +136,7 @@ function cameraSeconds(text) {
 export function glanceAtPhoto(head) {
   const view = new DataView(head);
   /** @type {PhotoGlance} */
-  const glance = { lon_deg: null, lat_deg: null, altitude_m: null, taken_s: null, focal_35mm: null, camera: '' };
+  const glance = { lon_deg: null, lat_deg: null, taken_s: null, camera: '' };
   const base = tiffStart(view);
   if (base < 0 || base + 8 > view.byteLength) return glance;
   const little = view.getUint16(base) === 0x4949;
@@ -149,8 +147,6 @@ export function glanceAtPhoto(head) {
   if (exif_at) {
     const exif = new Directory(view, base, exif_at, little);
     glance.taken_s = cameraSeconds(exif.text(0x9003));
-    const [focal] = exif.numbers(0xa405);
-    if (focal > 0) glance.focal_35mm = focal;
   }
   if (gps_at) {
     const gps = new Directory(view, base, gps_at, little);
@@ -160,8 +156,6 @@ export function glanceAtPhoto(head) {
     if (lat !== null && lon !== null && (Math.abs(lat) > 1e-6 || Math.abs(lon) > 1e-6)) {
       glance.lat_deg = lat;
       glance.lon_deg = lon;
-      const [height] = gps.numbers(6);
-      if (Number.isFinite(height)) glance.altitude_m = gps.numbers(5)[0] === 1 ? -height : height;
     }
   }
   return glance;

@@ -82,17 +82,7 @@ export class UploadQueue extends EventTarget {
   /** @param {{name: string, file: File|Blob}[]} files */
   #append(files) {
     for (const { name, file } of files) {
-      this.items.push({
-        name,
-        file,
-        bytes: file.size,
-        state: 'waiting',
-        was_there: false,
-        sent_bytes: 0,
-        attempts: 0,
-        reason: '',
-        retry_at_ms: null,
-      });
+      this.items.push({ name, file, bytes: file.size, state: 'waiting', was_there: false, sent_bytes: 0, attempts: 0, reason: '', retry_at_ms: null });
     }
   }
 

@@ -3,8 +3,8 @@
 /** @import { UploadItem } from './upload_queue.js' */
 import { announce } from '../shared/announce.js';
 import { h, put } from '../shared/dom.js';
-import { formatBytes, formatDuration, formatPercent } from '../shared/format.js';
-import { icon } from '../shared/icons.js';
+import { dotted, formatBytes, formatDuration, formatPercent } from '../shared/format.js';
+import { button, icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { optionsButton } from '../flight/options_dialog.js';
 import { serverVerdictView, verdictView } from './verdict_view.js';
@@ -25,9 +25,8 @@ export function uploadView(session) {
   const verdict = h('div');
   const server_verdict = h('div');
   const failures = h('div', { id: 'upload-failures' });
-  const pause = h('button', { type: 'button', class: 'button small', id: 'upload-pause' });
-  const stop = h('button', { type: 'button', class: 'button small quiet', on: { click: () => session.stop() } }, words.stop);
-  pause.addEventListener('click', () => (queue.picture.state === 'paused' ? queue.start() : queue.pause()));
+  const pause = button('', () => (queue.picture.state === 'paused' ? queue.start() : queue.pause()), { id: 'upload-pause' });
+  const stop = button(words.stop, () => session.stop(), { class: 'button small quiet' });
 
   /** @type {Map<UploadItem, {row: HTMLLIElement, bar: HTMLProgressElement}>} */
   const rows = new Map();
@@ -53,7 +52,7 @@ export function uploadView(session) {
   };
 
   const trouble_text = h('span');
-  const retry_now = h('button', { type: 'button', class: 'button small', id: 'upload-retry-now', on: { click: () => queue.retryNow() } }, words.retry_now);
+  const retry_now = button(words.retry_now, () => queue.retryNow(), { id: 'upload-retry-now' });
   let shown_trouble = '';
   // Said at once; the seconds are counted without being said again.
   const drawTrouble = () => {
@@ -86,10 +85,10 @@ export function uploadView(session) {
           h(
             'div',
             { class: 'row' },
-            h('button', { type: 'button', class: 'button small primary', on: { click: () => queue.retryFailed() } }, icon('retry'), strings.errors.retry),
+            button(strings.errors.retry, () => queue.retryFailed(), { picture: 'retry', class: 'button small primary' }),
             finished &&
               queue.picture.done > 0 &&
-              h('button', { type: 'button', class: 'button small', on: { click: () => session.startJob() } }, words.go_on_without),
+              button(words.go_on_without, () => session.startJob()),
           ),
         ),
       session.ignored.length > 0 &&
@@ -103,15 +102,13 @@ export function uploadView(session) {
     bar.value = fraction;
     percent.textContent = formatPercent(fraction);
     counts.textContent = words.of(picture.done, picture.files);
-    pace.textContent = [
+    pace.textContent = dotted(
       picture.state === 'paused' ? words.paused : '',
       `${formatBytes(picture.sent_bytes)} / ${formatBytes(picture.bytes)}`,
       picture.bytes_per_s > 0 && picture.state === 'running' ? words.speed(formatBytes(picture.bytes_per_s)) : '',
       picture.left_s !== null ? words.left(formatDuration(picture.left_s)) : '',
       picture.was_there > 0 ? words.skipped(picture.was_there) : '',
-    ]
-      .filter(Boolean)
-      .join(' · ');
+    );
     const label = picture.state === 'paused' ? words.resume : words.pause;
     if (pause.textContent !== label) put(pause, icon(picture.state === 'paused' ? 'play' : 'pause'), label);
     pause.hidden = picture.state === 'finished';

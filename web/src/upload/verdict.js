@@ -4,7 +4,7 @@
 /** @import { PhotoGlance } from './exif_reader.js' */
 import { isArchive } from './drop_files.js';
 import { glanceAtPhoto, kHeadBytes } from './exif_reader.js';
-import { geodesicLength } from '../map/geodesy.js';
+import { boundsOf, geodesicLength } from '../map/geodesy.js';
 
 /**
  * @typedef {object} Verdict
@@ -20,19 +20,12 @@ import { geodesicLength } from '../map/geodesy.js';
  * @property {string} camera
  */
 
-/**
- * @param {ChosenFile[]} files
- * @param {(done: number) => void} [on_progress]
- * @returns {Promise<Verdict>}
- */
-export async function judge(files, on_progress = () => {}) {
+/** @param {ChosenFile[]} files @returns {Promise<Verdict>} */
+export async function judge(files) {
   const photos = files.filter(({ name }) => /\.(jpe?g|tiff?|dng|png)$/i.test(name));
   /** @type {{name: string, glance: PhotoGlance}[]} */
   const glances = [];
-  for (const { file, name } of photos) {
-    glances.push({ name, glance: glanceAtPhoto(await file.slice(0, kHeadBytes).arrayBuffer()) });
-    if (glances.length % 25 === 0) on_progress(glances.length);
-  }
+  for (const { file, name } of photos) glances.push({ name, glance: glanceAtPhoto(await file.slice(0, kHeadBytes).arrayBuffer()) });
   const archives = files.filter(({ name }) => isArchive(name)).length;
   return { ...verdictOf(glances), archives, logs: files.length - photos.length - archives };
 }
@@ -57,8 +50,7 @@ export function verdictOf(glances) {
   // Far is ten times the usual distance and at least two kilometres: another place, not the end of a long field.
   const limit_m = Math.max(2000, 10 * median(away.map(({ m }) => m)));
   const near = away.filter(({ m }) => m <= limit_m);
-  const lons = near.map(({ lon }) => lon);
-  const lats = near.map(({ lat }) => lat);
+  const [west, south, east, north] = boundsOf(near.map(({ lon, lat }) => [lon, lat]));
   const times = glances
     .map(({ glance }) => glance.taken_s)
     .filter((t) => t !== null)
@@ -67,7 +59,7 @@ export function verdictOf(glances) {
   return {
     photos: glances.length,
     with_position: placed.length,
-    span_m: near.length > 1 ? geodesicLength([Math.min(...lons), Math.min(...lats)], [Math.max(...lons), Math.max(...lats)]) : 0,
+    span_m: near.length > 1 ? geodesicLength([west, south], [east, north]) : 0,
     duration_s: times.length > 1 ? times[times.length - 1] - times[0] : 0,
     far: away.filter(({ m }) => m > limit_m).map(({ name }) => name),
     longest_gap_s: Math.max(0, ...gaps),

@@ -3,7 +3,7 @@
 /** @import { ServerVerdict } from '../shared/types.js' */
 /** @import { Verdict } from './verdict.js' */
 import { h } from '../shared/dom.js';
-import { formatArea, formatDuration, formatGsd, formatLength } from '../shared/format.js';
+import { dotted, formatArea, formatDuration, formatGsd, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { list } from '../shared/language.js';
 import { saidOf, whyLeftOut } from '../shared/remarks.js';
@@ -20,14 +20,14 @@ const shortened = (names) => (names.length <= kNamed ? names : [...names.slice(0
  */
 export function verdictWords(verdict) {
   const words = strings.verdict;
-  const facts = [
+  const facts = dotted(
     verdict.photos > 0 || verdict.archives === 0 ? strings.flights.photos(verdict.photos) : '',
     verdict.camera,
     verdict.span_m > 0 ? words.span(formatLength(verdict.span_m)) : '',
     verdict.duration_s > 0 ? words.duration(formatDuration(verdict.duration_s)) : '',
     verdict.logs > 0 ? words.logs(verdict.logs) : '',
     verdict.archives > 0 ? words.archives(verdict.archives) : '',
-  ];
+  );
   const warnings = [];
   const without = verdict.photos - verdict.with_position;
   const is_open = verdict.archives > 0;  // what is missing may be in there
@@ -40,7 +40,7 @@ export function verdictWords(verdict) {
   if (verdict.usual_gap_s > 0 && verdict.longest_gap_s > Math.max(120, 30 * verdict.usual_gap_s)) {
     warnings.push(words.gap(formatDuration(verdict.longest_gap_s)));
   }
-  return { facts: facts.filter(Boolean).join(' · '), warnings };
+  return { facts, warnings };
 }
 
 /**
@@ -71,19 +71,14 @@ function serverVerdictWords(verdict, is_of_all) {
     ...saidOf(verdict).map(({ text }) => text),
   ];
   const is_good = warnings.length === 0 && by_images === 0 && verdict.photos_placeable > 0;
-  const facts = [
+  const facts = dotted(
     words.placeable(verdict.photos_placeable, verdict.photos_readable),
     verdict.gsd_m > 0 ? formatGsd(verdict.gsd_m) : '',
     // The ground and the time of the first photos say nothing of those of the flight.
     is_of_all && verdict.area_m2 > 0 ? formatArea(verdict.area_m2) : '',
     is_of_all && verdict.expected_seconds > 0 ? words.time(formatDuration(verdict.expected_seconds)) : '',
-  ];
-  return {
-    title: is_of_all ? words.title : words.title_of_first(verdict.photos_readable + left_out.length),
-    facts: facts.filter(Boolean).join(' \u00b7 '),
-    warnings,
-    is_good,
-  };
+  );
+  return { title: is_of_all ? words.title : words.title_of_first(verdict.photos_readable + left_out.length), facts, warnings, is_good };
 }
 
 /**

@@ -61,7 +61,6 @@ export const control_words = {
   no_points_found: 'Es wurden keine Punkte gefunden. Jede Zeile braucht einen Namen und zwei Zahlen.',
   no_system: 'Geben Sie das Koordinatensystem der Liste an.',
   add_title: 'Passpunkt hinzufügen',
-  change_title: (name) => `${name} bearbeiten`,
   name: 'Name',
   x: 'Ost oder Länge',
   y: 'Nord oder Breite',

@@ -66,7 +66,6 @@ export const flight_words = {
   },
   job: {
     heading: 'Karte wird erstellt',
-    waiting: 'Wartet auf freie Rechenkapazität',
     cancel: 'Abbrechen',
     cancelled: 'Abgebrochen. Die Fotos sind weiter auf dem Server; Sie können jederzeit neu starten.',
     again: 'Erneut versuchen',

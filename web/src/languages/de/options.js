@@ -7,7 +7,6 @@ export const option_words = {
   use: 'Übernehmen',
   again: 'Mit anderen Optionen neu erstellen …',
   again_title: 'Karte neu erstellen',
-  again_start: 'Karte erstellen',
   again_hint: 'Die jetzige Karte bleibt, bis die neue fertig ist.',
   chosen: (/** @type {string} */ text) => `Optionen: ${text}`,
   made_with: 'Optionen',

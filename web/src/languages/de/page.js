@@ -134,7 +134,6 @@ export const page_words = {
     choice_text: (n, name) => `${count(n, files)} zu „${name}“ hinzufügen und die Karte neu erstellen oder einen neuen Flug anlegen?`,
     choice_text_first: (n, name) => `${count(n, files)} zu „${name}“ hinzufügen oder einen neuen Flug anlegen?`,
     choice_add: 'Zu diesem Flug hinzufügen',
-    choice_new: 'Neuer Flug',
     more: 'Fotos hinzufügen',
     resume_hint: 'Wurde ein Hochladen unterbrochen, wählen Sie denselben Ordner noch einmal: Dateien, die schon auf dem Server sind, werden übersprungen.',
     reasons: {

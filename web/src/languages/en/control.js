@@ -60,7 +60,6 @@ export const control_words = {
   no_points_found: 'No points were found. Each line needs a name and two numbers.',
   no_system: 'Enter the coordinate system of the list.',
   add_title: 'Add a control point',
-  change_title: (/** @type {string} */ name) => `Edit ${name}`,
   name: 'Name',
   x: 'East or longitude',
   y: 'North or latitude',

@@ -66,7 +66,6 @@ export const flight_words = {
   },
   job: {
     heading: 'Creating the map',
-    waiting: 'Waiting for a free worker',
     cancel: 'Cancel',
     cancelled: 'Cancelled. Your photos are still on the server; you can start again at any time.',
     again: 'Try again',

@@ -7,7 +7,6 @@ export const option_words = {
   use: 'Use these options',
   again: 'Create again with other options …',
   again_title: 'Create the map again',
-  again_start: 'Create map',
   again_hint: 'The current map stays until the new one is ready.',
   chosen: (/** @type {string} */ text) => `Options: ${text}`,
   made_with: 'Options',

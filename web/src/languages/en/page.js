@@ -134,7 +134,6 @@ export const page_words = {
       `Add ${count(n, { one: 'file', other: 'files' })} to “${name}” and rebuild its map, or create a new flight?`,
     choice_text_first: (/** @type {number} */ n, /** @type {string} */ name) => `Add ${count(n, { one: 'file', other: 'files' })} to “${name}”, or create a new flight?`,
     choice_add: 'Add to this flight',
-    choice_new: 'New flight',
     more: 'Add photos',
     resume_hint: 'If an upload was interrupted, choose the same folder again: files already on the server are skipped.',
     reasons: {
