@@ -25,10 +25,10 @@ struct MapProjection::Impl {
 
   // Nothing where PROJ has none.
   std::optional<Eigen::Vector2d> Apply(PJ_DIRECTION direction, double x, double y) const {
+    proj_errno_reset(place_from_wgs84);  // of what failed before
     const PJ_COORD out = proj_trans(place_from_wgs84, direction, proj_coord(x, y, 0.0, HUGE_VAL));
-    const bool has_failed = proj_errno(place_from_wgs84) != 0;
-    if (has_failed) proj_errno_reset(place_from_wgs84);
-    if (has_failed || !std::isfinite(out.xy.x) || !std::isfinite(out.xy.y)) return std::nullopt;
+    if (proj_errno(place_from_wgs84) != 0 || !std::isfinite(out.xy.x) || !std::isfinite(out.xy.y))
+      return std::nullopt;
     return Eigen::Vector2d(out.xy.x, out.xy.y);
   }
 };

@@ -311,14 +311,19 @@ struct ReferenceSystem::Impl {
     return transform != nullptr;
   }
 
+  // Nothing where it fails. An error is the context's, and stays from whatever failed before. Under the lock.
+  static std::optional<PJ_COORD> Brought(PJ* by, PJ_DIRECTION direction, double x, double y) {
+    proj_errno_reset(by);
+    const PJ_COORD out = proj_trans(by, direction, proj_coord(x, y, 0.0, HUGE_VAL));
+    return proj_errno(by) == 0 ? std::optional(out) : std::nullopt;
+  }
+
   // Nothing where there is no such place. Under the lock.
   static std::optional<LatLon> Place(PJ* by, double x, double y) {
-    const PJ_COORD out = proj_trans(by, PJ_FWD, proj_coord(x, y, 0.0, HUGE_VAL));
-    const bool has_failed = proj_errno(by) != 0;
-    if (has_failed) proj_errno_reset(by);
-    const auto position = LatLon::Make(out.xy.y, out.xy.x);
-    if (has_failed || !position) return std::nullopt;
-    return *position;
+    const std::optional<PJ_COORD> out = Brought(by, PJ_FWD, x, y);
+    if (!out) return std::nullopt;
+    const auto position = LatLon::Make(out->xy.y, out->xy.x);
+    return position ? std::optional(*position) : std::nullopt;
   }
 
   // Of the operation that is used there, where it is of an older datum and no better than a metre. Under the
@@ -411,12 +416,9 @@ std::optional<InexactShift> ReferenceSystem::InexactShiftAt(double x, double y) 
 
 std::optional<double> ReferenceSystem::InexactShiftM(const LatLon& near) const {
   const std::lock_guard lock(TheProj().mutex);
-  const PJ_COORD own =
-      proj_trans(impl_->transform, PJ_INV, proj_coord(near.lon_deg, near.lat_deg, 0.0, HUGE_VAL));
-  const bool has_failed = proj_errno(impl_->transform) != 0;
-  if (has_failed) proj_errno_reset(impl_->transform);
-  if (has_failed || !std::isfinite(own.xy.x) || !std::isfinite(own.xy.y)) return std::nullopt;
-  return impl_->InexactShiftM(own.xy.x, own.xy.y);
+  const auto own = Impl::Brought(impl_->transform, PJ_INV, near.lon_deg, near.lat_deg);
+  if (!own || !std::isfinite(own->xy.x) || !std::isfinite(own->xy.y)) return std::nullopt;
+  return impl_->InexactShiftM(own->xy.x, own->xy.y);
 }
 
 bool ReferenceSystem::is_geographic() const { return impl_->is_geographic; }

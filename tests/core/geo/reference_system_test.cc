@@ -186,6 +186,17 @@ TEST(MapProjection, WhatCannotBeIsRefusedOrAbsent) {
   EXPECT_FALSE(laea->LatLonOf({4321000.0 + 3e7, 3210000.0}));
 }
 
+// PROJ keeps what failed last, of whichever system, until somebody forgets it.
+TEST(ReferenceSystem, AnswersAfterAnotherLackedAGrid) {
+  const auto mine = ReferenceSystem::Parse("EPSG:25832"), other = ReferenceSystem::Parse("EPSG:27700");
+  ASSERT_TRUE(mine && other);
+  other->InexactShiftAt(530'000.0, 180'000.0);
+  EXPECT_TRUE(mine->ToLatLon(500'000.0, 5'412'000.0));
+  other->InexactShiftAt(530'000.0, 180'000.0);
+  EXPECT_FALSE(mine->InexactShiftAt(500'000.0, 5'412'000.0));
+  EXPECT_TRUE(mine->ToLatLon(500'000.0, 5'412'000.0));
+}
+
 // Eastings of eight digits that a system has of its own stay what they are.
 TEST(EastingIn, LeavesOutTheZoneOfTheSystemAlone) {
   struct Written {
