@@ -151,6 +151,10 @@ std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& g
   return blocks;
 }
 
+int LargestSize(const Registration& registration) {
+  return registration.block_sizes.empty() ? 0 : registration.block_sizes.front();
+}
+
 // Lenses as the largest block has them, where they are no more what they were taken for.
 bool TakeLenses(const std::vector<Block>& blocks, RegistrationInput& input) {
   if (blocks.empty() || blocks.front().size() < kFewForALens) return false;
@@ -168,28 +172,29 @@ bool TakeLenses(const std::vector<Block>& blocks, RegistrationInput& input) {
 
 Registration RegisterPhotos(const RegistrationInput& given, const RegisterOptions& options, int threads,
                             Progress& progress) {
-  Registration registration;
-  for (const RegistrationPhoto& photo : given.photos) registration.photos.emplace_back().lens = photo.lens;
-  registration.lenses = given.lenses;
+  Registration begun, registration;
+  for (const RegistrationPhoto& photo : given.photos) begun.photos.emplace_back().lens = photo.lens;
+  begun.lenses = given.lenses;
+  RegistrationReport report;
   RegistrationInput input = given;
   for (BundleLens& lens : input.lenses)
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
-  ViewGraph graph = BuildViewGraph(input, options.graph, threads, registration.report, progress);
+  ViewGraph graph = BuildViewGraph(input, options.graph, threads, report, progress);
   for (int pass = 0;; ++pass) {
-    ScopedTimer timer(registration.report.growing_s);
+    ScopedTimer timer(report.growing_s);
     const SceneTracks scene = JoinMatches(input.Features(), graph.pairs);
     const std::vector<Block> blocks = GrowBlocks(input, graph, scene, options, threads, progress);
+    Registration grown = begun;
+    if (!blocks.empty()) grown.lenses = blocks.front().lenses();
+    MergeBlocks(blocks, graph, grown);
+    // Through the right lens more pairs agree, and with each other: one by which fewer do was not right.
+    if (pass == 0 || LargestSize(grown) >= LargestSize(registration)) registration = std::move(grown);
     RegistrationInput better = input;
-    if (pass < kMaxPasses && !progress.IsCancelled() && TakeLenses(blocks, better)) {
-      // Through the right lens more pairs agree, and with each other.
-      input = std::move(better);
-      VerifyAgain(input, options.graph, threads, registration.report, graph);
-      continue;
-    }
-    if (!blocks.empty()) registration.lenses = blocks.front().lenses();
-    MergeBlocks(blocks, graph, registration);
-    break;
+    if (pass >= kMaxPasses || progress.IsCancelled() || !TakeLenses(blocks, better)) break;
+    input = std::move(better);
+    VerifyAgain(input, options.graph, threads, report, graph);
   }
+  registration.report = report;
   for (std::size_t c = 0; c < given.lenses.size(); ++c) {
     registration.lenses[c].sigma_focal_share = given.lenses[c].sigma_focal_share;
   }
