@@ -51,7 +51,7 @@ constexpr std::array kCodes = {DataflashCode{'b', 1, NumberAt<std::int8_t>},
 
 }  // namespace
 
-const DataflashField* DataflashLayout::Find(std::initializer_list<std::string_view> names) const {
+const DataflashField* DataflashLayout::Find(const std::vector<std::string_view>& names) const {
   for (const std::string_view wanted : names) {
     for (const DataflashField& field : fields) {
       if (field.name == wanted && field.code->number != nullptr) return &field;
