@@ -254,15 +254,13 @@ std::unique_ptr<UlogTopics::Reader> UlogTopics::MakeReader(UlogTypes& types, std
 }
 
 void UlogTopics::Finish() {
-  if (builder_.imu_count() == 0) {
-    for (const ImuSample& sample : vehicle_imu_) builder_.Add(sample);
-  }
-  if (builder_.gnss_count() == 0) {
-    for (const GnssSample& sample : sensor_gps_) builder_.Add(sample);
-  }
-  if (builder_.baro_count() == 0) {
-    for (const BaroSample& sample : sensor_baro_) builder_.Add(sample);
-  }
+  const auto add_spare = [&](std::size_t count, const auto& samples) {
+    if (count > 0) return;
+    for (const auto& sample : samples) builder_.Add(sample);
+  };
+  add_spare(builder_.imu_count(), vehicle_imu_);
+  add_spare(builder_.gnss_count(), sensor_gps_);
+  add_spare(builder_.baro_count(), sensor_baro_);
   if (builder_.event_count() == 0) {
     const bool any_feedback =
         std::any_of(triggers_.begin(), triggers_.end(), [](const auto& e) { return e.is_feedback; });

@@ -207,30 +207,21 @@ bool CsvSampler::Take(const CsvRow& row) {
   const double t_s = *t;
   if (row.Has(M::kGyroX, M::kAccelZ)) {
     const double up = imu_z_is_up_ ? -1.0 : 1.0;
-    ImuSample sample;
-    sample.t_s = t_s;
-    sample.angular_rate_radps = {*row[M::kGyroX], up * *row[M::kGyroY], up * *row[M::kGyroZ]};
-    sample.specific_force_mps2 = {*row[M::kAccelX], up * *row[M::kAccelY], up * *row[M::kAccelZ]};
-    builder_.Add(sample);
+    builder_.Add(ImuSample{t_s,
+                           {*row[M::kGyroX], up * *row[M::kGyroY], up * *row[M::kGyroZ]},
+                           {*row[M::kAccelX], up * *row[M::kAccelY], up * *row[M::kAccelZ]}});
   }
   if (row.Has(M::kQw, M::kQz)) {
-    AttitudeSample sample;
-    sample.t_s = t_s;
-    sample.ned_from_body = Eigen::Quaterniond(*row[M::kQw], *row[M::kQx], *row[M::kQy], *row[M::kQz]);
-    if (std::abs(sample.ned_from_body.norm() - 1.0) < 0.1) builder_.Add(sample);
+    const Eigen::Quaterniond ned_from_body(*row[M::kQw], *row[M::kQx], *row[M::kQy], *row[M::kQz]);
+    if (std::abs(ned_from_body.norm() - 1.0) < 0.1) builder_.Add(AttitudeSample{t_s, ned_from_body});
   } else if (row[M::kRoll] && row[M::kPitch]) {
-    AttitudeSample sample;
-    sample.t_s = t_s;
-    sample.has_yaw = row[M::kYaw].has_value();
-    sample.ned_from_body = NedFromYawPitchRoll(row[M::kYaw].value_or(0.0), *row[M::kPitch], *row[M::kRoll]);
-    builder_.Add(sample);
+    builder_.Add(
+        AttitudeSample{t_s, NedFromYawPitchRoll(row[M::kYaw].value_or(0.0), *row[M::kPitch], *row[M::kRoll]),
+                       row[M::kYaw].has_value()});
   }
   if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
-    AttitudeSample sample;
-    sample.t_s = t_s;
-    sample.ned_from_body =
-        NedFromYawPitchRoll(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
-    builder_.AddGimbal(sample);
+    builder_.AddGimbal({t_s, NedFromYawPitchRoll(*row[M::kGimbalYaw], *row[M::kGimbalPitch],
+                                                 row[M::kGimbalRoll].value_or(0.0))});
   }
   if (row[M::kLat] && row[M::kLon]) {
     GnssSample sample;

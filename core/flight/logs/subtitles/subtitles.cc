@@ -150,10 +150,7 @@ class CueClock {
 
 AttitudeSample AttitudeOf(double t_s, const Eigen::Vector3d& yaw_pitch_roll_deg) {
   const auto rad = [&](int i) { return geo::DegToRad(yaw_pitch_roll_deg[i]); };
-  AttitudeSample sample;
-  sample.t_s = t_s;
-  sample.ned_from_body = NedFromYawPitchRoll(rad(0), rad(1), rad(2));
-  return sample;
+  return {t_s, NedFromYawPitchRoll(rad(0), rad(1), rad(2))};
 }
 
 void AddCue(double t_s, const CueFacts& facts, LogBuilder& builder) {
