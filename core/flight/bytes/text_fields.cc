@@ -123,6 +123,16 @@ void SplitFields(std::string_view line, char separator, std::vector<std::string_
   }
 }
 
+bool NextRow(LineReader& lines, char separator, std::vector<std::string_view>& cells) {
+  std::string_view line;
+  while (lines.Next(line)) {
+    if (IsBlankOrComment(line)) continue;
+    SplitFields(line, separator, cells);
+    return true;
+  }
+  return false;
+}
+
 void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields) {
   fields.clear();
   std::size_t at = 0;

@@ -6,6 +6,7 @@
 
 #include "core/base/median.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -254,7 +255,12 @@ void LogBuilder::KeepLongestSegment() {
         {{"jumps", segment_}, {"part", kept + 1}, {"samples", *longest}, {"samples_in_all", total}}});
 }
 
+Error LogBuilder::Refuse(RemarkCode why) const {
+  return Because(ErrorCode::kCorrupt, {why, {{"file", log_.file_name}}});
+}
+
 FlightLog LogBuilder::Finish() && {
+  if (rows_unread_ > 0) Warn({RemarkCode::kRowsUnread, {{"rows", rows_unread_}}});
   if (imu_.stride() > 1) Warn({RemarkCode::kImuAveraged, {{"samples", imu_.stride()}}});
   const auto thinned =
       std::max({attitude_.stride(), gnss_.stride(), baro_.stride(), range_.stride(), gimbal_.stride()});

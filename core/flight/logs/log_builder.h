@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/remarks/remark.h"
 
@@ -59,12 +60,16 @@ class LogBuilder {
 
   // The heights added are above some far zero: subtract the median of the first ten.
   void BaroStartsAtZero() { baro_starts_at_zero_ = true; }
+  // A row that cannot be read, of which a last warning tells how many there were. True: it is the first.
+  bool SkipRow() { return ++rows_unread_ == 1; }
   void Warn(Remark warning);                                    // at most 100, then a last one says so
   void Count(const std::string& message, std::uint64_t count);  // of at most 1000 kinds; the rest in one
   // What has no clean-up rule: utc_at_zero, mapping, ...
   FlightLog& log() { return log_; }
 
   FlightLog Finish() &&;
+  // Where nothing could be read: kCorrupt, with a remark that names the file alone.
+  Error Refuse(RemarkCode why) const;
 
  private:
   template <typename T>
@@ -87,6 +92,7 @@ class LogBuilder {
   int segment_ = 0;
   std::vector<std::uint64_t> samples_of_segment_{0};
   bool baro_starts_at_zero_ = false;
+  std::uint64_t rows_unread_ = 0;
   std::uint64_t not_finite_ = 0;
   std::uint64_t bad_positions_ = 0;
   std::uint64_t stray_stamps_ = 0;

@@ -49,11 +49,6 @@ struct MeaningAndUnit {
 
 bool IsHeight(M meaning) { return meaning >= M::kHeightEllipsoid && meaning <= M::kHeightAboveGround; }
 
-template <std::size_t kWords>
-bool IsOneOf(const std::array<std::string_view, kWords>& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 // What a height counts from by a word beside it; levels of nations are sea levels, to their decimetres.
 M ZeroOfHeights(std::string_view word) {
   constexpr std::array<std::string_view, 36> kSea = {
@@ -63,8 +58,8 @@ M ZeroOfHeights(std::string_view word) {
       "cgvd2013", "ln02",     "lhn95",    "rh2000",   "nn2000",      "n2000",  "dvr90",  "taw",   "nzvd2016"};
   constexpr std::array<std::string_view, 7> kEllipsoid = {"hae",   "ellipsoidal", "ellipsoid", "ellipsoidic",
                                                           "wgs84", "ell",         "grs80"};
-  if (IsOneOf(kSea, word)) return M::kHeightAmsl;
-  if (IsOneOf(kEllipsoid, word)) return M::kHeightEllipsoid;
+  if (IsOneOf(word, kSea)) return M::kHeightAmsl;
+  if (IsOneOf(word, kEllipsoid)) return M::kHeightEllipsoid;
   return word == "agl" ? M::kHeightAboveGround : M::kIgnored;
 }
 
@@ -83,8 +78,8 @@ std::optional<MeaningAndUnit> ReadHeightWords(std::string words) {
     const std::string word = Letters(part);
     M said = ZeroOfHeights(word);
     if (is_over && (word == "m" || word == "meer")) said = M::kHeightAmsl;  // "über Meer"
-    const bool was_over = std::exchange(is_over, IsOneOf(kOver, word));
-    if (is_over || (said == M::kIgnored && (IsOneOf(kBetween, word) || (was_over && word == "dem"))))
+    const bool was_over = std::exchange(is_over, IsOneOf(word, kOver));
+    if (is_over || (said == M::kIgnored && (IsOneOf(word, kBetween) || (was_over && word == "dem"))))
       continue;
     if (said == M::kIgnored) {
       read.unit += (read.unit.empty() ? "" : " ") + word;
@@ -161,10 +156,8 @@ MeaningAndUnit CutHeightWords(std::string base) {
 // The name of a height that does not say above what: "altitude", "alt_m", "Z/Altitude".
 bool IsBareHeight(const std::string& letters) {
   constexpr std::array<std::string_view, 5> kBegin = {"alt", "zalt", "elev", "hhe", "hoehe"};
-  constexpr std::array<std::string_view, 3> kSea = {"msl", "sea", "nn"};
   return std::any_of(kBegin.begin(), kBegin.end(), [&](auto word) { return letters.starts_with(word); }) &&
-         std::none_of(kSea.begin(), kSea.end(),
-                      [&](auto word) { return letters.find(word) != std::string::npos; });
+         !HoldsOneOf(letters, {"msl", "sea", "nn"});
 }
 
 // "deg, wgs 84", "deg min sec", "n/s": the cells are degrees. Not "w": it is not said which sign that asks
@@ -177,24 +170,19 @@ bool SaysDegrees(std::string words) {
   SplitBlanks(words, parts);
   return std::all_of(parts.begin(), parts.end(), [&](std::string_view word) {
     const CsvUnit* unit = FindUnit(word, Dimension::kCoordinate);
-    return unit != nullptr ? unit->factor == 1.0 : IsOneOf(kBeside, word);
+    return unit != nullptr ? unit->factor == 1.0 : IsOneOf(word, kBeside);
   });
 }
 
 // "Time (UTC)", "timestamp [local]", "time (hh:mm:ss)": the cells say how they count.
-bool SaysClock(std::string_view words) {
-  for (const std::string_view word : {"utc", "gmt", "local", "iso", "hh:mm"}) {
-    if (words.find(word) != std::string_view::npos) return true;
-  }
-  return false;
-}
+bool SaysClock(std::string_view words) { return HoldsOneOf(words, {"utc", "gmt", "local", "iso", "hh:mm"}); }
 
 CsvColumn MapTolerantColumn(std::string_view header) {
   CsvColumn column;
   column.header = Trim(header);
   const std::string lower = LowerCase(column.header);
   auto [base, unit] = CutBrackets(lower);
-  column.says_utc = lower.find("utc") != std::string::npos || lower.find("gmt") != std::string::npos;
+  column.says_utc = HoldsOneOf(lower, {"utc", "gmt"});
   column.meaning = FindCsvSynonym(Letters(base));
   if (column.meaning == M::kIgnored && unit.empty()) {
     MeaningAndUnit found = CutUnit(WordsOf(column.header));

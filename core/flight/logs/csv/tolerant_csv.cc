@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "core/base/median.h"
@@ -138,8 +137,7 @@ void SettleZeroOfHeights(const geo::ReferenceSystem* system, std::vector<CsvColu
 // Replay rows: "4000,imu,ax,ay,az,gx,gy,gz", "200000,gps,alt_mm,lon_e7,lat_e7,vn,ve,vd", "4000,baro,height".
 bool IsReplayRow(const std::vector<std::string_view>& cells) {
   if (cells.size() < 3 || !ParseInteger(cells[0])) return false;
-  constexpr std::array kKinds = {"imu", "gps", "baro", "mag", "airspeed", "range", "flow", "landed"};
-  return std::find(kKinds.begin(), kKinds.end(), cells[1]) != kKinds.end();
+  return IsOneOf(cells[1], {"imu", "gps", "baro", "mag", "airspeed", "range", "flow", "landed"});
 }
 
 bool LooksLikeReplay(LogBytes bytes) {
@@ -157,13 +155,11 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
   std::string_view line;
   std::vector<std::string_view> cells;
   std::array<double, 6> v{};
-  std::map<std::string, std::uint64_t, std::less<>> counts;
-  std::uint64_t bad = 0;
   ConsumedSteps steps(consumed);
   while (NextFilledLine(lines, steps, line)) {
     SplitFields(line, ',', cells);
     if (!IsReplayRow(cells)) {
-      ++bad;
+      builder.SkipRow();
       continue;
     }
     const double t_s = static_cast<double>(*ParseInteger(cells[0])) * 1e-6;
@@ -173,11 +169,7 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
       if (!value) break;
       v[numbers++] = *value;
     }
-    const auto found = counts.find(cells[1]);
-    if (found != counts.end())
-      ++found->second;
-    else
-      counts.emplace(cells[1], 1);
+    builder.Count(std::string(cells[1]), 1);
     if (cells[1] == "imu" && numbers == 6) {
       builder.Add(ImuSample{t_s, {v[3], v[4], v[5]}, {v[0], v[1], v[2]}});
     } else if (cells[1] == "gps" && numbers == 6) {
@@ -193,14 +185,12 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
       builder.Add(RangeSample{t_s, v[0]});
     }
   }
-  if (counts.empty()) return Because(ErrorCode::kCorrupt, {RemarkCode::kFileWithoutRows, {{"file", name}}});
-  for (const auto& [kind, count] : counts) builder.Count(kind, count);
+  if (builder.log().message_counts.empty()) return builder.Refuse(RemarkCode::kFileWithoutRows);
   builder.BaroStartsAtZero();
   builder.log().mapping = {
       "column 1 -> time, us", "imu -> specific force x y z, m/s2; angular rate x y z, rad/s",
       "gps -> height above mean sea level, mm; longitude, latitude, 1e-7 deg; velocity N E D, m/s",
       "baro -> barometric height, m"};
-  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 
@@ -252,7 +242,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   const SampledRows sampled = SampleRows(header->columns, header->separator, lines, consumed, sampler);
   if (sampled.rows == 0) {
     auto why = sampled.unread.WhyNothing(header->columns, M::kTime, M::kTimeOfDay);
-    if (!why) return Because(ErrorCode::kCorrupt, {RemarkCode::kTableWithoutTimes, {{"file", name}}});
+    if (!why) return builder.Refuse(RemarkCode::kTableWithoutTimes);
     return Because(ErrorCode::kCorrupt,
                    {RemarkCode::kTableTimesUnread, {{"file", name}, {"why", *std::move(why)}}});
   }

@@ -183,9 +183,7 @@ Result<FlightLog> ParseCues(std::string_view format, std::string_view name, LogB
     if (facts.position) ++fixes;
     AddCue(clock.At(start_s, CueDate(cue), follows_clock), facts, builder);
   });
-  if (cues == 0) {
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kSubtitlesEmpty, {{"file", name}}});
-  }
+  if (cues == 0) return builder.Refuse(RemarkCode::kSubtitlesEmpty);
   if (fixes == 0) {
     return Because(ErrorCode::kNoPosition, {RemarkCode::kSubtitlesWithoutPlace,
                                             {{"file", name}, {"cues", cues}, {"text", first_words}}});

@@ -6,7 +6,6 @@
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -90,12 +89,11 @@ Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const Consu
   std::vector<std::string_view> cells;
   std::optional<UtcTime> first;
   std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
   while (lines.Next(line)) {
     if (Trim(line).empty()) continue;
     auto row = ParseRow(line, cells);
     if (!row) {
-      ++bad;
+      builder.SkipRow();
       continue;
     }
     if (!first) first = row->time;
@@ -103,13 +101,10 @@ Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const Consu
     ++rows;
     builder.Add(std::move(row->event));
   }
-  if (rows == 0) {
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kMrkEmpty, {{"file", name}}});
-  }
+  if (rows == 0) return builder.Refuse(RemarkCode::kMrkEmpty);
   builder.Count("exposure", rows);
   builder.log().utc_at_zero = first;
   builder.log().utc_sigma_s = 0.001;  // the exposure is stamped by the receiver
-  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

@@ -139,10 +139,7 @@ bool LooksLikeRtklibPos(LogBytes head) {
   while (lines.Next(line)) {
     if (Trim(line).empty()) continue;
     if (line.front() != '%') return has_header && ParseRow(line, header, words).has_value();
-    const std::string lower = LowerCase(line);
-    has_header = has_header || lower.find("rtklib") != std::string::npos ||
-                 lower.find("gpst") != std::string::npos || lower.find("latitude") != std::string::npos ||
-                 lower.find("ecef") != std::string::npos;
+    has_header = has_header || HoldsOneOf(LowerCase(line), {"rtklib", "gpst", "latitude", "ecef"});
     ReadHeaderLine(line, header);
   }
   return has_header;
@@ -156,7 +153,6 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
   std::vector<std::string_view> words;
   std::optional<UtcTime> first;
   std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
   ConsumedSteps steps(consumed);
   while (NextFilledLine(lines, steps, line)) {
     if (line.front() == '%') {
@@ -167,7 +163,7 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
       return Because(ErrorCode::kUnprocessable, {RemarkCode::kSolutionFromBase, {{"file", name}}});
     auto solution = ParseRow(line, header, words);
     if (!solution) {
-      ++bad;
+      builder.SkipRow();
       continue;
     }
     if (!first) first = solution->time;
@@ -175,13 +171,12 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
     ++rows;
     builder.Add(solution->sample);
   }
-  if (rows == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kSolutionEmpty, {{"file", name}}});
+  if (rows == 0) return builder.Refuse(RemarkCode::kSolutionEmpty);
   builder.Count("solution", rows);
   builder.log().utc_at_zero = first;
   builder.log().utc_sigma_s = 1e-3;
   builder.log().mapping = {fmt::format("time -> {}", header.is_utc ? "UTC" : "GPS time"),
                            "position -> the antenna"};
-  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

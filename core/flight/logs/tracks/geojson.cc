@@ -54,7 +54,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
     if (name == "features") times_ = best_ = {};  // of the document, not of a feature
     std::string bare = LowerCase(std::string_view(name).substr(0, kLongestJsonTime));
     std::erase_if(bare, [](char c) { return c == '-' || c == '_'; });
-    in_times_ = std::find(kTimeNames.begin(), kTimeNames.end(), bare) != kTimeNames.end();
+    in_times_ = IsOneOf(bare, kTimeNames);
     if (in_times_ && times_.name != bare) {
       SettleTimes();
       times_.name = bare;
