@@ -238,8 +238,7 @@ std::optional<Utf16> RecogniseUtf16(LogBytes bytes) {
 
 std::string DecodeUtf16(LogBytes bytes, const Utf16& kind) {
   const auto unit_at = [&](std::size_t i) {
-    const std::uint32_t first = bytes[i], second = bytes[i + 1];
-    return kind.is_big_endian ? (first << 8U) | second : (second << 8U) | first;
+    return static_cast<std::uint32_t>(UnsignedAt(bytes.data() + i, 2, kind.is_big_endian));
   };
   constexpr std::uint32_t kReplacement = 0xFFFD;
   std::string text;

@@ -172,15 +172,13 @@ void LogBuilder::PushTimed(CappedSeries<T>& series, const T& sample, int which) 
 }
 
 void LogBuilder::Add(const ImuSample& sample) { PushTimed(imu_, sample, 0); }
-void LogBuilder::Add(const AttitudeSample& sample) {
-  AttitudeSample unit = sample;
-  unit.ned_from_body.normalize();
-  PushTimed(attitude_, unit, 1);
+void LogBuilder::Add(AttitudeSample sample) {
+  sample.ned_from_body.normalize();
+  PushTimed(attitude_, sample, 1);
 }
-void LogBuilder::AddGimbal(const AttitudeSample& sample) {
-  AttitudeSample unit = sample;
-  unit.ned_from_body.normalize();
-  PushTimed(gimbal_, unit, 2);
+void LogBuilder::AddGimbal(AttitudeSample sample) {
+  sample.ned_from_body.normalize();
+  PushTimed(gimbal_, sample, 2);
 }
 
 void LogBuilder::Add(const GnssSample& sample) {
@@ -300,6 +298,13 @@ std::optional<Eigen::Vector3d> SigmaInNedM(std::optional<double> horizontal_m,
   if (!horizontal_m || !(*horizontal_m > 0.0)) return std::nullopt;
   const bool is_vertical_known = vertical_m && *vertical_m > 0.0;
   return Eigen::Vector3d(*horizontal_m, *horizontal_m, is_vertical_known ? *vertical_m : 2.0 * *horizontal_m);
+}
+
+std::optional<Eigen::Vector3d> PositiveSigmas(std::optional<double> first, std::optional<double> second,
+                                              std::optional<double> third) {
+  // Nothing is below 0.
+  if (!(first > 0.0) || !(second > 0.0) || !(third > 0.0)) return std::nullopt;
+  return Eigen::Vector3d(*first, *second, *third);
 }
 
 std::optional<Eigen::Vector3d> YawPitchRollRad(std::optional<double> yaw_deg, std::optional<double> pitch_deg,

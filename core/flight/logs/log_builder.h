@@ -46,8 +46,8 @@ class LogBuilder {
              std::size_t other_cap = 2'000'000);
 
   void Add(const ImuSample& sample);
-  void Add(const AttitudeSample& sample);
-  void AddGimbal(const AttitudeSample& sample);
+  void Add(AttitudeSample sample);
+  void AddGimbal(AttitudeSample sample);
   void Add(const GnssSample& sample);  // positions outside the Earth and (0, 0) are dropped and counted
   void Add(const BaroSample& sample);
   void Add(const RangeSample& sample);
@@ -109,6 +109,10 @@ std::optional<Eigen::Vector3d> YawPitchRollRad(std::optional<double> yaw_deg, st
 // One sigma as a list states it: the vertical one twice the horizontal where it says none.
 std::optional<Eigen::Vector3d> SigmaInNedM(std::optional<double> horizontal_m,
                                            std::optional<double> vertical_m);
+
+// Three sigmas; nothing where one is missing or none.
+std::optional<Eigen::Vector3d> PositiveSigmas(std::optional<double> first, std::optional<double> second,
+                                              std::optional<double> third);
 
 // Z-Y-X angles in radians to the attitude they mean, and back.
 Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad);

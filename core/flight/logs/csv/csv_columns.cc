@@ -15,14 +15,6 @@ namespace {
 
 using M = CsvMeaning;
 
-std::string Letters(std::string_view text) {
-  std::string letters;
-  for (const char c : text) {
-    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) letters += c;
-  }
-  return letters;
-}
-
 // "acc_x [m/s^2]" -> "acc_x ", "m/s^2"; "altitude (amsl) [ft]" -> "altitude  ", "amsl ft".
 std::pair<std::string, std::string> CutBrackets(const std::string& lower) {
   std::string base, inside;
@@ -75,7 +67,7 @@ std::optional<MeaningAndUnit> ReadHeightWords(std::string words) {
   MeaningAndUnit read;
   bool is_over = false;
   for (const std::string_view part : parts) {
-    const std::string word = Letters(part);
+    const std::string word = LettersAndDigits(part);
     M said = ZeroOfHeights(word);
     if (is_over && (word == "m" || word == "meer")) said = M::kHeightAmsl;  // "über Meer"
     const bool was_over = std::exchange(is_over, IsOneOf(word, kOver));
@@ -119,12 +111,12 @@ MeaningAndUnit CutUnit(const std::string& words) {
     const std::string word = words.substr(cut + 1, end - cut - 1);
     unit = unit.empty() ? word : word + "/" + unit;
     end = cut;
-    const M meaning = FindCsvSynonym(Letters(words.substr(0, cut)));
+    const M meaning = FindCsvSynonym(LettersAndDigits(words.substr(0, cut)));
     if (meaning != M::kIgnored && FindUnit(unit, CsvMeaningDimension(meaning)) != nullptr)
       return {meaning, unit};
   }
   constexpr std::size_t kMinName = 3;  // "ts" and "ms" are no "t" in seconds
-  const std::string letters = Letters(words);
+  const std::string letters = LettersAndDigits(words);
   for (std::size_t length = kMinName; length < letters.size(); ++length) {
     const M meaning = FindCsvSynonym(letters.substr(0, length));
     const std::string rest = letters.substr(length);
@@ -147,7 +139,7 @@ MeaningAndUnit CutHeightWords(std::string base) {
     if (ZeroOfHeights(last) == M::kIgnored && FindUnit(last, Dimension::kLength) == nullptr) break;
     behind = std::string(last) + (behind.empty() ? "" : " ") + behind;
     std::string name;
-    for (std::size_t i = 0; i + 1 < count; ++i) name += Letters(parts[i]);
+    for (std::size_t i = 0; i + 1 < count; ++i) name += LettersAndDigits(parts[i]);
     if (const M meaning = FindCsvSynonym(name); IsHeight(meaning)) return {meaning, behind};
   }
   return {};
@@ -183,7 +175,7 @@ CsvColumn MapTolerantColumn(std::string_view header) {
   const std::string lower = LowerCase(column.header);
   auto [base, unit] = CutBrackets(lower);
   column.says_utc = HoldsOneOf(lower, {"utc", "gmt"});
-  column.meaning = FindCsvSynonym(Letters(base));
+  column.meaning = FindCsvSynonym(LettersAndDigits(base));
   if (column.meaning == M::kIgnored && unit.empty()) {
     MeaningAndUnit found = CutUnit(WordsOf(column.header));
     column.meaning = found.meaning;
@@ -194,7 +186,7 @@ CsvColumn MapTolerantColumn(std::string_view header) {
     column.meaning = found.meaning;
     if (found.meaning != M::kIgnored) unit += (unit.empty() ? "" : " ") + found.unit;
   }
-  column.is_bare_height = column.meaning == M::kHeightAmsl && IsBareHeight(Letters(base));
+  column.is_bare_height = column.meaning == M::kHeightAmsl && IsBareHeight(LettersAndDigits(base));
   const Dimension dimension = CsvMeaningDimension(column.meaning);
   if (dimension == Dimension::kLength && !unit.empty() && FindUnit(unit, dimension) == nullptr) {
     const auto height = ReadHeightWords(unit);
@@ -225,6 +217,14 @@ CsvColumn MapTolerantColumn(std::string_view header) {
 }
 
 }  // namespace
+
+std::string LettersAndDigits(std::string_view lower) {
+  std::string letters;
+  for (const char c : lower) {
+    if ((c >= 'a' && c <= 'z') || IsDigit(c)) letters += c;
+  }
+  return letters;
+}
 
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header) {
   std::vector<CsvColumn> columns;

@@ -19,6 +19,14 @@ bool IsRtkFixed(std::string_view fix) {
 
 bool IsYes(const CsvRow& row, M meaning) { return row[meaning].value_or(0.0) != 0.0; }
 
+// Degrees, nothing where a letter behind or before them is none of `letters`.
+std::optional<double> ReadDegrees(std::string_view cell, std::string_view letters) {
+  const auto read = ReadCoordinateCell(cell);
+  const bool fits =
+      read && (read->hemisphere == 0 || letters.find(read->hemisphere) != std::string_view::npos);
+  return fits ? std::optional(read->value) : std::nullopt;
+}
+
 // 'N' of "N", "north" and "Nord"; 0 for what names no hemisphere.
 char LetterOf(std::string_view cell) {
   std::string angle("1 ");
@@ -71,20 +79,14 @@ bool CsvRow::Has(CsvMeaning first, CsvMeaning last) const {
 
 std::optional<double> ReadCsvNumber(const CsvColumn& column, std::string_view cell) {
   if (column.meaning == M::kLat || column.meaning == M::kLon) {
-    const auto read = ReadCoordinateCell(cell);
-    const std::string_view fitting = column.meaning == M::kLat ? "NS" : "EW";
-    if (!read || (read->hemisphere != 0 && fitting.find(read->hemisphere) == std::string_view::npos))
-      return std::nullopt;
-    return read->value * column.scale;
+    const auto degrees = ReadDegrees(cell, column.meaning == M::kLat ? "NS" : "EW");
+    return degrees ? std::optional(*degrees * column.scale) : std::nullopt;
   }
   if (column.is_elapsed_text) return ParseElapsed(cell);
   const auto number = ReadNumber(cell, column.mark);
   const bool is_plane = column.meaning == M::kEast || column.meaning == M::kNorth;
   if (is_plane && (!number || !number->unit.empty())) {  // degrees, by their signs
-    const auto read = ReadCoordinateCell(cell);
-    const std::string_view fitting = column.meaning == M::kNorth ? "NS" : "EW";
-    if (read && (read->hemisphere == 0 || fitting.find(read->hemisphere) != std::string_view::npos))
-      return read->value;
+    if (const auto degrees = ReadDegrees(cell, column.meaning == M::kNorth ? "NS" : "EW")) return degrees;
   }
   if (!number) return std::nullopt;
   if (number->unit.empty()) return number->value * column.scale;

@@ -30,11 +30,7 @@ constexpr NamesOfLists kNamesOfLists[] = {
 };
 
 std::string LettersOf(std::string_view text) {
-  std::string letters;
-  for (const char c : LowerCase(text.substr(0, kLongestName))) {
-    if ((c >= 'a' && c <= 'z') || IsDigit(c)) letters += c;
-  }
-  return letters;
+  return LettersAndDigits(LowerCase(text.substr(0, kLongestName)));
 }
 
 // A column's name, and its unit in brackets: "omega_rad" and "omega [rad]" as "omega", "(rad)".

@@ -56,12 +56,8 @@ std::optional<MrkRow> ParseRow(std::string_view line, std::vector<std::string_vi
       std::vector<std::string_view> sigmas;
       SplitFields(cells[i], ',', sigmas);
       if (sigmas.size() == 3) {
-        const auto north = ParseNumber(sigmas[0]);
-        const auto east = ParseNumber(sigmas[1]);
-        const auto down = ParseNumber(sigmas[2]);
-        if (north && east && down && *north > 0.0 && *east > 0.0 && *down > 0.0) {
-          row.event.sigma_in_ned_m = Eigen::Vector3d(*north, *east, *down);
-        }
+        row.event.sigma_in_ned_m =
+            PositiveSigmas(ParseNumber(sigmas[0]), ParseNumber(sigmas[1]), ParseNumber(sigmas[2]));
       }
     }
   }

@@ -77,10 +77,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     event.height_ellipsoid_m = number(3);
     if (const std::size_t accuracy_at = AccuracyColumn(columns); accuracy_at > 0) {
       const auto horizontal = number(accuracy_at);
-      const auto vertical = number(accuracy_at + 1);
-      if (horizontal && vertical && *horizontal > 0.0 && *vertical > 0.0) {
-        event.sigma_in_ned_m = Eigen::Vector3d(*horizontal, *horizontal, *vertical);
-      }
+      event.sigma_in_ned_m = PositiveSigmas(horizontal, horizontal, number(accuracy_at + 1));
     }
     ++rows;
     builder.Add(std::move(event));

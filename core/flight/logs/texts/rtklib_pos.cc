@@ -84,9 +84,7 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
   std::size_t at = 2;
   const auto number = [&](std::size_t i) { return i < words.size() ? ParseNumber(words[i]) : std::nullopt; };
   if (header.is_ecef) {
-    const auto x = number(2);
-    const auto y = number(3);
-    const auto z = number(4);
+    const auto x = number(2), y = number(3), z = number(4);
     if (!x || !y || !z) return std::nullopt;
     const Eigen::Vector3d point_in_ecef(*x, *y, *z);
     if (point_in_ecef.norm() < 6.2e6 || point_in_ecef.norm() > 7e6) return std::nullopt;
@@ -112,18 +110,11 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
   const auto quality = number(at);
   if (!quality || *quality < 1.0) return std::nullopt;  // 0 is no solution
   solution.sample.is_rtk_fixed = *quality == 1.0;
-  const auto first = number(at + 2);
-  const auto second = number(at + 3);
-  const auto third = number(at + 4);
-  if (first && second && third && *first > 0.0 && *second > 0.0 && *third > 0.0) {
-    if (header.is_ecef) {
-      const double each = std::sqrt((*first * *first + *second * *second + *third * *third) / 3.0);
-      solution.sample.sigma_horizontal_m = each;
-      solution.sample.sigma_vertical_m = each;
-    } else {
-      solution.sample.sigma_horizontal_m = std::max(*first, *second);
-      solution.sample.sigma_vertical_m = third;
-    }
+  if (const auto sigmas = PositiveSigmas(number(at + 2), number(at + 3), number(at + 4))) {
+    const double x = sigmas->x(), y = sigmas->y(), z = sigmas->z();
+    const double each = std::sqrt((x * x + y * y + z * z) / 3.0);
+    solution.sample.sigma_horizontal_m = header.is_ecef ? each : std::max(x, y);
+    solution.sample.sigma_vertical_m = header.is_ecef ? each : z;
   }
   return solution;
 }
