@@ -62,6 +62,17 @@ class LineReader {
   bool open_ = false;
 };
 
+// Is one of the first `most` lines of a text what `is_meant` says?
+template <typename IsMeant>
+bool HasLine(std::string_view text, int most, IsMeant is_meant) {
+  LineReader lines(text);
+  std::string_view line;
+  while (most-- > 0 && lines.Next(line)) {
+    if (is_meant(line)) return true;
+  }
+  return false;
+}
+
 // A line of a table without a row.
 inline bool IsBlankOrComment(std::string_view line) { return Trim(line).empty() || line.front() == '#'; }
 

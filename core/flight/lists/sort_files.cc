@@ -103,8 +103,7 @@ bool IsSidecar(const InputFile& file) {
   if (!source) return false;
   constexpr std::size_t kStart = 4096;
   const std::vector<std::uint8_t> start = (*source)->ReadUpTo(0, kStart);
-  const std::string_view text = TextOf(start);
-  return text.find("<x:xmpmeta") != std::string_view::npos || text.find("<rdf:RDF") != std::string_view::npos;
+  return HoldsOneOf(TextOf(start), {"<x:xmpmeta", "<rdf:RDF"});
 }
 
 Remark NotUsed(const std::vector<std::string>& names) {

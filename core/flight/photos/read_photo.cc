@@ -109,13 +109,10 @@ PictureOrigin OriginOf(const ImageHeader& header, const ExifRecord& exif, const 
 }
 
 void NoteSoftware(Photo& photo) {
-  for (const std::string_view viewer :
-       {"Photo Viewer", "Windows Photo", "Microsoft Photo", "Picasa", "ACDSee"}) {
-    if (photo.software.find(viewer) == std::string::npos) continue;
-    photo.is_resaved_by_viewer = true;
+  photo.is_resaved_by_viewer =
+      HoldsOneOf(photo.software, {"Photo Viewer", "Windows Photo", "Microsoft Photo", "Picasa", "ACDSee"});
+  if (photo.is_resaved_by_viewer)
     photo.notes.push_back({RemarkCode::kResaved, {{"software", photo.software}}});
-    return;
-  }
 }
 
 // What the three channels of a camera in colour see where its filter lets other light through, as the maker

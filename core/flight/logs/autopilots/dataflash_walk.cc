@@ -173,15 +173,12 @@ bool DataflashTextWalk::FillPayload(const DataflashLayout& layout) {
 
 bool LooksLikeDataflashText(LogBytes head) {
   constexpr int kHeadingLines = 200;  // of parameters and the like
-  LineReader lines(TextOf(head));
   std::vector<std::string_view> fields;
-  std::string_view line;
-  for (int i = 0; i < kHeadingLines && lines.Next(line); ++i) {
-    if (!line.starts_with("FMT")) continue;
+  return HasLine(TextOf(head), kHeadingLines, [&](std::string_view line) {
+    if (!line.starts_with("FMT")) return false;
     SplitFields(line, ',', fields);
-    if (IsFmtLine(fields)) return true;
-  }
-  return false;
+    return IsFmtLine(fields);
+  });
 }
 
 }  // namespace skyquilt::flight

@@ -199,13 +199,8 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   CsvSampler sampler(builder, rule, false, HasColumn(columns, M::kHeightAboveTakeoff));
   const SampledRows sampled = SampleRows(columns, ',', lines, consumed, sampler);
   if (sampled.rows == 0) return builder.Refuse(RemarkCode::kFileWithoutTimes);
-  if (!HasColumn(columns, M::kHeightAboveTakeoff)) builder.BaroStartsAtZero();
-  sampler.Finish();
-  builder.Count("row", sampled.rows);
-  builder.log().mapping = DescribeColumns(columns);
-  sampled.unread.Tell(columns, builder);
-  if (sampled.without_time > 0)
-    builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", sampled.without_time}}});
+  sampler.Finish(columns, sampled);
+  sampled.Tell(columns, builder);
   return std::move(builder).Finish();
 }
 

@@ -298,7 +298,15 @@ SampledRows SampleRows(const std::vector<CsvColumn>& columns, char separator, Li
   return sampled;
 }
 
-void CsvSampler::Finish() {
+void SampledRows::Tell(const std::vector<CsvColumn>& columns, LogBuilder& builder) const {
+  unread.Tell(columns, builder);
+  if (without_time > 0) builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", without_time}}});
+}
+
+void CsvSampler::Finish(const std::vector<CsvColumn>& columns, const SampledRows& sampled) {
+  if (!baro_is_relative_) builder_.BaroStartsAtZero();
+  builder_.Count("row", sampled.rows);
+  builder_.log().mapping = DescribeColumns(columns);
   builder_.log().written_order_is_named = true;
   if (rule_.has_time_column) builder_.log().counter_at_zero_s = rule_.first_time_s;
   std::optional<UtcTime> zero;

@@ -99,8 +99,7 @@ void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>
   CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
   if (column == nullptr || HasColumn(columns, M::kHeightEllipsoid)) return;
   const std::string name = LowerCase(column->header);
-  const auto says = [&](std::string_view word) { return name.find(word) != std::string::npos; };
-  if (!name.starts_with("height") || says("take") || says("rel")) return;
+  if (!name.starts_with("height") || HoldsOneOf(name, {"take", "rel"})) return;
   std::vector<double> heights_m;
   for (const CsvRow& row : preview) {
     const auto height_m = row[M::kHeightAboveTakeoff], amsl_m = row[M::kHeightAmsl];
@@ -141,12 +140,11 @@ bool IsReplayRow(const std::vector<std::string_view>& cells) {
 }
 
 bool LooksLikeReplay(LogBytes bytes) {
-  LineReader lines(TextOf(bytes));
-  std::string_view line;
-  std::vector<std::string_view> cells;
-  if (!lines.Next(line)) return false;
-  SplitFields(line, ',', cells);
-  return IsReplayRow(cells);
+  return HasLine(TextOf(bytes), 1, [](std::string_view line) {
+    std::vector<std::string_view> cells;
+    SplitFields(line, ',', cells);
+    return IsReplayRow(cells);
+  });
 }
 
 Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
@@ -237,8 +235,8 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   preview = std::vector<CsvRow>();
   for (Remark& said : SayUnknownWords(header->columns)) builder.Warn(std::move(said));
 
-  const bool relative = HasColumn(header->columns, M::kHeightAboveTakeoff);
-  CsvSampler sampler(builder, findings.clock, findings.axes.imu_z_is_up, relative);
+  CsvSampler sampler(builder, findings.clock, findings.axes.imu_z_is_up,
+                     HasColumn(header->columns, M::kHeightAboveTakeoff));
   const SampledRows sampled = SampleRows(header->columns, header->separator, lines, consumed, sampler);
   if (sampled.rows == 0) {
     auto why = sampled.unread.WhyNothing(header->columns, M::kTime, M::kTimeOfDay);
@@ -246,16 +244,11 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
     return Because(ErrorCode::kCorrupt,
                    {RemarkCode::kTableTimesUnread, {{"file", name}, {"why", *std::move(why)}}});
   }
-  if (!relative) builder.BaroStartsAtZero();
-  sampler.Finish();
-  builder.Count("row", sampled.rows);
-  builder.log().mapping = DescribeColumns(header->columns);
+  sampler.Finish(header->columns, sampled);
   for (const auto* notes : {&std::as_const(settled.notes), &findings.axes.notes})
     builder.log().mapping.insert(builder.log().mapping.end(), notes->begin(), notes->end());
   for (const Remark& warning : settled.warnings) builder.Warn(warning);
-  sampled.unread.Tell(header->columns, builder);
-  if (sampled.without_time > 0)
-    builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", sampled.without_time}}});
+  sampled.Tell(header->columns, builder);
   return std::move(builder).Finish();
 }
 

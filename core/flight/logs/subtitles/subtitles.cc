@@ -198,12 +198,7 @@ Result<FlightLog> ParseCues(std::string_view format, std::string_view name, LogB
 }  // namespace
 
 bool LooksLikeDjiSrt(LogBytes head) {
-  LineReader lines(TextOf(head));
-  std::string_view line;
-  for (int i = 0; i < 8 && lines.Next(line); ++i) {
-    if (SrtStart(line)) return true;
-  }
-  return false;
+  return HasLine(TextOf(head), 8, [](std::string_view line) { return SrtStart(line).has_value(); });
 }
 
 bool LooksLikeAss(LogBytes head) {

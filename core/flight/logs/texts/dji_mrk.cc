@@ -69,13 +69,8 @@ std::optional<MrkRow> ParseRow(std::string_view line, std::vector<std::string_vi
 }  // namespace
 
 bool LooksLikeDjiMrk(LogBytes head) {
-  LineReader lines(TextOf(head));
-  std::string_view line;
   std::vector<std::string_view> cells;
-  for (int i = 0; i < 3 && lines.Next(line); ++i) {
-    if (ParseRow(line, cells)) return true;
-  }
-  return false;
+  return HasLine(TextOf(head), 3, [&](std::string_view line) { return ParseRow(line, cells).has_value(); });
 }
 
 Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {

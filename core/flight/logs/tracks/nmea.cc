@@ -178,15 +178,12 @@ class NmeaReader {
 }  // namespace
 
 bool LooksLikeNmea(LogBytes head) {
-  LineReader lines(TextOf(head));
-  std::string_view line;
   std::vector<std::string_view> fields;
-  for (int i = 0; i < kLinesLookedAt && lines.Next(line); ++i) {
-    if (SplitSentence(line, fields) != Sentence::kWhole) continue;
-    const std::string_view kind = fields[0].substr(fields[0].size() - 3);
-    if (IsOneOf(kind, {"GGA", "RMC", "GNS", "GSA", "GSV", "VTG", "GLL", "ZDA", "GST"})) return true;
-  }
-  return false;
+  return HasLine(TextOf(head), kLinesLookedAt, [&](std::string_view line) {
+    return SplitSentence(line, fields) == Sentence::kWhole &&
+           IsOneOf(fields[0].substr(fields[0].size() - 3),
+                   {"GGA", "RMC", "GNS", "GSA", "GSV", "VTG", "GLL", "ZDA", "GST"});
+  });
 }
 
 Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
