@@ -13,6 +13,7 @@
 namespace skyquilt::flight {
 namespace {
 
+using M = CsvMeaning;
 constexpr int kLinesAboveRows = 24;  // a system, names of columns, comments
 constexpr std::size_t kLongestColumnName = 64;
 constexpr std::size_t kLongestLineOfNames = 16'384;
@@ -28,7 +29,6 @@ std::string LettersOfColumn(std::string_view name) {
 // As tables name their columns, and as lists do.
 ListColumn KindOfColumn(std::string_view name) {
   name = name.substr(0, kLongestColumnName);
-  using M = CsvMeaning;
   const M meaning = MapTolerantColumns({name}).front().meaning;
   if (meaning == M::kLon) return ListColumn::kEast;
   if (meaning == M::kLat) return ListColumn::kNorth;
