@@ -171,19 +171,16 @@ BoxedPicture BoxedPictureOf(std::string_view head) {
   constexpr std::array<std::string_view, 8> kHeic = {"heic", "heix", "heim", "heis",
                                                      "hevc", "hevx", "mif1", "msf1"};
   constexpr std::size_t kBrand = 8, kOthers = 16, kBrandBytes = 4;
-  const auto is_one_of = [](const auto& list, std::string_view brand) {
-    return std::find(list.begin(), list.end(), brand) != list.end();
-  };
   if (head.size() < kBrand + kBrandBytes || head.substr(4, 4) != "ftyp") return BoxedPicture::kNone;
   const std::string_view brand = head.substr(kBrand, kBrandBytes);
-  if (is_one_of(kAvif, brand)) return BoxedPicture::kAvif;
-  if (!is_one_of(kHeic, brand)) return BoxedPicture::kNone;
+  if (IsOneOf(brand, kAvif)) return BoxedPicture::kAvif;
+  if (!IsOneOf(brand, kHeic)) return BoxedPicture::kNone;
   // "mif1" is any picture: what it is of the others say.
   const std::size_t box_bytes = static_cast<std::uint8_t>(head[3]);
   const bool is_short = head[0] == 0 && head[1] == 0 && head[2] == 0;
   const std::size_t end = is_short ? std::min(box_bytes, head.size()) : 0;
   for (std::size_t at = kOthers; brand[0] == 'm' && at + kBrandBytes <= end; at += kBrandBytes) {
-    if (is_one_of(kAvif, head.substr(at, kBrandBytes))) return BoxedPicture::kAvif;
+    if (IsOneOf(head.substr(at, kBrandBytes), kAvif)) return BoxedPicture::kAvif;
   }
   return BoxedPicture::kHeic;
 }

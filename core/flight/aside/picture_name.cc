@@ -100,11 +100,10 @@ std::optional<std::string_view> WithoutTagMark(std::string_view stem) {
 }
 
 std::string_view LensMark(std::string_view stem) {
-  constexpr std::array<std::string_view, 6> kMarks = {"w", "z", "t", "v", "s", "ir"};
   const std::size_t line = stem.rfind('_');
   if (line == std::string_view::npos || line == 0) return "";
   const std::string_view mark = stem.substr(line + 1);
-  return std::find(kMarks.begin(), kMarks.end(), mark) == kMarks.end() ? std::string_view() : mark;
+  return IsOneOf(mark, {"w", "z", "t", "v", "s", "ir"}) ? mark : std::string_view();
 }
 
 bool AreOfOneCounter(std::string_view stem, std::string_view other) {

@@ -36,6 +36,18 @@ std::size_t EndOfQuotedField(std::string_view line, std::size_t from, char separ
   }
 }
 
+// The whole text but for blanks around it.
+template <typename Number>
+std::optional<Number> ParseWhole(std::string_view text) {
+  text = Trim(text);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  if (text.empty()) return std::nullopt;
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
 }  // namespace
 
 std::string_view Trim(std::string_view text) {
@@ -57,23 +69,11 @@ bool StartsWithIgnoringCase(std::string_view text, std::string_view start) {
 }
 
 std::optional<double> ParseNumber(std::string_view text) {
-  text = Trim(text);
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  if (text.empty()) return std::nullopt;
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  const auto value = ParseWhole<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-std::optional<std::int64_t> ParseInteger(std::string_view text) {
-  text = Trim(text);
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
+std::optional<std::int64_t> ParseInteger(std::string_view text) { return ParseWhole<std::int64_t>(text); }
 
 int DecimalPlaces(std::string_view text) {
   const std::size_t point = text.find('.');
@@ -121,6 +121,16 @@ void SplitFields(std::string_view line, char separator, std::vector<std::string_
     fields.push_back(Unquote(line.substr(start, end - start)));
     start = end + 1;
   }
+}
+
+bool NextRow(LineReader& lines, char separator, std::vector<std::string_view>& cells) {
+  std::string_view line;
+  while (lines.Next(line)) {
+    if (IsBlankOrComment(line)) continue;
+    SplitFields(line, separator, cells);
+    return true;
+  }
+  return false;
 }
 
 void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields) {
@@ -228,8 +238,7 @@ std::optional<Utf16> RecogniseUtf16(LogBytes bytes) {
 
 std::string DecodeUtf16(LogBytes bytes, const Utf16& kind) {
   const auto unit_at = [&](std::size_t i) {
-    const std::uint32_t first = bytes[i], second = bytes[i + 1];
-    return kind.is_big_endian ? (first << 8U) | second : (second << 8U) | first;
+    return static_cast<std::uint32_t>(UnsignedAt(bytes.data() + i, 2, kind.is_big_endian));
   };
   constexpr std::uint32_t kReplacement = 0xFFFD;
   std::string text;

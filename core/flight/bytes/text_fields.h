@@ -2,8 +2,11 @@
 // Never throws, every length bounded. Any thread.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +25,17 @@ inline bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 std::string_view Trim(std::string_view text);
 std::string LowerCase(std::string_view text);
 bool StartsWithIgnoringCase(std::string_view text, std::string_view start);
+
+// Is `word` one of these, and does `text` hold one of them?
+template <typename Words = std::initializer_list<std::string_view>>
+bool IsOneOf(std::string_view word, const Words& words) {
+  return std::find(std::begin(words), std::end(words), word) != std::end(words);
+}
+template <typename Words = std::initializer_list<std::string_view>>
+bool HoldsOneOf(std::string_view text, const Words& words) {
+  return std::any_of(std::begin(words), std::end(words),
+                     [&](std::string_view word) { return text.find(word) != std::string_view::npos; });
+}
 
 // The whole trimmed text as a finite number ("+1.5" too); nothing otherwise.
 std::optional<double> ParseNumber(std::string_view text);
@@ -48,6 +62,17 @@ class LineReader {
   bool open_ = false;
 };
 
+// Is one of the first `most` lines of a text what `is_meant` says?
+template <typename IsMeant>
+bool HasLine(std::string_view text, int most, IsMeant is_meant) {
+  LineReader lines(text);
+  std::string_view line;
+  while (most-- > 0 && lines.Next(line)) {
+    if (is_meant(line)) return true;
+  }
+  return false;
+}
+
 // A line of a table without a row.
 inline bool IsBlankOrComment(std::string_view line) { return Trim(line).empty() || line.front() == '#'; }
 
@@ -65,6 +90,8 @@ inline bool NextFilledLine(LineReader& lines, ConsumedSteps& steps, std::string_
 void SplitFields(std::string_view line, char separator, std::vector<std::string_view>& fields);
 // Cuts at runs of blanks and tabs.
 void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields);
+// The cells of the next line that is neither blank nor a comment; false at the end.
+bool NextRow(LineReader& lines, char separator, std::vector<std::string_view>& cells);
 // The separator that a header line uses: ',', ';', '|' or tab.
 char GuessSeparator(std::string_view header);
 

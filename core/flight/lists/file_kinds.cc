@@ -16,18 +16,10 @@ constexpr std::uint16_t kGeoKeyDirectory = 34735;
 constexpr double kSigned = 2.0;
 constexpr double kFloatingPoint = 3.0;
 
-bool IsTiff(ByteSource& source) {
-  const std::vector<std::uint8_t> head = source.ReadUpTo(0, 4);
-  if (head.size() < 4) return false;
-  const bool is_little = head[0] == 'I' && head[1] == 'I' && (head[2] == 42 || head[2] == 43) && head[3] == 0;
-  const bool is_big = head[0] == 'M' && head[1] == 'M' && head[2] == 0 && (head[3] == 42 || head[3] == 43);
-  return is_little || is_big;
-}
-
 }  // namespace
 
 bool IsElevationModel(ByteSource& source) {
-  if (!IsTiff(source)) return false;
+  if (!IsTiff(source.ReadUpTo(0, 4))) return false;
   const Result<ExifTable> tags = ReadTiffTags(source);
   if (!tags || tags->Find(ExifIfd::kImage, kGeoKeyDirectory) == nullptr) return false;
   const double format = tags->Number(ExifIfd::kImage, kSampleFormat).value_or(1.0);
@@ -38,7 +30,7 @@ bool IsElevationModel(ByteSource& source) {
 Result<void> CheckTiffDirectories(const std::filesystem::path& path) {
   constexpr int kMaxDirectories = 64;  // the raster, its overviews, and their masks
   const auto source = OpenFileBytes(path);
-  if (!source || !IsTiff(**source)) return {};  // whoever reads it says what is wrong
+  if (!source || !IsTiff((*source)->ReadUpTo(0, 4))) return {};  // whoever reads it says what is wrong
   const Result<int> count = CountTiffDirectories(**source, kMaxDirectories);
   if (!count || *count <= kMaxDirectories) return {};
   return Because(ErrorCode::kUnsupportedFormat,

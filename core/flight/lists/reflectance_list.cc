@@ -35,14 +35,13 @@ Columns ColumnsOf(const std::vector<std::string_view>& header) {
       {"left", &columns.box[0]},   {"top", &columns.box[1]},      {"right", &columns.box[2]},
       {"bottom", &columns.box[3]}, {"reflectance", &columns.all}, {"albedo", &columns.all},
   };
-  constexpr std::array<std::string_view, 4> kRemarks = {"name", "comment", "note", "serial"};
   for (std::size_t i = 0; i < header.size(); ++i) {
     const std::string name = LowerCase(header[i]);
     const auto* found = std::find_if(std::begin(known), std::end(known),
                                      [&](const auto& column) { return column.first == name; });
     if (found != std::end(known)) {
       if (!*found->second) *found->second = i;
-    } else if (!name.empty() && std::find(kRemarks.begin(), kRemarks.end(), name) == kRemarks.end() &&
+    } else if (!name.empty() && !IsOneOf(name, {"name", "comment", "note", "serial"}) &&
                columns.bands.size() < kMaxBands) {
       columns.bands.emplace_back(name, i);
     }

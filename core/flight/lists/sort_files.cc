@@ -56,23 +56,24 @@ bool EndsWithOneOf(std::string_view name, std::span<const std::string_view> endi
                      [&](std::string_view ending) { return lower.ends_with(ending); });
 }
 
-enum class Kind { kPhoto, kLog, kGcpList, kElevationModel, kFilm, kNothing };
+// Where a file goes; null: it is not used.
+using Place = std::vector<InputFile> SortedFiles::*;
 
-Result<Kind> KindOf(const InputFile& file) {
+Result<Place> PlaceOf(const InputFile& file) {
   const bool is_log_by_name = EndsWithOneOf(file.name, kLogEndings);
-  const Kind unknown =
-      is_log_by_name || EndsWithOneOf(file.name, kSideEndings) ? Kind::kNothing : Kind::kPhoto;
+  const Place unknown =
+      is_log_by_name || EndsWithOneOf(file.name, kSideEndings) ? nullptr : &SortedFiles::photos;
   const auto source = OpenFileBytes(file.path);
   if (!source) return unknown;  // reading it as a photo tells why
   constexpr std::size_t kEnoughForMagic = 16;
   std::vector<std::uint8_t> head = (*source)->ReadUpTo(0, kEnoughForMagic);
-  if (head.empty() && unknown == Kind::kNothing) {
+  if (head.empty() && unknown == nullptr) {
     return Because(ErrorCode::kCorrupt, {RemarkCode::kFileEmpty, {{"file", file.name}}});
   }
   if (head.empty()) return unknown;
-  if (IsElevationModel(**source)) return Kind::kElevationModel;
-  if (LooksLikeFilm(TextOf(head))) return Kind::kFilm;
-  if (IsPicture(head)) return Kind::kPhoto;
+  if (IsElevationModel(**source)) return &SortedFiles::elevation_models;
+  if (LooksLikeFilm(TextOf(head))) return &SortedFiles::films;
+  if (IsPicture(head)) return &SortedFiles::photos;
   head = (*source)->ReadUpTo(0, kRecogniseBytes);
   SKYQUILT_TRY_ASSIGN(const auto format, RecogniseLog(head, file.name));
   SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, head));
@@ -85,14 +86,14 @@ Result<Kind> KindOf(const InputFile& file) {
   }
   // A licence, a note, a list without an ending: nobody meant it to be a photo, so that none is missing.
   const bool is_note = LooksLikeText(TextOf(text.bytes())) && !EndsWithOneOf(file.name, kPictureEndings);
-  if (!format && (unknown == Kind::kNothing || is_note)) {
+  if (!format && (unknown == nullptr || is_note)) {
     if (auto why = ExplainUnknownTable(text.bytes(), file.name))
       return Because(ErrorCode::kUnsupportedFormat, *std::move(why));
     if (auto why = ExplainUnknownList(text.bytes(), file.name))
       return Because(ErrorCode::kUnsupportedFormat, *std::move(why));
   }
-  if (!format) return is_note ? Kind::kNothing : unknown;
-  return *format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
+  if (!format) return is_note ? nullptr : unknown;
+  return *format == LogFormat::kGcpList ? &SortedFiles::gcp_lists : &SortedFiles::logs;
 }
 
 // XMP in a file of its own.
@@ -102,8 +103,7 @@ bool IsSidecar(const InputFile& file) {
   if (!source) return false;
   constexpr std::size_t kStart = 4096;
   const std::vector<std::uint8_t> start = (*source)->ReadUpTo(0, kStart);
-  const std::string_view text = TextOf(start);
-  return text.find("<x:xmpmeta") != std::string_view::npos || text.find("<rdf:RDF") != std::string_view::npos;
+  return HoldsOneOf(TextOf(start), {"<x:xmpmeta", "<rdf:RDF"});
 }
 
 Remark NotUsed(const std::vector<std::string>& names) {
@@ -131,22 +131,14 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
       sorted.sidecars.push_back(file);
       continue;
     }
-    const auto kind = KindOf(file);
-    if (!kind && kind.error().code == ErrorCode::kUnsupportedFormat &&
+    const auto place = PlaceOf(file);
+    if (!place && place.error().code == ErrorCode::kUnsupportedFormat &&
         ++unread_tables > kMaxTablesExplained) {
       unused.push_back(file.name);
-    } else if (!kind) {
-      sorted.refused.push_back({RemarkCode::kFileNotRead, {{"why", WhyOf(kind.error())}}});
-    } else if (*kind == Kind::kPhoto) {
-      sorted.photos.push_back(file);
-    } else if (*kind == Kind::kLog) {
-      sorted.logs.push_back(file);
-    } else if (*kind == Kind::kGcpList) {
-      sorted.gcp_lists.push_back(file);
-    } else if (*kind == Kind::kFilm) {
-      sorted.films.push_back(file);
-    } else if (*kind == Kind::kElevationModel) {
-      sorted.elevation_models.push_back(file);
+    } else if (!place) {
+      sorted.refused.push_back({RemarkCode::kFileNotRead, {{"why", WhyOf(place.error())}}});
+    } else if (*place != nullptr) {
+      (sorted.*(*place)).push_back(file);
     } else {
       unused.push_back(file.name);
     }

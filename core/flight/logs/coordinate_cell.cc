@@ -1,7 +1,8 @@
 #include "core/flight/logs/coordinate_cell.h"
 
-#include <array>
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "core/flight/bytes/text_fields.h"
 
@@ -12,67 +13,43 @@ constexpr std::size_t kLongestCoordinate = 64;
 
 enum class CellToken { kDegree, kMinute, kSecond, kNorth, kSouth, kEast, kWest };
 
+// Words and signs, apart by blanks; longer ones before those they begin with. Not "o": Ost and ouest.
+struct TokenTexts {
+  CellToken token;
+  std::string_view texts;
+};
+constexpr TokenTexts kTokens[] = {
+    {CellToken::kDegree,  // "grad" is German; of UTF-8, also where it was taken for Latin-1 and written anew
+     "degrees degree deg. deg grad d \xC3\x82\xC2\xB0 \xC2\xB0 \xC2\xBA \xCB\x9A "
+     "\xEF\xBF\xBD "  // what is left of a sign that a program could not read
+     "\xB0 \xBA"},    // Latin-1
+    {CellToken::kSecond,
+     "\"\" \" '' "  // the first doubled inside quotes
+     "\xE2\x80\x99\xE2\x80\x99 \xE2\x80\xB2\xE2\x80\xB2 \xE2\x80\xB3 \xE2\x80\x9C \xE2\x80\x9D "
+     "\x94 sec"},  // Windows-1252
+    {CellToken::kMinute, "' ` \xE2\x80\xB2 \xE2\x80\x98 \xE2\x80\x99 \xC2\xB4 \xB4 \x92 min m"},
+    {CellToken::kNorth, "north nord norte n"},
+    {CellToken::kSouth,
+     "south s\xC3\xBC"
+     "d sued sud sur s"},
+    {CellToken::kEast, "east este est ost e"},
+    {CellToken::kWest, "west ouest oeste w"},
+};
+
 struct TokenText {
   std::string_view text;
   CellToken token;
 };
 
-// Longer ones before those they begin with. Not "o": Ost and ouest.
-constexpr std::array kTokens = {
-    TokenText{"degrees", CellToken::kDegree},
-    TokenText{"degree", CellToken::kDegree},
-    TokenText{"deg.", CellToken::kDegree},
-    TokenText{"deg", CellToken::kDegree},
-    TokenText{"grad", CellToken::kDegree},  // German
-    TokenText{"d", CellToken::kDegree},
-    TokenText{"\xC3\x82\xC2\xB0", CellToken::kDegree},  // UTF-8 taken for Latin-1 and written as UTF-8
-    TokenText{"\xC2\xB0", CellToken::kDegree},
-    TokenText{"\xC2\xBA", CellToken::kDegree},
-    TokenText{"\xCB\x9A", CellToken::kDegree},
-    TokenText{"\xEF\xBF\xBD", CellToken::kDegree},  // what is left of a sign that a program could not read
-    TokenText{"\xB0", CellToken::kDegree},          // Latin-1
-    TokenText{"\xBA", CellToken::kDegree},
-    TokenText{"\"\"", CellToken::kSecond},  // doubled inside quotes
-    TokenText{"\"", CellToken::kSecond},
-    TokenText{"''", CellToken::kSecond},
-    TokenText{"\xE2\x80\x99\xE2\x80\x99", CellToken::kSecond},
-    TokenText{"\xE2\x80\xB2\xE2\x80\xB2", CellToken::kSecond},
-    TokenText{"\xE2\x80\xB3", CellToken::kSecond},
-    TokenText{"\xE2\x80\x9C", CellToken::kSecond},
-    TokenText{"\xE2\x80\x9D", CellToken::kSecond},
-    TokenText{"\x94", CellToken::kSecond},  // Windows-1252
-    TokenText{"sec", CellToken::kSecond},
-    TokenText{"'", CellToken::kMinute},
-    TokenText{"`", CellToken::kMinute},
-    TokenText{"\xE2\x80\xB2", CellToken::kMinute},
-    TokenText{"\xE2\x80\x98", CellToken::kMinute},
-    TokenText{"\xE2\x80\x99", CellToken::kMinute},
-    TokenText{"\xC2\xB4", CellToken::kMinute},
-    TokenText{"\xB4", CellToken::kMinute},
-    TokenText{"\x92", CellToken::kMinute},
-    TokenText{"min", CellToken::kMinute},
-    TokenText{"m", CellToken::kMinute},
-    TokenText{"north", CellToken::kNorth},
-    TokenText{"nord", CellToken::kNorth},
-    TokenText{"norte", CellToken::kNorth},
-    TokenText{"n", CellToken::kNorth},
-    TokenText{"south", CellToken::kSouth},
-    TokenText{"s\xC3\xBC"
-              "d",
-              CellToken::kSouth},
-    TokenText{"sued", CellToken::kSouth},
-    TokenText{"sud", CellToken::kSouth},
-    TokenText{"sur", CellToken::kSouth},
-    TokenText{"s", CellToken::kSouth},
-    TokenText{"east", CellToken::kEast},
-    TokenText{"este", CellToken::kEast},
-    TokenText{"est", CellToken::kEast},
-    TokenText{"ost", CellToken::kEast},
-    TokenText{"e", CellToken::kEast},
-    TokenText{"west", CellToken::kWest},
-    TokenText{"ouest", CellToken::kWest},
-    TokenText{"oeste", CellToken::kWest},
-    TokenText{"w", CellToken::kWest}};
+std::vector<TokenText> SplitTokens() {
+  std::vector<TokenText> tokens;
+  std::vector<std::string_view> texts;
+  for (const TokenTexts& each : kTokens) {
+    SplitBlanks(each.texts, texts);
+    for (const std::string_view text : texts) tokens.push_back({text, each.token});
+  }
+  return tokens;
+}
 
 // Degrees, minutes and seconds as they are found, from left to right.
 class Sexagesimal {
@@ -151,14 +128,10 @@ std::optional<CoordinateCell> ReadSexagesimal(std::string_view cell) {
       at += minus > 0 ? minus : 1;
       continue;
     }
-    const TokenText* found = nullptr;
-    for (const TokenText& each : kTokens) {
-      if (rest.starts_with(each.text)) {
-        found = &each;
-        break;
-      }
-    }
-    if (found == nullptr) return std::nullopt;
+    static const std::vector<TokenText> kInOrder = SplitTokens();
+    const auto found = std::find_if(kInOrder.begin(), kInOrder.end(),
+                                    [&](const TokenText& each) { return rest.starts_with(each.text); });
+    if (found == kInOrder.end()) return std::nullopt;
     CellToken token = found->token;
     at += found->text.size();
     // "33s" behind "50m" are seconds; a capital one there could be the south.

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/base/median.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -15,9 +17,8 @@ constexpr double kLatestS = 4e8;  // no log lasts 12 years; keeps segments apart
 constexpr int kMaxSegments = 64;
 constexpr std::size_t kMaxEvents = 200'000;
 
-bool IsFinite(const Eigen::Vector3d& v) { return v.allFinite(); }
 bool IsFinite(const ImuSample& s) {
-  return IsFinite(s.angular_rate_radps) && IsFinite(s.specific_force_mps2);
+  return s.angular_rate_radps.allFinite() && s.specific_force_mps2.allFinite();
 }
 bool IsFinite(const AttitudeSample& s) {
   return s.ned_from_body.coeffs().allFinite() && s.ned_from_body.norm() > 0.5;
@@ -26,20 +27,14 @@ bool IsFinite(const GnssSample&) { return true; }
 bool IsFinite(const BaroSample& s) { return std::isfinite(s.height_above_takeoff_m); }
 bool IsFinite(const RangeSample& s) { return std::isfinite(s.distance_m); }
 
-bool SamePayload(const ImuSample& a, const ImuSample& b) {
-  return a.angular_rate_radps == b.angular_rate_radps && a.specific_force_mps2 == b.specific_force_mps2;
+// What was measured, by which two samples of one time are told apart.
+auto PayloadOf(const ImuSample& s) { return std::tie(s.angular_rate_radps, s.specific_force_mps2); }
+auto PayloadOf(const AttitudeSample& s) { return std::tie(s.ned_from_body.coeffs()); }
+auto PayloadOf(const GnssSample& s) {
+  return std::tie(s.position.lat_deg, s.position.lon_deg, s.height_amsl_m, s.height_ellipsoid_m);
 }
-bool SamePayload(const AttitudeSample& a, const AttitudeSample& b) {
-  return a.ned_from_body.coeffs() == b.ned_from_body.coeffs();
-}
-bool SamePayload(const GnssSample& a, const GnssSample& b) {
-  return a.position.lat_deg == b.position.lat_deg && a.position.lon_deg == b.position.lon_deg &&
-         a.height_amsl_m == b.height_amsl_m && a.height_ellipsoid_m == b.height_ellipsoid_m;
-}
-bool SamePayload(const BaroSample& a, const BaroSample& b) {
-  return a.height_above_takeoff_m == b.height_above_takeoff_m;
-}
-bool SamePayload(const RangeSample& a, const RangeSample& b) { return a.distance_m == b.distance_m; }
+auto PayloadOf(const BaroSample& s) { return std::tie(s.height_above_takeoff_m); }
+auto PayloadOf(const RangeSample& s) { return std::tie(s.distance_m); }
 
 void Accumulate(ImuSample& sum, const ImuSample& sample) {
   sum.t_s += sample.t_s;
@@ -64,7 +59,7 @@ std::size_t SortAndDropDuplicates(std::vector<T>& samples) {
     std::size_t end = i + 1;
     bool same = true;
     while (end < samples.size() && samples[end].t_s == samples[i].t_s) {
-      same = same && SamePayload(samples[i], samples[end]);
+      same = same && PayloadOf(samples[i]) == PayloadOf(samples[end]);
       ++end;
     }
     if (end == i + 1 || same) samples[kept++] = samples[i];
@@ -177,15 +172,13 @@ void LogBuilder::PushTimed(CappedSeries<T>& series, const T& sample, int which) 
 }
 
 void LogBuilder::Add(const ImuSample& sample) { PushTimed(imu_, sample, 0); }
-void LogBuilder::Add(const AttitudeSample& sample) {
-  AttitudeSample unit = sample;
-  unit.ned_from_body.normalize();
-  PushTimed(attitude_, unit, 1);
+void LogBuilder::Add(AttitudeSample sample) {
+  sample.ned_from_body.normalize();
+  PushTimed(attitude_, sample, 1);
 }
-void LogBuilder::AddGimbal(const AttitudeSample& sample) {
-  AttitudeSample unit = sample;
-  unit.ned_from_body.normalize();
-  PushTimed(gimbal_, unit, 2);
+void LogBuilder::AddGimbal(AttitudeSample sample) {
+  sample.ned_from_body.normalize();
+  PushTimed(gimbal_, sample, 2);
 }
 
 void LogBuilder::Add(const GnssSample& sample) {
@@ -260,7 +253,12 @@ void LogBuilder::KeepLongestSegment() {
         {{"jumps", segment_}, {"part", kept + 1}, {"samples", *longest}, {"samples_in_all", total}}});
 }
 
+Error LogBuilder::Refuse(RemarkCode why) const {
+  return Because(ErrorCode::kCorrupt, {why, {{"file", log_.file_name}}});
+}
+
 FlightLog LogBuilder::Finish() && {
+  if (rows_unread_ > 0) Warn({RemarkCode::kRowsUnread, {{"rows", rows_unread_}}});
   if (imu_.stride() > 1) Warn({RemarkCode::kImuAveraged, {{"samples", imu_.stride()}}});
   const auto thinned =
       std::max({attitude_.stride(), gnss_.stride(), baro_.stride(), range_.stride(), gimbal_.stride()});
@@ -300,6 +298,13 @@ std::optional<Eigen::Vector3d> SigmaInNedM(std::optional<double> horizontal_m,
   if (!horizontal_m || !(*horizontal_m > 0.0)) return std::nullopt;
   const bool is_vertical_known = vertical_m && *vertical_m > 0.0;
   return Eigen::Vector3d(*horizontal_m, *horizontal_m, is_vertical_known ? *vertical_m : 2.0 * *horizontal_m);
+}
+
+std::optional<Eigen::Vector3d> PositiveSigmas(std::optional<double> first, std::optional<double> second,
+                                              std::optional<double> third) {
+  // Nothing is below 0.
+  if (!(first > 0.0) || !(second > 0.0) || !(third > 0.0)) return std::nullopt;
+  return Eigen::Vector3d(*first, *second, *third);
 }
 
 std::optional<Eigen::Vector3d> YawPitchRollRad(std::optional<double> yaw_deg, std::optional<double> pitch_deg,

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/remarks/remark.h"
 
@@ -45,8 +46,8 @@ class LogBuilder {
              std::size_t other_cap = 2'000'000);
 
   void Add(const ImuSample& sample);
-  void Add(const AttitudeSample& sample);
-  void AddGimbal(const AttitudeSample& sample);
+  void Add(AttitudeSample sample);
+  void AddGimbal(AttitudeSample sample);
   void Add(const GnssSample& sample);  // positions outside the Earth and (0, 0) are dropped and counted
   void Add(const BaroSample& sample);
   void Add(const RangeSample& sample);
@@ -59,12 +60,16 @@ class LogBuilder {
 
   // The heights added are above some far zero: subtract the median of the first ten.
   void BaroStartsAtZero() { baro_starts_at_zero_ = true; }
+  // A row that cannot be read, of which a last warning tells how many there were. True: it is the first.
+  bool SkipRow() { return ++rows_unread_ == 1; }
   void Warn(Remark warning);                                    // at most 100, then a last one says so
   void Count(const std::string& message, std::uint64_t count);  // of at most 1000 kinds; the rest in one
   // What has no clean-up rule: utc_at_zero, mapping, ...
   FlightLog& log() { return log_; }
 
   FlightLog Finish() &&;
+  // Where nothing could be read: kCorrupt, with a remark that names the file alone.
+  Error Refuse(RemarkCode why) const;
 
  private:
   template <typename T>
@@ -87,6 +92,7 @@ class LogBuilder {
   int segment_ = 0;
   std::vector<std::uint64_t> samples_of_segment_{0};
   bool baro_starts_at_zero_ = false;
+  std::uint64_t rows_unread_ = 0;
   std::uint64_t not_finite_ = 0;
   std::uint64_t bad_positions_ = 0;
   std::uint64_t stray_stamps_ = 0;
@@ -103,6 +109,10 @@ std::optional<Eigen::Vector3d> YawPitchRollRad(std::optional<double> yaw_deg, st
 // One sigma as a list states it: the vertical one twice the horizontal where it says none.
 std::optional<Eigen::Vector3d> SigmaInNedM(std::optional<double> horizontal_m,
                                            std::optional<double> vertical_m);
+
+// Three sigmas; nothing where one is missing or none.
+std::optional<Eigen::Vector3d> PositiveSigmas(std::optional<double> first, std::optional<double> second,
+                                              std::optional<double> third);
 
 // Z-Y-X angles in radians to the attitude they mean, and back.
 Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad);

@@ -93,9 +93,7 @@ Result<const Format*> RecogniseOrExplain(LogBytes head, std::string_view name) {
   if (IsPlannedRoute(TextOf(head))) return refuse(RemarkCode::kFileIsPlan);
   if (IsFit(head)) return refuse(RemarkCode::kFileIsFit);
   if (IsRtcm3(head, name)) return refuse(RemarkCode::kFileIsObservations);
-  if (IsDjiFlightRecord(head, name)) {
-    return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileEncrypted, {{"file", name}}});
-  }
+  if (IsDjiFlightRecord(head, name)) return refuse(RemarkCode::kFileEncrypted);
   return Recognise(head);
 }
 

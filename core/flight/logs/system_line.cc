@@ -73,10 +73,7 @@ std::string_view CodeIn(std::string_view line, const std::string& lower) {
 
 // "CoordinateSystem:", "CRS:": what stands before the first colon with a blank behind it.
 bool SaysSystem(std::string_view label) {
-  const std::string lower = LowerCase(label);
-  constexpr std::array<std::string_view, 4> kWords = {"system", "crs", "srs", "projection"};
-  return std::any_of(kWords.begin(), kWords.end(),
-                     [&](std::string_view word) { return lower.find(word) != std::string::npos; });
+  return HoldsOneOf(LowerCase(label), {"system", "crs", "srs", "projection"});
 }
 
 }  // namespace

@@ -82,6 +82,13 @@ std::string ExifValue::Text() const {
   return text.substr(first, text.find_last_not_of(' ') - first + 1);
 }
 
+bool IsTiff(std::span<const std::uint8_t> head) {
+  if (head.size() < 4) return false;
+  const bool is_little = head[0] == 'I' && head[1] == 'I' && (head[2] == 42 || head[2] == 43) && head[3] == 0;
+  const bool is_big = head[0] == 'M' && head[1] == 'M' && head[2] == 0 && (head[3] == 42 || head[3] == 43);
+  return is_little || is_big;
+}
+
 const ExifValue* ExifTable::Find(ExifIfd ifd, std::uint16_t tag) const {
   const auto it = values_.find({ifd, tag});
   return it == values_.end() ? nullptr : &it->second;

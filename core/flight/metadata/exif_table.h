@@ -67,6 +67,9 @@ class ExifTable {
   std::map<std::pair<ExifIfd, std::uint16_t>, ExifValue> values_;
 };
 
+// By the first four bytes; BigTIFF too.
+bool IsTiff(std::span<const std::uint8_t> head);
+
 // The TIFF block of a JPEG's EXIF segment (without "Exif\0\0"), with the bounds of ReadTiffTags. Damaged
 // parts are left out.
 ExifTable ReadExifSegment(std::span<const std::uint8_t> tiff_block);

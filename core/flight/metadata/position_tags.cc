@@ -117,8 +117,7 @@ bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
   // Of the X10 the EXIF altitude; drone-skydio:AbsoluteAltitude is above the sea.
   const bool is_x10 = exif.model.starts_with("VT300") || exif.model.starts_with("V100");
   if (make == "skydio" && is_x10) return xmp.Find("drone-skydio:AbsoluteAltitude") == nullptr;
-  return make == "sensefly" || exif.model.find("ANAFI Ai") != std::string::npos ||
-         exif.model.find("AnafiAi") != std::string::npos;
+  return make == "sensefly" || HoldsOneOf(exif.model, {"ANAFI Ai", "AnafiAi"});
 }
 
 void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& recorded,

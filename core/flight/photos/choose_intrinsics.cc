@@ -1,6 +1,7 @@
 #include "core/flight/photos/choose_intrinsics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <optional>
@@ -114,25 +115,20 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
     notes.push_back(RemarkCode::kFisheyeAsPlain);
     return camera;
   }
-  if (const auto center = ParseXmpNumbers(xmp.Text("Camera:PrincipalPoint"));
-      center.size() == 2 && center[0] && center[1]) {
-    const double x_px = *center[0] * px_per_unit - 0.5;
+  if (const auto center = AllXmpNumbers(xmp.Text("Camera:PrincipalPoint"), 2)) {
+    const double x_px = (*center)[0] * px_per_unit - 0.5;
     const double y_px =
-        *center[1] * (is_in_pixels ? 1.0 : exif.focal_plane_y_px_per_mm.value_or(px_per_unit)) - 0.5;
+        (*center)[1] * (is_in_pixels ? 1.0 : exif.focal_plane_y_px_per_mm.value_or(px_per_unit)) - 0.5;
     if (std::abs(x_px / width_px - 0.5) < 0.1 && std::abs(y_px / height_px - 0.5) < 0.1) {
       camera.center_x_px = x_px;
       camera.center_y_px = y_px;
     }
   }
   // R1, R2, R3, T1, T2.
-  if (const auto bend = ParseXmpNumbers(xmp.Text("Camera:PerspectiveDistortion"));
-      bend.size() == 5 &&
-      std::all_of(bend.begin(), bend.end(), [](const auto& v) { return v && std::abs(*v) < 10; })) {
-    camera.k1 = *bend[0];
-    camera.k2 = *bend[1];
-    camera.k3 = *bend[2];
-    camera.p1 = *bend[3];
-    camera.p2 = *bend[4];
+  if (const auto bend = AllXmpNumbers(xmp.Text("Camera:PerspectiveDistortion"), 5);
+      bend && std::all_of(bend->begin(), bend->end(), [](double v) { return std::abs(v) < 10; })) {
+    const std::array terms{&camera.k1, &camera.k2, &camera.k3, &camera.p1, &camera.p2};
+    for (std::size_t i = 0; i < terms.size(); ++i) *terms[i] = (*bend)[i];
   }
   return camera;
 }

@@ -188,10 +188,7 @@ Result<ImageHeader> ReadByKind(ByteSource& source) {
   if (start.empty()) return Because(ErrorCode::kIo, RemarkCode::kPhotoUnread);
   if (Has(start, 0, "\xFF\xD8\xFF")) return ReadJpeg(source);
   if (const auto raw = RawFormatOf(start); !raw.empty()) return AsideError(Aside::kRawPicture, raw);
-  if (Has(start, 0, std::string_view("II*\0", 4)) || Has(start, 0, std::string_view("MM\0*", 4)) ||
-      Has(start, 0, std::string_view("II+\0", 4)) || Has(start, 0, std::string_view("MM\0+", 4))) {
-    return ReadTiff(source);
-  }
+  if (IsTiff(start)) return ReadTiff(source);
   if (Has(start, 0, "\x89PNG\r\n\x1A\n")) return ReadPng(source);
   return NotAPhoto(start);
 }

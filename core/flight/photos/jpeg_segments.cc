@@ -1,7 +1,6 @@
 #include "core/flight/photos/jpeg_segments.h"
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <span>
 #include <string_view>
@@ -25,10 +24,6 @@ constexpr std::string_view kExtendedXmpHeader("http://ns.adobe.com/xmp/extension
 
 Error NoFrame(const char* detail) {
   return Because(ErrorCode::kCorrupt, RemarkCode::kJpegWithoutSize, detail);
-}
-
-bool StartsWith(const std::vector<std::uint8_t>& bytes, std::string_view header) {
-  return bytes.size() >= header.size() && std::memcmp(bytes.data(), header.data(), header.size()) == 0;
 }
 
 // SOF0..SOF15 without DHT (C4), JPG (C8) and DAC (CC).
@@ -90,17 +85,17 @@ Result<JpegSegments> ScanJpegSegments(ByteSource& source) {
       if (length < 8 || !source.Read(payload_offset, frame)) break;
       found.height_px = (frame[1] << 8) | frame[2];
       found.width_px = (frame[3] << 8) | frame[4];
-      found.components = frame[5];
     } else if (marker == 0xE1) {
       std::vector<std::uint8_t> payload(length - 2);
       if (!source.Read(payload_offset, payload)) break;
-      if (StartsWith(payload, kExifHeader) && payload.size() > 6) {
+      const std::string_view text = TextOf(payload);
+      if (text.starts_with(kExifHeader) && payload.size() > 6) {
         if (found.exif.empty()) found.exif.assign(payload.begin() + 6, payload.end());
-      } else if (StartsWith(payload, kXmpHeader)) {
+      } else if (text.starts_with(kXmpHeader)) {
         if (found.xmp.size() < 8) found.xmp.emplace_back(payload.begin() + kXmpHeader.size(), payload.end());
-      } else if (StartsWith(payload, kExtendedXmpHeader)) {
+      } else if (text.starts_with(kExtendedXmpHeader)) {
         extended.Add(payload);
-      } else if (StartsWith(payload, kFlirHeader) && payload.size() > kFlirHeadBytes) {
+      } else if (text.starts_with(kFlirHeader) && payload.size() > kFlirHeadBytes) {
         found.flir.push_back({payload_offset + kFlirHeadBytes,
                               static_cast<std::uint32_t>(payload.size() - kFlirHeadBytes), payload[6],
                               payload[7]});

@@ -17,7 +17,6 @@ namespace skyquilt::flight {
 struct JpegSegments {
   int width_px = 0;
   int height_px = 0;
-  int components = 0;
   std::uint64_t scan_offset = 0;  // of the first scan (SOS) or of what stands in its place
   std::vector<std::uint8_t>
       exif;                      // the TIFF block of the EXIF segment, without its "Exif\0\0"; empty if none

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
 #include <string_view>
 #include <utility>
 
@@ -27,7 +26,6 @@ namespace {
 
 constexpr std::uint16_t kMakerNoteTag = 0x927C, kTimeTag = 0x9003, kDigitizedTag = 0x9004;
 constexpr double kLongestReadoutS = 0.5;
-constexpr std::array<std::string_view, 6> kColours = {"red", "green", "blue", "r", "g", "b"};
 
 std::optional<DjiMakerNote> ReadMakerNote(const ExifTable& exif) {
   const ExifValue* note = exif.Find(ExifIfd::kExif, kMakerNoteTag);
@@ -70,17 +68,13 @@ Lens LensOf(const ImageHeader& header, const XmpTags& xmp) {
   if (!header.flir.empty()) return Lens::kThermal;
   const std::string band = LowerCase(WrittenBandName(xmp));
   const std::string source = LowerCase(xmp.Text("drone-dji:ImageSource"));
-  const auto says = [&](std::initializer_list<std::string_view> words) {
-    return std::any_of(words.begin(), words.end(),
-                       [&](std::string_view word) { return source.find(word) != std::string::npos; });
-  };
-  if (says({"infrared", "thermal"}) || band.find("lwir") != std::string::npos) return Lens::kThermal;
-  if (says({"zoom", "tele"})) return Lens::kZoom;
-  return says({"wide", "visible"}) ? Lens::kWide : Lens::kUnsaid;
+  if (HoldsOneOf(source, {"infrared", "thermal"}) || band.find("lwir") != std::string::npos)
+    return Lens::kThermal;
+  if (HoldsOneOf(source, {"zoom", "tele"})) return Lens::kZoom;
+  return HoldsOneOf(source, {"wide", "visible"}) ? Lens::kWide : Lens::kUnsaid;
 }
 
 bool NamesAnEditor(const std::string& program) {
-  const std::string lower = LowerCase(program);
   constexpr std::array<std::string_view, 39> kEditors = {
       "photoshop",     "lightroom",    "adobe",         "gimp",
       "snapseed",      "capture one",  "darktable",     "rawtherapee",
@@ -92,8 +86,7 @@ bool NamesAnEditor(const std::string& program) {
       "picasa",        "photo viewer", "windows photo", "microsoft photo",
       "google photos", "apple photos", "aurora hdr",    "photomatix",
       "topaz",         "zoner",        "photodirector"};
-  return std::any_of(kEditors.begin(), kEditors.end(),
-                     [&](std::string_view editor) { return lower.find(editor) != std::string::npos; });
+  return HoldsOneOf(LowerCase(program), kEditors);
 }
 
 PictureOrigin OriginOf(const ImageHeader& header, const ExifRecord& exif, const XmpTags& xmp) {
@@ -116,13 +109,10 @@ PictureOrigin OriginOf(const ImageHeader& header, const ExifRecord& exif, const 
 }
 
 void NoteSoftware(Photo& photo) {
-  for (const std::string_view viewer :
-       {"Photo Viewer", "Windows Photo", "Microsoft Photo", "Picasa", "ACDSee"}) {
-    if (photo.software.find(viewer) == std::string::npos) continue;
-    photo.is_resaved_by_viewer = true;
+  photo.is_resaved_by_viewer =
+      HoldsOneOf(photo.software, {"Photo Viewer", "Windows Photo", "Microsoft Photo", "Picasa", "ACDSee"});
+  if (photo.is_resaved_by_viewer)
     photo.notes.push_back({RemarkCode::kResaved, {{"software", photo.software}}});
-    return;
-  }
 }
 
 // What the three channels of a camera in colour see where its filter lets other light through, as the maker
@@ -135,7 +125,7 @@ std::string FilteredChannels(const Photo& photo, const XmpTags& xmp) {
     std::string_view rest = lower;
     for (int channel = 0; channel < 3; ++channel) {
       const std::string_view name = Trim(rest.substr(0, rest.find(',')));
-      if (std::find(kColours.begin(), kColours.end(), name) == kColours.end()) return written;
+      if (!IsOneOf(name, {"red", "green", "blue", "r", "g", "b"})) return written;
       rest.remove_prefix(std::min(rest.size(), rest.find(',') + 1));
     }
     return "";

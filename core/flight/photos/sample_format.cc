@@ -65,26 +65,25 @@ Result<SampleFormat> SampleFormatOfTiff(const ExifTable& tags) {
   SampleFormat found;
   found.zero_is_white = photometric == kZeroIsWhite;
   found.no_data = ParseNumber(tags.Text(ExifIfd::kImage, kNoDataTag));
+  const auto one_band = [&](SampleKind kind, const char* numbers, bool are_read,
+                            const char* instead) -> Result<SampleFormat> {
+    const std::string what = fmt::format("{}-bit {}", bits, numbers);
+    if (!are_read) return NotDrawn(what, kAsWholeNumbers);
+    if (channels != 1) return NotDrawn(fmt::format("{} in {} bands", what, channels), instead);
+    found.kind = kind;
+    return found;
+  };
   if (format == kFormatFloating) {
-    const std::string what = fmt::format("{}-bit floating point numbers", bits);
-    if (bits != 32 && bits != 64) return NotDrawn(what, kAsWholeNumbers);
-    if (channels != 1) {
-      return NotDrawn(fmt::format("{} in {} bands", what, channels),
-                      "Give each band as a file of its own, or colours with 8 or 16 bits a sample.");
-    }
-    found.kind = SampleKind::kFloating;
-    return found;
+    return one_band(SampleKind::kFloating, "floating point numbers", bits == 32 || bits == 64,
+                    "Give each band as a file of its own, or colours with 8 or 16 bits a sample.");
   }
-  if (format != kFormatUnsigned && format != kFormatSigned && format != kFormatUndefined)
-    return NotDrawn("complex numbers", kAsWholeNumbers);
-  if (format != kFormatSigned && (bits == 1 || bits == 8)) return found;
   if (format == kFormatSigned) {
-    const std::string what = fmt::format("{}-bit whole numbers with a sign", bits);
-    if (bits != 16 && bits != 32) return NotDrawn(what, kAsWholeNumbers);
-    if (channels != 1) return NotDrawn(fmt::format("{} in {} bands", what, channels), kAsWholeNumbers);
-    found.kind = SampleKind::kSigned;
-    return found;
+    return one_band(SampleKind::kSigned, "whole numbers with a sign", bits == 16 || bits == 32,
+                    kAsWholeNumbers);
   }
+  if (format != kFormatUnsigned && format != kFormatUndefined)
+    return NotDrawn("complex numbers", kAsWholeNumbers);
+  if (bits == 1 || bits == 8) return found;
   if (bits != 10 && bits != 12 && bits != 14 && bits != 16)
     return NotDrawn(fmt::format("{}-bit whole numbers", bits), kAsWholeNumbers);
   if (channels == 1 && (photometric == kZeroIsBlack || photometric == kZeroIsWhite)) {

@@ -65,11 +65,11 @@ class DataflashReader {
         uses_raw_imu_(census.HasRawImu(imu_)),
         raw_imu_(builder),
         gps_(census.BestGps()),
-        baro_(census.baro_counts.empty() ? 0 : census.baro_counts.begin()->first),
-        attitude_rank_(census.attitude_counts.empty() ? 0 : census.attitude_counts.begin()->first),
-        camera_rank_(census.camera_counts.empty() ? 0 : census.camera_counts.begin()->first),
+        baro_(census.First(Kind::kBaro)),
+        attitude_rank_(census.First(Kind::kAttitude)),
+        camera_rank_(census.First(Kind::kCamera)),
         has_gps_(!census.gps_quality.empty() && census.gps_quality.at(gps_) > 0.0),
-        has_trigger_(census.camera_counts.size() > 1) {}
+        has_trigger_(census.Of(Kind::kCamera).size() > 1) {}
 
   void Take(const Plan& plan, const std::uint8_t* payload) {
     switch (plan.meaning.kind) {
@@ -136,22 +136,19 @@ class DataflashReader {
  private:
   void TakeImu(const Plan& plan, const std::uint8_t* payload) {
     if (uses_raw_imu_ || !plan.Has(0, 5) || plan.Instance(payload) != imu_) return;
-    ImuSample sample;
-    sample.t_s = plan.TimeS(payload);
-    for (std::size_t i = 0; i < 3; ++i) {
-      sample.angular_rate_radps[static_cast<Eigen::Index>(i)] = plan.Number(i, payload);
-      sample.specific_force_mps2[static_cast<Eigen::Index>(i)] = plan.Number(i + 3, payload);
-    }
-    builder_.Add(sample);
+    builder_.Add(ImuSample{plan.TimeS(payload), plan.Vector(0, payload), plan.Vector(3, payload)});
   }
 
   void TakeRawImu(const Plan& plan, const std::uint8_t* payload) {
     if (!uses_raw_imu_ || !plan.Has(0, 2) || plan.Instance(payload) != imu_) return;
-    const Eigen::Vector3d value(plan.Number(0, payload), plan.Number(1, payload), plan.Number(2, payload));
     if (plan.meaning.kind == Kind::kRawGyro)
-      raw_imu_.AddGyro(plan.TimeS(payload), value);
+      raw_imu_.AddGyro(plan.TimeS(payload), plan.Vector(0, payload));
     else
-      raw_imu_.AddAccel(plan.TimeS(payload), value);
+      raw_imu_.AddAccel(plan.TimeS(payload), plan.Vector(0, payload));
+  }
+
+  static std::optional<UtcTime> UtcOf(std::optional<double> tow_ms, std::optional<double> week) {
+    return tow_ms && week ? UtcFromGpsWeek(std::llround(*week), std::llround(*tow_ms * 1e3)) : std::nullopt;
   }
 
   void FlushGnss() {
@@ -164,12 +161,7 @@ class DataflashReader {
     const double status = plan.Get(0, payload).value_or(3.0);
     const double t_s = plan.TimeS(payload);
     if (status < 3.0) return;
-    const auto tow_ms = plan.Get(1, payload);
-    const auto week = plan.Get(2, payload);
-    if (tow_ms && week) {
-      const auto utc = UtcFromGpsWeek(std::llround(*week), std::llround(*tow_ms * 1e3));
-      if (utc) clock_.Add(t_s, *utc);
-    }
+    if (const auto utc = UtcOf(plan.Get(1, payload), plan.Get(2, payload))) clock_.Add(t_s, *utc);
     FlushGnss();
     GnssSample sample;
     sample.t_s = t_s;
@@ -208,12 +200,9 @@ class DataflashReader {
     if (plan.meaning.rank != attitude_rank_ || !plan.Has(0, 2)) return;
     if (!attitude_instance_) attitude_instance_ = plan.Instance(payload);
     if (*attitude_instance_ != plan.Instance(payload)) return;
-    AttitudeSample sample;
-    sample.t_s = plan.TimeS(payload);
-    sample.ned_from_body =
-        NedFromYawPitchRoll(DegToRad(plan.Number(2, payload)), DegToRad(plan.Number(1, payload)),
-                            DegToRad(plan.Number(0, payload)));
-    builder_.Add(sample);
+    builder_.Add(AttitudeSample{plan.TimeS(payload), NedFromYawPitchRoll(DegToRad(plan.Number(2, payload)),
+                                                                         DegToRad(plan.Number(1, payload)),
+                                                                         DegToRad(plan.Number(0, payload)))});
   }
 
   void TakeCamera(const Plan& plan, const std::uint8_t* payload) {
@@ -235,11 +224,8 @@ class DataflashReader {
       builder_.Add(event);
       return;
     }
-    const auto tow_ms = plan.Get(0, payload);
-    const auto week = plan.Get(1, payload);
-    if (!tow_ms || !week || events_without_time_.size() >= 100'000) return;
-    const auto utc = UtcFromGpsWeek(std::llround(*week), std::llround(*tow_ms * 1e3));
-    if (utc) events_without_time_.emplace_back(event, *utc);
+    const auto utc = UtcOf(plan.Get(0, payload), plan.Get(1, payload));
+    if (utc && events_without_time_.size() < 100'000) events_without_time_.emplace_back(event, *utc);
   }
 
   LogBuilder& builder_;
@@ -290,9 +276,8 @@ Result<FlightLog> ParseBy(std::string_view name, LogBytes bytes, const ConsumedU
   Walk again;
   give(again, reader);
   reader.Finish();
-  if (census.imu_counts.size() > 1) {
-    builder.Warn({RemarkCode::kOneImuOf, {{"imus", census.imu_counts.size()}, {"used", reader.imu() + 1}}});
-  }
+  if (const std::size_t imus = census.Of(Kind::kImu).size(); imus > 1)
+    builder.Warn({RemarkCode::kOneImuOf, {{"imus", imus}, {"used", reader.imu() + 1}}});
   return std::move(builder).Finish();
 }
 

@@ -22,12 +22,35 @@ const std::map<std::string_view, DataflashMeaning>& Meanings() {
   return meanings;
 }
 
-// Raw sensors note when they sampled, besides when the row was written.
-void UseSampleTime(const DataflashLayout& layout, DataflashPlan& plan) {
-  const DataflashField* sampled = layout.Find({"SampleUS"});
-  if (sampled == nullptr) return;
-  plan.time = sampled;
-  plan.seconds_per_unit = 1e-6;
+// The fields that are read of each kind, apart by blanks; | before another name of one.
+struct FieldsOfKind {
+  Kind kind;
+  std::string_view names;
+};
+constexpr FieldsOfKind kFields[] = {
+    {Kind::kImu, "GyrX GyrY GyrZ AccX AccY AccZ"},
+    {Kind::kRawGyro, "GyrX GyrY GyrZ"},
+    {Kind::kRawAccel, "AccX AccY AccZ"},
+    {Kind::kVibe, "Clip Clip0 Clip1 Clip2"},
+    {Kind::kGps, "Status GMS|TimeMS GWk|Week Lat Lng Alt Spd GCrs VZ"},
+    {Kind::kGpa, "HAcc VAcc"},
+    {Kind::kBaro, "Alt"},
+    {Kind::kRange, "Dist Orient Stat"},
+    {Kind::kPosition, "Lat Lng Alt"},
+    {Kind::kAttitude, "Roll Pitch Yaw"},
+    {Kind::kCamera, "GPSTime GPSWeek Lat Lng Alt RelAlt GPSAlt Roll|R Pitch|P Yaw|Y Img"},
+};
+
+void LookUpFields(const DataflashLayout& layout, DataflashPlan& plan) {
+  std::vector<std::string_view> fields, names;
+  for (const FieldsOfKind& each : kFields) {
+    if (each.kind != plan.meaning.kind) continue;
+    SplitBlanks(each.names, fields);
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      SplitFields(fields[i], '|', names);
+      plan.f[i] = layout.Find(names);
+    }
+  }
 }
 
 }  // namespace
@@ -37,13 +60,6 @@ DataflashPlan MakeDataflashPlan(const DataflashLayout& layout) {
   const auto known = Meanings().find(layout.name);
   if (known == Meanings().end() || layout.fields.empty()) return plan;
   plan.meaning = known->second;
-  const auto otherwise = [&](std::size_t i, std::string_view name) {
-    if (plan.f[i] == nullptr) plan.f[i] = layout.Find({name});
-  };
-  const auto set_all = [&](std::initializer_list<std::string_view> names) {
-    std::size_t i = 0;
-    for (const std::string_view name : names) plan.f[i++] = layout.Find({name});
-  };
   plan.instance = layout.Find({"I", "Instance"});
   plan.time = layout.Find({"TimeUS"});
   if (plan.time == nullptr) {
@@ -51,55 +67,29 @@ DataflashPlan MakeDataflashPlan(const DataflashLayout& layout) {
     // In old GPS messages TimeMS is the GPS time of week and T the time since boot.
     plan.time = plan.meaning.kind == Kind::kGps ? layout.Find({"T"}) : layout.Find({"TimeMS"});
   }
+  LookUpFields(layout, plan);
   switch (plan.meaning.kind) {
-    case Kind::kImu:
-      set_all({"GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ"});
-      break;
     case Kind::kRawGyro:
-      set_all({"GyrX", "GyrY", "GyrZ"});
-      UseSampleTime(layout, plan);
-      break;
-    case Kind::kRawAccel:
-      set_all({"AccX", "AccY", "AccZ"});
-      UseSampleTime(layout, plan);
+    case Kind::kRawAccel:  // they note when they sampled, besides when the row was written
+      if (const DataflashField* sampled = layout.Find({"SampleUS"})) {
+        plan.time = sampled;
+        plan.seconds_per_unit = 1e-6;
+      }
       break;
     case Kind::kVibe:
       plan.instance = layout.Find({"IMU"});
-      set_all({"Clip", "Clip0", "Clip1", "Clip2"});
-      break;
-    case Kind::kGps:
-      set_all({"Status", "GMS", "GWk", "Lat", "Lng", "Alt", "Spd", "GCrs", "VZ"});
-      otherwise(1, "TimeMS");
-      otherwise(2, "Week");
-      break;
-    case Kind::kGpa:
-      set_all({"HAcc", "VAcc"});
-      break;
-    case Kind::kBaro:
-      set_all({"Alt"});
       break;
     case Kind::kRange:
-      set_all({"Dist", "Orient", "Stat"});
       if (plan.f[0] == nullptr) {
         plan.f[0] = layout.Find({"Dist1"});
         plan.f[1] = layout.Find({"Orient1"});
       }
       plan.instance = nullptr;
       break;
-    case Kind::kPosition:
-      set_all({"Lat", "Lng", "Alt"});
-      break;
     case Kind::kAttitude:
-      set_all({"Roll", "Pitch", "Yaw"});
       plan.instance = layout.Find({"C"});
       break;
-    case Kind::kCamera:
-      set_all({"GPSTime", "GPSWeek", "Lat", "Lng", "Alt", "RelAlt", "GPSAlt", "Roll", "Pitch", "Yaw", "Img"});
-      otherwise(7, "R");
-      otherwise(8, "P");
-      otherwise(9, "Y");
-      break;
-    case Kind::kOther:
+    default:
       break;
   }
   if (plan.time == nullptr && plan.meaning.kind != Kind::kCamera) plan.meaning.kind = Kind::kOther;
@@ -107,40 +97,21 @@ DataflashPlan MakeDataflashPlan(const DataflashLayout& layout) {
 }
 
 void DataflashCensus::Take(const DataflashPlan& plan, const std::uint8_t* payload) {
-  switch (plan.meaning.kind) {
-    case Kind::kImu:
-      ++imu_counts[plan.Instance(payload)];
-      break;
-    case Kind::kRawGyro:
-      ++raw_gyro_counts[plan.Instance(payload)];
-      break;
-    case Kind::kRawAccel:
-      ++raw_accel_counts[plan.Instance(payload)];
-      break;
-    case Kind::kVibe:
-      if (plan.f[0] != nullptr) {
-        double& clip = clips[plan.Instance(payload)];
-        clip = std::max(clip, plan.Get(0, payload).value_or(0.0));
-      }
-      for (int i = 0; i < 3; ++i) {
-        if (const auto clip = plan.Get(static_cast<std::size_t>(i) + 1, payload))
-          clips[i] = std::max(clips[i], *clip);
-      }
-      break;
-    case Kind::kGps:
-      gps_quality[plan.Instance(payload)] += std::max(0.0, plan.Get(0, payload).value_or(0.0) - 2.0);
-      break;
-    case Kind::kBaro:
-      ++baro_counts[plan.Instance(payload)];
-      break;
-    case Kind::kAttitude:
-      ++attitude_counts[plan.meaning.rank];
-      break;
-    case Kind::kCamera:
-      ++camera_counts[plan.meaning.rank];
-      break;
-    default:
-      break;
+  const Kind kind = plan.meaning.kind;
+  const int instance = plan.Instance(payload);
+  const bool is_ranked = kind == Kind::kAttitude || kind == Kind::kCamera;
+  ++counts[static_cast<std::size_t>(kind)][is_ranked ? plan.meaning.rank : instance];
+  if (kind == Kind::kGps) {
+    gps_quality[instance] += std::max(0.0, plan.Get(0, payload).value_or(0.0) - 2.0);
+  } else if (kind == Kind::kVibe) {
+    if (plan.f[0] != nullptr) {
+      double& clip = clips[instance];
+      clip = std::max(clip, plan.Get(0, payload).value_or(0.0));
+    }
+    for (int i = 0; i < 3; ++i) {
+      if (const auto clip = plan.Get(static_cast<std::size_t>(i) + 1, payload))
+        clips[i] = std::max(clips[i], *clip);
+    }
   }
 }
 
@@ -148,6 +119,7 @@ int DataflashCensus::BestImu() const {
   int best = -1;
   double best_clips = 0.0;
   std::uint64_t most = 0;
+  const std::map<int, std::uint64_t>& imu_counts = Of(Kind::kImu);
   for (const auto& [instance, count] : imu_counts) most = std::max(most, count);
   for (const auto& [instance, count] : imu_counts) {
     if (count * 10 < most * 9) continue;  // it died on the way
@@ -174,13 +146,13 @@ int DataflashCensus::BestGps() const {
 }
 
 bool DataflashCensus::HasRawImu(int instance) const {
-  const auto count = [&](const std::map<int, std::uint64_t>& counts) {
-    const auto found = counts.find(instance);
-    return found == counts.end() ? std::uint64_t{0} : found->second;
+  const auto count = [&](Kind kind) {
+    const auto found = Of(kind).find(instance);
+    return found == Of(kind).end() ? std::uint64_t{0} : found->second;
   };
-  const std::uint64_t merged = count(imu_counts);
-  return 2 * count(raw_gyro_counts) > 3 * merged && 2 * count(raw_accel_counts) > 3 * merged &&
-         count(raw_gyro_counts) > 0 && count(raw_accel_counts) > 0;
+  const std::uint64_t merged = count(Kind::kImu), gyro = count(Kind::kRawGyro),
+                      accel = count(Kind::kRawAccel);
+  return 2 * gyro > 3 * merged && 2 * accel > 3 * merged;
 }
 
 }  // namespace skyquilt::flight

@@ -2,6 +2,7 @@
 // sensor serves the whole run. One thread.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <map>
@@ -25,6 +26,7 @@ enum class DataflashKind {
   kAttitude,
   kCamera
 };
+inline constexpr std::size_t kDataflashKinds = static_cast<std::size_t>(DataflashKind::kCamera) + 1;
 
 // What a message is for us, from its name: "IMU2" is instance 1 of IMU where the layout has no instance
 // field.
@@ -40,7 +42,7 @@ struct DataflashPlan {
   const DataflashField* time = nullptr;
   double seconds_per_unit = 1e-6;
   const DataflashField* instance = nullptr;
-  std::array<const DataflashField*, 13> f{};  // as MakeDataflashPlan orders them
+  std::array<const DataflashField*, 13> f{};  // as kFields (dataflash_plan.cc) orders them
 
   // f[i] as a number; nothing where the layout lacks it.
   std::optional<double> Get(std::size_t i, const std::uint8_t* payload) const {
@@ -50,6 +52,9 @@ struct DataflashPlan {
     return value;
   }
   double Number(std::size_t i, const std::uint8_t* payload) const { return DataflashNumber(*f[i], payload); }
+  Eigen::Vector3d Vector(std::size_t first, const std::uint8_t* payload) const {
+    return {Number(first, payload), Number(first + 1, payload), Number(first + 2, payload)};
+  }
   bool Has(std::size_t first, std::size_t last) const {
     for (std::size_t i = first; i <= last; ++i) {
       if (f[i] == nullptr) return false;
@@ -70,16 +75,17 @@ DataflashPlan MakeDataflashPlan(const DataflashLayout& layout);
 
 // First reading: which instance of each sensor is the best for the whole run.
 struct DataflashCensus {
-  std::map<int, std::uint64_t> imu_counts;
-  std::map<int, std::uint64_t> raw_gyro_counts;
-  std::map<int, std::uint64_t> raw_accel_counts;
+  // How many messages of each kind each instance has; of attitudes and cameras each rank.
+  std::array<std::map<int, std::uint64_t>, kDataflashKinds> counts;
   std::map<int, double> clips;
   std::map<int, double> gps_quality;
-  std::map<int, std::uint64_t> baro_counts;
-  std::map<int, std::uint64_t> attitude_counts;  // by rank
-  std::map<int, std::uint64_t> camera_counts;
 
   void Take(const DataflashPlan& plan, const std::uint8_t* payload);
+  const std::map<int, std::uint64_t>& Of(DataflashKind kind) const {
+    return counts[static_cast<std::size_t>(kind)];
+  }
+  // The lowest instance or rank; 0 where there is none.
+  int First(DataflashKind kind) const { return Of(kind).empty() ? 0 : Of(kind).begin()->first; }
   int BestImu() const;
   // The gyroscope and accelerometer of this instance were also logged apart and much faster.
   bool HasRawImu(int instance) const;

@@ -51,7 +51,7 @@ constexpr std::array kCodes = {DataflashCode{'b', 1, NumberAt<std::int8_t>},
 
 }  // namespace
 
-const DataflashField* DataflashLayout::Find(std::initializer_list<std::string_view> names) const {
+const DataflashField* DataflashLayout::Find(const std::vector<std::string_view>& names) const {
   for (const std::string_view wanted : names) {
     for (const DataflashField& field : fields) {
       if (field.name == wanted && field.code->number != nullptr) return &field;
@@ -173,15 +173,12 @@ bool DataflashTextWalk::FillPayload(const DataflashLayout& layout) {
 
 bool LooksLikeDataflashText(LogBytes head) {
   constexpr int kHeadingLines = 200;  // of parameters and the like
-  LineReader lines(TextOf(head));
   std::vector<std::string_view> fields;
-  std::string_view line;
-  for (int i = 0; i < kHeadingLines && lines.Next(line); ++i) {
-    if (!line.starts_with("FMT")) continue;
+  return HasLine(TextOf(head), kHeadingLines, [&](std::string_view line) {
+    if (!line.starts_with("FMT")) return false;
     SplitFields(line, ',', fields);
-    if (IsFmtLine(fields)) return true;
-  }
-  return false;
+    return IsFmtLine(fields);
+  });
 }
 
 }  // namespace skyquilt::flight

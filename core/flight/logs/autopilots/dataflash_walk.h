@@ -35,7 +35,7 @@ struct DataflashLayout {
   std::vector<DataflashField> fields;  // empty where the layout contradicts its length
 
   // The first of these names that the layout has and that holds a number.
-  const DataflashField* Find(std::initializer_list<std::string_view> names) const;
+  const DataflashField* Find(const std::vector<std::string_view>& names) const;
 };
 
 // Of a field that Find gave, in SI units or degrees.

@@ -5,7 +5,6 @@
 #include "core/flight/logs/autopilots/mavlink_vehicle.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -91,9 +90,7 @@ Result<FlightLog> ParseMavlinkTlog(std::string_view name, LogBytes bytes, const 
     if (packet.message_id == kGlobalPositionInt || packet.message_id == kCameraFeedback)
       ++attitudes[packet.system_id];
   });
-  if (walk.packets == 0) {
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kTlogEmpty, {{"file", name}}});
-  }
+  if (walk.packets == 0) return builder.Refuse(RemarkCode::kTlogEmpty);
   for (const auto& [id, count] : walk.counts) builder.Count(MavlinkMessageName(id), count);
   if (walk.damaged_bytes > 0) builder.Warn({RemarkCode::kBytesDamaged, {{"bytes", walk.damaged_bytes}}});
   if (walk.cut) builder.Warn(RemarkCode::kCutInPacket);

@@ -27,14 +27,11 @@ void MavlinkVehicle::Take(const MavlinkPacket& packet) {
       if (IsUnixUs(unix_us)) vehicle_clock_.Add(t_s, FromUnixUs(unix_us));
       break;
     }
-    case kAttitude: {
-      AttitudeSample sample;
-      sample.t_s = Boot(packet, MavlinkField<std::uint32_t>(p, 0));
-      sample.ned_from_body = NedFromYawPitchRoll(MavlinkField<float>(p, 12), MavlinkField<float>(p, 8),
-                                                 MavlinkField<float>(p, 4));
-      builder_.Add(sample);
+    case kAttitude:
+      builder_.Add(AttitudeSample{Boot(packet, MavlinkField<std::uint32_t>(p, 0)),
+                                  NedFromYawPitchRoll(MavlinkField<float>(p, 12), MavlinkField<float>(p, 8),
+                                                      MavlinkField<float>(p, 4))});
       break;
-    }
     case kGlobalPositionInt:
       TakeGlobalPosition(packet);
       break;
@@ -60,13 +57,11 @@ void MavlinkVehicle::Take(const MavlinkPacket& packet) {
       break;
     }
     case kMountOrientation: {
-      AttitudeSample sample;
-      sample.t_s = Boot(packet, MavlinkField<std::uint32_t>(p, 0));
       const double yaw_deg =
           p.size() > 16 ? MavlinkField<float>(p, 16) : std::numeric_limits<float>::quiet_NaN();
-      sample.ned_from_body = NedFromYawPitchRoll(DegToRad(yaw_deg), DegToRad(MavlinkField<float>(p, 8)),
-                                                 DegToRad(MavlinkField<float>(p, 4)));
-      builder_.AddGimbal(sample);
+      builder_.AddGimbal({Boot(packet, MavlinkField<std::uint32_t>(p, 0)),
+                          NedFromYawPitchRoll(DegToRad(yaw_deg), DegToRad(MavlinkField<float>(p, 8)),
+                                              DegToRad(MavlinkField<float>(p, 4)))});
       break;
     }
     case kCameraFeedback:

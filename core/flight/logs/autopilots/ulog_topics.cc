@@ -16,21 +16,21 @@ std::optional<double> Get(const Field& field, LogBytes payload, std::size_t inde
   return value;
 }
 
-std::optional<Eigen::Vector3d> GetVector(const Field& field, LogBytes payload) {
-  const auto x = Get(field, payload, 0);
-  const auto y = Get(field, payload, 1);
-  const auto z = Get(field, payload, 2);
-  if (!x || !y || !z) return std::nullopt;
-  return Eigen::Vector3d(*x, *y, *z);
+template <int kSize = 3>
+std::optional<Eigen::Matrix<double, kSize, 1>> GetVector(const Field& field, LogBytes payload) {
+  Eigen::Matrix<double, kSize, 1> vector;
+  for (int i = 0; i < kSize; ++i) {
+    const auto number = Get(field, payload, static_cast<std::size_t>(i));
+    if (!number) return std::nullopt;
+    vector[i] = *number;
+  }
+  return vector;
 }
 
 std::optional<Eigen::Quaterniond> GetQuaternion(const Field& field, LogBytes payload) {
-  const auto w = Get(field, payload, 0);
-  const auto x = Get(field, payload, 1);
-  const auto y = Get(field, payload, 2);
-  const auto z = Get(field, payload, 3);
-  if (!w || !x || !y || !z) return std::nullopt;
-  const Eigen::Quaterniond q(*w, *x, *y, *z);
+  const auto wxyz = GetVector<4>(field, payload);
+  if (!wxyz) return std::nullopt;
+  const Eigen::Quaterniond q((*wxyz)[0], (*wxyz)[1], (*wxyz)[2], (*wxyz)[3]);
   if (!(q.norm() > 0.5)) return std::nullopt;
   return q.normalized();
 }
@@ -254,15 +254,13 @@ std::unique_ptr<UlogTopics::Reader> UlogTopics::MakeReader(UlogTypes& types, std
 }
 
 void UlogTopics::Finish() {
-  if (builder_.imu_count() == 0) {
-    for (const ImuSample& sample : vehicle_imu_) builder_.Add(sample);
-  }
-  if (builder_.gnss_count() == 0) {
-    for (const GnssSample& sample : sensor_gps_) builder_.Add(sample);
-  }
-  if (builder_.baro_count() == 0) {
-    for (const BaroSample& sample : sensor_baro_) builder_.Add(sample);
-  }
+  const auto add_spare = [&](std::size_t count, const auto& samples) {
+    if (count > 0) return;
+    for (const auto& sample : samples) builder_.Add(sample);
+  };
+  add_spare(builder_.imu_count(), vehicle_imu_);
+  add_spare(builder_.gnss_count(), sensor_gps_);
+  add_spare(builder_.baro_count(), sensor_baro_);
   if (builder_.event_count() == 0) {
     const bool any_feedback =
         std::any_of(triggers_.begin(), triggers_.end(), [](const auto& e) { return e.is_feedback; });

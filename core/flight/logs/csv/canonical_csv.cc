@@ -12,7 +12,6 @@
 #include "core/flight/logs/csv/csv_units.h"
 #include "core/flight/logs/csv/list_columns.h"
 #include "core/flight/logs/formats.h"
-#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -55,10 +54,6 @@ void DropRepeated(std::vector<CsvColumn>& columns) {
   }
 }
 
-bool HasName(const std::vector<std::string_view>& header, std::string_view name) {
-  return std::find(header.begin(), header.end(), name) != header.end();
-}
-
 bool AllCanonical(const std::vector<std::string_view>& header) {
   return header.size() >= 2 && std::all_of(header.begin(), header.end(), [](std::string_view name) {
            return MeaningOfCanonical(name) != M::kIgnored;
@@ -81,17 +76,6 @@ std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& 
   }
   DropRepeated(columns);
   return columns;
-}
-
-// The first line that holds anything; lines starting with # before it are comments.
-bool ReadHeader(LineReader& lines, std::vector<std::string_view>& cells) {
-  std::string_view line;
-  while (lines.Next(line)) {
-    if (IsBlankOrComment(line)) continue;
-    SplitFields(line, ',', cells);
-    return true;
-  }
-  return false;
 }
 
 CameraEvent EventOf(const CsvRow& row, AttitudeKind kind) {
@@ -194,69 +178,58 @@ std::optional<Remark> SayLackingAngles(const std::vector<CsvColumn>& columns) {
 bool LooksLikeFlightCsv(LogBytes head) {
   LineReader lines(TextOf(head));
   std::vector<std::string_view> cells;
-  return ReadHeader(lines, cells) && AllCanonical(cells) && (HasName(cells, "t") || HasName(cells, "utc")) &&
-         !HasName(cells, "image");
+  return NextRow(lines, ',', cells) && AllCanonical(cells) &&
+         (IsOneOf("t", cells) || IsOneOf("utc", cells)) && !IsOneOf("image", cells);
 }
 
 bool LooksLikeImagesCsv(LogBytes head) {
   LineReader lines(TextOf(head));
   std::vector<std::string_view> cells;
-  return ReadHeader(lines, cells) && AllCanonical(cells) && HasName(cells, "image");
+  return NextRow(lines, ',', cells) && AllCanonical(cells) && IsOneOf("image", cells);
 }
 
 Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   LogBuilder builder("flight_csv", name);
   LineReader lines(TextOf(bytes));
   std::vector<std::string_view> cells;
-  if (!ReadHeader(lines, cells))
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileEmpty, {{"file", name}}});
+  if (!NextRow(lines, ',', cells)) return builder.Refuse(RemarkCode::kFileEmpty);
   const auto columns = MapCanonicalColumns(cells);
   CsvClockRule rule;
   rule.has_time_column = HasColumn(columns, M::kTime);
   CsvSampler sampler(builder, rule, false, HasColumn(columns, M::kHeightAboveTakeoff));
   const SampledRows sampled = SampleRows(columns, ',', lines, consumed, sampler);
-  if (sampled.rows == 0)
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileWithoutTimes, {{"file", name}}});
-  if (!HasColumn(columns, M::kHeightAboveTakeoff)) builder.BaroStartsAtZero();
-  sampler.Finish();
-  builder.Count("row", sampled.rows);
-  builder.log().mapping = DescribeColumns(columns);
-  sampled.unread.Tell(columns, builder);
-  if (sampled.without_time > 0)
-    builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", sampled.without_time}}});
+  if (sampled.rows == 0) return builder.Refuse(RemarkCode::kFileWithoutTimes);
+  sampler.Finish(columns, sampled);
+  sampled.Tell(columns, builder);
   return std::move(builder).Finish();
 }
 
 Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {
+  LogBuilder builder("images_csv", name);
   LineReader lines(TextOf(bytes));
   std::vector<std::string_view> cells;
-  if (!ReadHeader(lines, cells))
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileEmpty, {{"file", name}}});
+  if (!NextRow(lines, ',', cells)) return builder.Refuse(RemarkCode::kFileEmpty);
   std::vector<CsvColumn> columns = MapCanonicalColumns(cells);
   SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, ',', columns));
   settled.pitch_is_level = false;  // the format counts from the horizon
-  return ReadImageRows(columns, settled, ',', lines, LogBuilder("images_csv", name));
+  return ReadImageRows(columns, settled, ',', lines, std::move(builder));
 }
 
 Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const SettledColumns& settled,
                                 char separator, LineReader lines, LogBuilder builder,
                                 const geo::ReferenceSystem* system) {
-  const std::string name = builder.log().file_name;
   std::vector<std::string_view> cells;
   const bool has_time = HasColumn(columns, M::kTime);
   const bool says_utc = std::any_of(columns.begin(), columns.end(), [](const CsvColumn& column) {
     return column.says_utc && column.meaning >= M::kUtc && column.meaning <= M::kTimeOfDay;
   });
   const AttitudeKind kind = settled.pitch_is_level ? AttitudeKind::kAirframe : AttitudeKind::kGimbal;
-  std::string_view line;
   std::optional<UtcTime> first;
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
   UnreadCells unread;
   RowPlaces places(columns, system);
-  while (lines.Next(line)) {
-    if (IsBlankOrComment(line)) continue;
-    SplitFields(line, separator, cells);
+  while (NextRow(lines, separator, cells)) {
     const CsvRow row = ReadCsvRow(columns, cells, &unread, lines.line_number());
     if (row.image.empty()) {
       ++bad;
@@ -281,7 +254,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
     ++rows;
     builder.Add(std::move(event));
   }
-  if (rows == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPhoto, {{"file", name}}});
+  if (rows == 0) return builder.Refuse(RemarkCode::kFileNamesNoPhoto);
   builder.Count("row", rows);
   builder.log().utc_at_zero = first;
   if (has_time) builder.log().counter_at_zero_s = 0.0;

@@ -15,14 +15,6 @@ namespace {
 
 using M = CsvMeaning;
 
-std::string Letters(std::string_view text) {
-  std::string letters;
-  for (const char c : text) {
-    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) letters += c;
-  }
-  return letters;
-}
-
 // "acc_x [m/s^2]" -> "acc_x ", "m/s^2"; "altitude (amsl) [ft]" -> "altitude  ", "amsl ft".
 std::pair<std::string, std::string> CutBrackets(const std::string& lower) {
   std::string base, inside;
@@ -49,11 +41,6 @@ struct MeaningAndUnit {
 
 bool IsHeight(M meaning) { return meaning >= M::kHeightEllipsoid && meaning <= M::kHeightAboveGround; }
 
-template <std::size_t kWords>
-bool IsOneOf(const std::array<std::string_view, kWords>& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 // What a height counts from by a word beside it; levels of nations are sea levels, to their decimetres.
 M ZeroOfHeights(std::string_view word) {
   constexpr std::array<std::string_view, 36> kSea = {
@@ -63,8 +50,8 @@ M ZeroOfHeights(std::string_view word) {
       "cgvd2013", "ln02",     "lhn95",    "rh2000",   "nn2000",      "n2000",  "dvr90",  "taw",   "nzvd2016"};
   constexpr std::array<std::string_view, 7> kEllipsoid = {"hae",   "ellipsoidal", "ellipsoid", "ellipsoidic",
                                                           "wgs84", "ell",         "grs80"};
-  if (IsOneOf(kSea, word)) return M::kHeightAmsl;
-  if (IsOneOf(kEllipsoid, word)) return M::kHeightEllipsoid;
+  if (IsOneOf(word, kSea)) return M::kHeightAmsl;
+  if (IsOneOf(word, kEllipsoid)) return M::kHeightEllipsoid;
   return word == "agl" ? M::kHeightAboveGround : M::kIgnored;
 }
 
@@ -80,11 +67,11 @@ std::optional<MeaningAndUnit> ReadHeightWords(std::string words) {
   MeaningAndUnit read;
   bool is_over = false;
   for (const std::string_view part : parts) {
-    const std::string word = Letters(part);
+    const std::string word = LettersAndDigits(part);
     M said = ZeroOfHeights(word);
     if (is_over && (word == "m" || word == "meer")) said = M::kHeightAmsl;  // "über Meer"
-    const bool was_over = std::exchange(is_over, IsOneOf(kOver, word));
-    if (is_over || (said == M::kIgnored && (IsOneOf(kBetween, word) || (was_over && word == "dem"))))
+    const bool was_over = std::exchange(is_over, IsOneOf(word, kOver));
+    if (is_over || (said == M::kIgnored && (IsOneOf(word, kBetween) || (was_over && word == "dem"))))
       continue;
     if (said == M::kIgnored) {
       read.unit += (read.unit.empty() ? "" : " ") + word;
@@ -124,12 +111,12 @@ MeaningAndUnit CutUnit(const std::string& words) {
     const std::string word = words.substr(cut + 1, end - cut - 1);
     unit = unit.empty() ? word : word + "/" + unit;
     end = cut;
-    const M meaning = FindCsvSynonym(Letters(words.substr(0, cut)));
+    const M meaning = FindCsvSynonym(LettersAndDigits(words.substr(0, cut)));
     if (meaning != M::kIgnored && FindUnit(unit, CsvMeaningDimension(meaning)) != nullptr)
       return {meaning, unit};
   }
   constexpr std::size_t kMinName = 3;  // "ts" and "ms" are no "t" in seconds
-  const std::string letters = Letters(words);
+  const std::string letters = LettersAndDigits(words);
   for (std::size_t length = kMinName; length < letters.size(); ++length) {
     const M meaning = FindCsvSynonym(letters.substr(0, length));
     const std::string rest = letters.substr(length);
@@ -152,7 +139,7 @@ MeaningAndUnit CutHeightWords(std::string base) {
     if (ZeroOfHeights(last) == M::kIgnored && FindUnit(last, Dimension::kLength) == nullptr) break;
     behind = std::string(last) + (behind.empty() ? "" : " ") + behind;
     std::string name;
-    for (std::size_t i = 0; i + 1 < count; ++i) name += Letters(parts[i]);
+    for (std::size_t i = 0; i + 1 < count; ++i) name += LettersAndDigits(parts[i]);
     if (const M meaning = FindCsvSynonym(name); IsHeight(meaning)) return {meaning, behind};
   }
   return {};
@@ -161,10 +148,8 @@ MeaningAndUnit CutHeightWords(std::string base) {
 // The name of a height that does not say above what: "altitude", "alt_m", "Z/Altitude".
 bool IsBareHeight(const std::string& letters) {
   constexpr std::array<std::string_view, 5> kBegin = {"alt", "zalt", "elev", "hhe", "hoehe"};
-  constexpr std::array<std::string_view, 3> kSea = {"msl", "sea", "nn"};
   return std::any_of(kBegin.begin(), kBegin.end(), [&](auto word) { return letters.starts_with(word); }) &&
-         std::none_of(kSea.begin(), kSea.end(),
-                      [&](auto word) { return letters.find(word) != std::string::npos; });
+         !HoldsOneOf(letters, {"msl", "sea", "nn"});
 }
 
 // "deg, wgs 84", "deg min sec", "n/s": the cells are degrees. Not "w": it is not said which sign that asks
@@ -177,25 +162,20 @@ bool SaysDegrees(std::string words) {
   SplitBlanks(words, parts);
   return std::all_of(parts.begin(), parts.end(), [&](std::string_view word) {
     const CsvUnit* unit = FindUnit(word, Dimension::kCoordinate);
-    return unit != nullptr ? unit->factor == 1.0 : IsOneOf(kBeside, word);
+    return unit != nullptr ? unit->factor == 1.0 : IsOneOf(word, kBeside);
   });
 }
 
 // "Time (UTC)", "timestamp [local]", "time (hh:mm:ss)": the cells say how they count.
-bool SaysClock(std::string_view words) {
-  for (const std::string_view word : {"utc", "gmt", "local", "iso", "hh:mm"}) {
-    if (words.find(word) != std::string_view::npos) return true;
-  }
-  return false;
-}
+bool SaysClock(std::string_view words) { return HoldsOneOf(words, {"utc", "gmt", "local", "iso", "hh:mm"}); }
 
 CsvColumn MapTolerantColumn(std::string_view header) {
   CsvColumn column;
   column.header = Trim(header);
   const std::string lower = LowerCase(column.header);
   auto [base, unit] = CutBrackets(lower);
-  column.says_utc = lower.find("utc") != std::string::npos || lower.find("gmt") != std::string::npos;
-  column.meaning = FindCsvSynonym(Letters(base));
+  column.says_utc = HoldsOneOf(lower, {"utc", "gmt"});
+  column.meaning = FindCsvSynonym(LettersAndDigits(base));
   if (column.meaning == M::kIgnored && unit.empty()) {
     MeaningAndUnit found = CutUnit(WordsOf(column.header));
     column.meaning = found.meaning;
@@ -206,7 +186,7 @@ CsvColumn MapTolerantColumn(std::string_view header) {
     column.meaning = found.meaning;
     if (found.meaning != M::kIgnored) unit += (unit.empty() ? "" : " ") + found.unit;
   }
-  column.is_bare_height = column.meaning == M::kHeightAmsl && IsBareHeight(Letters(base));
+  column.is_bare_height = column.meaning == M::kHeightAmsl && IsBareHeight(LettersAndDigits(base));
   const Dimension dimension = CsvMeaningDimension(column.meaning);
   if (dimension == Dimension::kLength && !unit.empty() && FindUnit(unit, dimension) == nullptr) {
     const auto height = ReadHeightWords(unit);
@@ -237,6 +217,14 @@ CsvColumn MapTolerantColumn(std::string_view header) {
 }
 
 }  // namespace
+
+std::string LettersAndDigits(std::string_view lower) {
+  std::string letters;
+  for (const char c : lower) {
+    if ((c >= 'a' && c <= 'z') || IsDigit(c)) letters += c;
+  }
+  return letters;
+}
 
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header) {
   std::vector<CsvColumn> columns;

@@ -35,6 +35,9 @@ struct CsvColumn {
 // cells.
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header);
 
+// The small letters and digits of a text.
+std::string LettersAndDigits(std::string_view lower);
+
 // The first column with this meaning; null where there is none.
 template <typename Columns>
 auto* ColumnOf(Columns& columns, CsvMeaning meaning) {

@@ -19,6 +19,14 @@ bool IsRtkFixed(std::string_view fix) {
 
 bool IsYes(const CsvRow& row, M meaning) { return row[meaning].value_or(0.0) != 0.0; }
 
+// Degrees, nothing where a letter behind or before them is none of `letters`.
+std::optional<double> ReadDegrees(std::string_view cell, std::string_view letters) {
+  const auto read = ReadCoordinateCell(cell);
+  const bool fits =
+      read && (read->hemisphere == 0 || letters.find(read->hemisphere) != std::string_view::npos);
+  return fits ? std::optional(read->value) : std::nullopt;
+}
+
 // 'N' of "N", "north" and "Nord"; 0 for what names no hemisphere.
 char LetterOf(std::string_view cell) {
   std::string angle("1 ");
@@ -71,20 +79,14 @@ bool CsvRow::Has(CsvMeaning first, CsvMeaning last) const {
 
 std::optional<double> ReadCsvNumber(const CsvColumn& column, std::string_view cell) {
   if (column.meaning == M::kLat || column.meaning == M::kLon) {
-    const auto read = ReadCoordinateCell(cell);
-    const std::string_view fitting = column.meaning == M::kLat ? "NS" : "EW";
-    if (!read || (read->hemisphere != 0 && fitting.find(read->hemisphere) == std::string_view::npos))
-      return std::nullopt;
-    return read->value * column.scale;
+    const auto degrees = ReadDegrees(cell, column.meaning == M::kLat ? "NS" : "EW");
+    return degrees ? std::optional(*degrees * column.scale) : std::nullopt;
   }
   if (column.is_elapsed_text) return ParseElapsed(cell);
   const auto number = ReadNumber(cell, column.mark);
   const bool is_plane = column.meaning == M::kEast || column.meaning == M::kNorth;
   if (is_plane && (!number || !number->unit.empty())) {  // degrees, by their signs
-    const auto read = ReadCoordinateCell(cell);
-    const std::string_view fitting = column.meaning == M::kNorth ? "NS" : "EW";
-    if (read && (read->hemisphere == 0 || fitting.find(read->hemisphere) != std::string_view::npos))
-      return read->value;
+    if (const auto degrees = ReadDegrees(cell, column.meaning == M::kNorth ? "NS" : "EW")) return degrees;
   }
   if (!number) return std::nullopt;
   if (number->unit.empty()) return number->value * column.scale;
@@ -207,30 +209,21 @@ bool CsvSampler::Take(const CsvRow& row) {
   const double t_s = *t;
   if (row.Has(M::kGyroX, M::kAccelZ)) {
     const double up = imu_z_is_up_ ? -1.0 : 1.0;
-    ImuSample sample;
-    sample.t_s = t_s;
-    sample.angular_rate_radps = {*row[M::kGyroX], up * *row[M::kGyroY], up * *row[M::kGyroZ]};
-    sample.specific_force_mps2 = {*row[M::kAccelX], up * *row[M::kAccelY], up * *row[M::kAccelZ]};
-    builder_.Add(sample);
+    builder_.Add(ImuSample{t_s,
+                           {*row[M::kGyroX], up * *row[M::kGyroY], up * *row[M::kGyroZ]},
+                           {*row[M::kAccelX], up * *row[M::kAccelY], up * *row[M::kAccelZ]}});
   }
   if (row.Has(M::kQw, M::kQz)) {
-    AttitudeSample sample;
-    sample.t_s = t_s;
-    sample.ned_from_body = Eigen::Quaterniond(*row[M::kQw], *row[M::kQx], *row[M::kQy], *row[M::kQz]);
-    if (std::abs(sample.ned_from_body.norm() - 1.0) < 0.1) builder_.Add(sample);
+    const Eigen::Quaterniond ned_from_body(*row[M::kQw], *row[M::kQx], *row[M::kQy], *row[M::kQz]);
+    if (std::abs(ned_from_body.norm() - 1.0) < 0.1) builder_.Add(AttitudeSample{t_s, ned_from_body});
   } else if (row[M::kRoll] && row[M::kPitch]) {
-    AttitudeSample sample;
-    sample.t_s = t_s;
-    sample.has_yaw = row[M::kYaw].has_value();
-    sample.ned_from_body = NedFromYawPitchRoll(row[M::kYaw].value_or(0.0), *row[M::kPitch], *row[M::kRoll]);
-    builder_.Add(sample);
+    builder_.Add(
+        AttitudeSample{t_s, NedFromYawPitchRoll(row[M::kYaw].value_or(0.0), *row[M::kPitch], *row[M::kRoll]),
+                       row[M::kYaw].has_value()});
   }
   if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
-    AttitudeSample sample;
-    sample.t_s = t_s;
-    sample.ned_from_body =
-        NedFromYawPitchRoll(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
-    builder_.AddGimbal(sample);
+    builder_.AddGimbal({t_s, NedFromYawPitchRoll(*row[M::kGimbalYaw], *row[M::kGimbalPitch],
+                                                 row[M::kGimbalRoll].value_or(0.0))});
   }
   if (row[M::kLat] && row[M::kLon]) {
     GnssSample sample;
@@ -305,7 +298,15 @@ SampledRows SampleRows(const std::vector<CsvColumn>& columns, char separator, Li
   return sampled;
 }
 
-void CsvSampler::Finish() {
+void SampledRows::Tell(const std::vector<CsvColumn>& columns, LogBuilder& builder) const {
+  unread.Tell(columns, builder);
+  if (without_time > 0) builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", without_time}}});
+}
+
+void CsvSampler::Finish(const std::vector<CsvColumn>& columns, const SampledRows& sampled) {
+  if (!baro_is_relative_) builder_.BaroStartsAtZero();
+  builder_.Count("row", sampled.rows);
+  builder_.log().mapping = DescribeColumns(columns);
   builder_.log().written_order_is_named = true;
   if (rule_.has_time_column) builder_.log().counter_at_zero_s = rule_.first_time_s;
   std::optional<UtcTime> zero;

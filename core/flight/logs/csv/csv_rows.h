@@ -50,6 +50,15 @@ std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row);
 // The camera's own angles; where the row has none the others, which are of `kind`.
 void TakeAngles(const CsvRow& row, AttitudeKind kind, CameraEvent& event);
 
+// What came of the rows below the names of their columns.
+struct SampledRows {
+  std::uint64_t rows = 0, without_time = 0;
+  UnreadCells unread;
+
+  // Of the cells and rows that could not be read.
+  void Tell(const std::vector<CsvColumn>& columns, LogBuilder& builder) const;
+};
+
 // Turns rows into samples. Also the axes of the IMU: flips y and z where the file's z points up.
 class CsvSampler {
  public:
@@ -58,8 +67,8 @@ class CsvSampler {
 
   // False where the row has no time.
   bool Take(const CsvRow& row);
-  // Sets the log's clock.
-  void Finish();
+  // Sets the log's clock, its zero of barometric heights and what its columns were taken for.
+  void Finish(const std::vector<CsvColumn>& columns, const SampledRows& sampled);
 
  private:
   std::optional<double> PlaceInTime(const CsvRow& row);
@@ -80,11 +89,7 @@ class CsvSampler {
   std::int64_t photos_ = 0;
 };
 
-// All rows below the names of their columns.
-struct SampledRows {
-  std::uint64_t rows = 0, without_time = 0;
-  UnreadCells unread;
-};
+// All of them.
 SampledRows SampleRows(const std::vector<CsvColumn>& columns, char separator, LineReader& lines,
                        const ConsumedUpTo& consumed, CsvSampler& sampler);
 

@@ -1,6 +1,5 @@
 #include "core/flight/logs/csv/csv_units.h"
 
-#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -81,9 +80,8 @@ std::optional<double> FactorOfUnitBehind(std::string_view words, Dimension dimen
   if (unit == nullptr) return std::nullopt;
   const std::string_view behind = Trim(std::string_view(lower).substr(blank));
   if (behind == "below sea level") return -unit->factor;
-  constexpr std::array<std::string_view, 4> kAboveTheSea = {"above sea level", "amsl", "asl", "msl"};
-  const bool is_known = std::find(kAboveTheSea.begin(), kAboveTheSea.end(), behind) != kAboveTheSea.end();
-  return is_known ? std::optional(unit->factor) : std::nullopt;
+  return IsOneOf(behind, {"above sea level", "amsl", "asl", "msl"}) ? std::optional(unit->factor)
+                                                                    : std::nullopt;
 }
 
 std::pair<double, std::string_view> DefaultUnit(Dimension dimension) {

@@ -30,11 +30,7 @@ constexpr NamesOfLists kNamesOfLists[] = {
 };
 
 std::string LettersOf(std::string_view text) {
-  std::string letters;
-  for (const char c : LowerCase(text.substr(0, kLongestName))) {
-    if ((c >= 'a' && c <= 'z') || IsDigit(c)) letters += c;
-  }
-  return letters;
+  return LettersAndDigits(LowerCase(text.substr(0, kLongestName)));
 }
 
 // A column's name, and its unit in brackets: "omega_rad" and "omega [rad]" as "omega", "(rad)".
@@ -61,7 +57,7 @@ const NamesOfLists* FindNameOfList(std::string_view letters) {
   std::vector<std::string_view> names;
   for (const NamesOfLists& each : kNamesOfLists) {
     SplitBlanks(each.letters, names);
-    if (std::find(names.begin(), names.end(), letters) != names.end()) return &each;
+    if (IsOneOf(letters, names)) return &each;
   }
   return nullptr;
 }
@@ -122,13 +118,10 @@ void MapAccuracy(const NameAndUnit& name, bool has_horizontal, CsvColumn& column
       "xy", "lat", "lon",  "latitude", "longitude",  "east", "north"};
   constexpr std::array<std::string_view, 7> kVertical = {"v",        "vert", "vertical", "z",
                                                          "altitude", "alt",  "height"};
-  const auto is_one_of = [&](const auto& words) {
-    return std::find(words.begin(), words.end(), of) != words.end();
-  };
   const bool is_open = of.empty() || of == "m" || of == "position";
-  if (is_one_of(kVertical) || (is_open && has_horizontal)) {
+  if (IsOneOf(of, kVertical) || (is_open && has_horizontal)) {
     column = MapAs("accuracy vertical", name.unit, column);
-  } else if (is_one_of(kHorizontal) || is_open) {
+  } else if (IsOneOf(of, kHorizontal) || is_open) {
     column = MapAs("accuracy horizontal", name.unit, column);
   }
 }
@@ -138,9 +131,8 @@ bool HasPoints(const std::vector<CsvColumn>& columns) {
   constexpr std::array<std::string_view, 14> kNames = {"px",     "py",        "imx",     "imy",  "pixelx",
                                                        "pixely", "u",         "gcp",     "col",  "gcpname",
                                                        "point",  "pointname", "pointid", "punkt"};
-  return std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& column) {
-    return std::find(kNames.begin(), kNames.end(), LettersOf(column.header)) != kNames.end();
-  });
+  return std::any_of(columns.begin(), columns.end(),
+                     [&](const CsvColumn& column) { return IsOneOf(LettersOf(column.header), kNames); });
 }
 
 bool IsListOfPhotos(const std::vector<CsvColumn>& columns) {

@@ -116,18 +116,16 @@ TableCounts CountCells(LineReader lines, char separator, const std::vector<CsvCo
   return table;
 }
 
-void MakeSeconds(CsvColumn& column, bool is_text) {
-  column.meaning = M::kTime;
-  column.scale = 1.0;
-  column.unit = "s";
-  column.unit_is_written = is_text;
-  column.is_elapsed_text = is_text;
-}
-
-void MakeClock(CsvColumn& column, M meaning) {
+void MakeClock(CsvColumn& column, M meaning, const char* unit = "") {
   column.meaning = meaning;
   column.scale = 1.0;
-  column.unit.clear();
+  column.unit = unit;
+}
+
+void MakeSeconds(CsvColumn& column, bool is_text) {
+  MakeClock(column, M::kTime, "s");
+  column.unit_is_written = is_text;
+  column.is_elapsed_text = is_text;
 }
 
 // A column of times by its cells rather than by its name.

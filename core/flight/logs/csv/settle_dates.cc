@@ -19,14 +19,8 @@ std::optional<UtcTime> InstantOf(std::string_view date, std::string_view time_of
 }
 
 std::string_view NameOfOrder(DateOrder order) {
-  switch (order) {
-    case DateOrder::kDayFirst:
-      return "day first";
-    case DateOrder::kMonthFirst:
-      return "month first";
-    default:
-      return "year first";
-  }
+  if (order == DateOrder::kDayFirst) return "day first";
+  return order == DateOrder::kMonthFirst ? "month first" : "year first";
 }
 
 // What is usual where nothing in the rows tells: month first where clocks have twelve hours.

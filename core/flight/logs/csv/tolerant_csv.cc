@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "core/base/median.h"
@@ -100,8 +99,7 @@ void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>
   CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
   if (column == nullptr || HasColumn(columns, M::kHeightEllipsoid)) return;
   const std::string name = LowerCase(column->header);
-  const auto says = [&](std::string_view word) { return name.find(word) != std::string::npos; };
-  if (!name.starts_with("height") || says("take") || says("rel")) return;
+  if (!name.starts_with("height") || HoldsOneOf(name, {"take", "rel"})) return;
   std::vector<double> heights_m;
   for (const CsvRow& row : preview) {
     const auto height_m = row[M::kHeightAboveTakeoff], amsl_m = row[M::kHeightAmsl];
@@ -138,17 +136,15 @@ void SettleZeroOfHeights(const geo::ReferenceSystem* system, std::vector<CsvColu
 // Replay rows: "4000,imu,ax,ay,az,gx,gy,gz", "200000,gps,alt_mm,lon_e7,lat_e7,vn,ve,vd", "4000,baro,height".
 bool IsReplayRow(const std::vector<std::string_view>& cells) {
   if (cells.size() < 3 || !ParseInteger(cells[0])) return false;
-  constexpr std::array kKinds = {"imu", "gps", "baro", "mag", "airspeed", "range", "flow", "landed"};
-  return std::find(kKinds.begin(), kKinds.end(), cells[1]) != kKinds.end();
+  return IsOneOf(cells[1], {"imu", "gps", "baro", "mag", "airspeed", "range", "flow", "landed"});
 }
 
 bool LooksLikeReplay(LogBytes bytes) {
-  LineReader lines(TextOf(bytes));
-  std::string_view line;
-  std::vector<std::string_view> cells;
-  if (!lines.Next(line)) return false;
-  SplitFields(line, ',', cells);
-  return IsReplayRow(cells);
+  return HasLine(TextOf(bytes), 1, [](std::string_view line) {
+    std::vector<std::string_view> cells;
+    SplitFields(line, ',', cells);
+    return IsReplayRow(cells);
+  });
 }
 
 Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
@@ -157,13 +153,11 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
   std::string_view line;
   std::vector<std::string_view> cells;
   std::array<double, 6> v{};
-  std::map<std::string, std::uint64_t, std::less<>> counts;
-  std::uint64_t bad = 0;
   ConsumedSteps steps(consumed);
   while (NextFilledLine(lines, steps, line)) {
     SplitFields(line, ',', cells);
     if (!IsReplayRow(cells)) {
-      ++bad;
+      builder.SkipRow();
       continue;
     }
     const double t_s = static_cast<double>(*ParseInteger(cells[0])) * 1e-6;
@@ -173,11 +167,7 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
       if (!value) break;
       v[numbers++] = *value;
     }
-    const auto found = counts.find(cells[1]);
-    if (found != counts.end())
-      ++found->second;
-    else
-      counts.emplace(cells[1], 1);
+    builder.Count(std::string(cells[1]), 1);
     if (cells[1] == "imu" && numbers == 6) {
       builder.Add(ImuSample{t_s, {v[3], v[4], v[5]}, {v[0], v[1], v[2]}});
     } else if (cells[1] == "gps" && numbers == 6) {
@@ -193,14 +183,12 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
       builder.Add(RangeSample{t_s, v[0]});
     }
   }
-  if (counts.empty()) return Because(ErrorCode::kCorrupt, {RemarkCode::kFileWithoutRows, {{"file", name}}});
-  for (const auto& [kind, count] : counts) builder.Count(kind, count);
+  if (builder.log().message_counts.empty()) return builder.Refuse(RemarkCode::kFileWithoutRows);
   builder.BaroStartsAtZero();
   builder.log().mapping = {
       "column 1 -> time, us", "imu -> specific force x y z, m/s2; angular rate x y z, rad/s",
       "gps -> height above mean sea level, mm; longitude, latitude, 1e-7 deg; velocity N E D, m/s",
       "baro -> barometric height, m"};
-  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 
@@ -247,25 +235,20 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   preview = std::vector<CsvRow>();
   for (Remark& said : SayUnknownWords(header->columns)) builder.Warn(std::move(said));
 
-  const bool relative = HasColumn(header->columns, M::kHeightAboveTakeoff);
-  CsvSampler sampler(builder, findings.clock, findings.axes.imu_z_is_up, relative);
+  CsvSampler sampler(builder, findings.clock, findings.axes.imu_z_is_up,
+                     HasColumn(header->columns, M::kHeightAboveTakeoff));
   const SampledRows sampled = SampleRows(header->columns, header->separator, lines, consumed, sampler);
   if (sampled.rows == 0) {
     auto why = sampled.unread.WhyNothing(header->columns, M::kTime, M::kTimeOfDay);
-    if (!why) return Because(ErrorCode::kCorrupt, {RemarkCode::kTableWithoutTimes, {{"file", name}}});
+    if (!why) return builder.Refuse(RemarkCode::kTableWithoutTimes);
     return Because(ErrorCode::kCorrupt,
                    {RemarkCode::kTableTimesUnread, {{"file", name}, {"why", *std::move(why)}}});
   }
-  if (!relative) builder.BaroStartsAtZero();
-  sampler.Finish();
-  builder.Count("row", sampled.rows);
-  builder.log().mapping = DescribeColumns(header->columns);
+  sampler.Finish(header->columns, sampled);
   for (const auto* notes : {&std::as_const(settled.notes), &findings.axes.notes})
     builder.log().mapping.insert(builder.log().mapping.end(), notes->begin(), notes->end());
   for (const Remark& warning : settled.warnings) builder.Warn(warning);
-  sampled.unread.Tell(header->columns, builder);
-  if (sampled.without_time > 0)
-    builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", sampled.without_time}}});
+  sampled.Tell(header->columns, builder);
   return std::move(builder).Finish();
 }
 

@@ -1,7 +1,7 @@
 #include "core/flight/logs/csv/unread_cells.h"
 
 #include <algorithm>
-#include <array>
+#include <utility>
 
 #include "core/flight/bytes/text_fields.h"
 
@@ -10,27 +10,23 @@ namespace {
 
 constexpr std::size_t kCellsNamed = 3;
 
+constexpr std::pair<CsvMeaning, std::string_view> kForms[] = {
+    {CsvMeaning::kLat, "46.8426, 46,8426, N46.8426, -46.8426, 46°50'33.4\" N or 46 50 33.4 N"},
+    {CsvMeaning::kLon, "91.9945, 91,9945, W91.9945, -91.9945, 91°59'40.4\" W or 91 59 40.4 W"},
+    {CsvMeaning::kUtc,
+     "2016-06-23T21:31:09Z, 2016-06-23 21:31:09, 23.06.2016 21:31:09 or 6/23/2016 9:31:09 PM"},
+    {CsvMeaning::kDate, "2016-06-23, 23.06.2016 or 6/23/2016"},
+    {CsvMeaning::kTimeOfDay, "21:31:09 or 9:31:09 PM"},
+    {CsvMeaning::kLatLetter, "N or S"},
+    {CsvMeaning::kLonLetter, "E or W"},
+    {CsvMeaning::kTime, "12.5, 12,5, 0:00:12.5 or 12.5s"},
+};
+
 std::string_view FormsRead(CsvMeaning meaning) {
-  switch (meaning) {
-    case CsvMeaning::kLat:
-      return "46.8426, 46,8426, N46.8426, -46.8426, 46°50'33.4\" N or 46 50 33.4 N";
-    case CsvMeaning::kLon:
-      return "91.9945, 91,9945, W91.9945, -91.9945, 91°59'40.4\" W or 91 59 40.4 W";
-    case CsvMeaning::kUtc:
-      return "2016-06-23T21:31:09Z, 2016-06-23 21:31:09, 23.06.2016 21:31:09 or 6/23/2016 9:31:09 PM";
-    case CsvMeaning::kDate:
-      return "2016-06-23, 23.06.2016 or 6/23/2016";
-    case CsvMeaning::kTimeOfDay:
-      return "21:31:09 or 9:31:09 PM";
-    case CsvMeaning::kLatLetter:
-      return "N or S";
-    case CsvMeaning::kLonLetter:
-      return "E or W";
-    case CsvMeaning::kTime:
-      return "12.5, 12,5, 0:00:12.5 or 12.5s";
-    default:
-      return "1234.5, 1234,5 or 1,234.5, with a unit of its kind behind it or in the column's name";
+  for (const auto& [of, forms] : kForms) {
+    if (of == meaning) return forms;
   }
+  return "1234.5, 1234,5 or 1,234.5, with a unit of its kind behind it or in the column's name";
 }
 
 }  // namespace
@@ -38,9 +34,7 @@ std::string_view FormsRead(CsvMeaning meaning) {
 bool IsEmptyCell(std::string_view cell) {
   constexpr std::size_t kLongest = 5;
   if (cell.size() > kLongest) return false;
-  constexpr std::array<std::string_view, 11> kWords = {"",     "-",    "--",  "n/a", "#n/a", "na",
-                                                       "none", "null", "nan", "nil", "?"};
-  return std::find(kWords.begin(), kWords.end(), LowerCase(cell)) != kWords.end();
+  return IsOneOf(LowerCase(cell), {"", "-", "--", "n/a", "#n/a", "na", "none", "null", "nan", "nil", "?"});
 }
 
 void UnreadCells::Count(std::size_t column, bool is_read, std::size_t line, std::string_view cell) {

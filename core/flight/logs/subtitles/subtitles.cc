@@ -150,10 +150,7 @@ class CueClock {
 
 AttitudeSample AttitudeOf(double t_s, const Eigen::Vector3d& yaw_pitch_roll_deg) {
   const auto rad = [&](int i) { return geo::DegToRad(yaw_pitch_roll_deg[i]); };
-  AttitudeSample sample;
-  sample.t_s = t_s;
-  sample.ned_from_body = NedFromYawPitchRoll(rad(0), rad(1), rad(2));
-  return sample;
+  return {t_s, NedFromYawPitchRoll(rad(0), rad(1), rad(2))};
 }
 
 void AddCue(double t_s, const CueFacts& facts, LogBuilder& builder) {
@@ -186,9 +183,7 @@ Result<FlightLog> ParseCues(std::string_view format, std::string_view name, LogB
     if (facts.position) ++fixes;
     AddCue(clock.At(start_s, CueDate(cue), follows_clock), facts, builder);
   });
-  if (cues == 0) {
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kSubtitlesEmpty, {{"file", name}}});
-  }
+  if (cues == 0) return builder.Refuse(RemarkCode::kSubtitlesEmpty);
   if (fixes == 0) {
     return Because(ErrorCode::kNoPosition, {RemarkCode::kSubtitlesWithoutPlace,
                                             {{"file", name}, {"cues", cues}, {"text", first_words}}});
@@ -203,12 +198,7 @@ Result<FlightLog> ParseCues(std::string_view format, std::string_view name, LogB
 }  // namespace
 
 bool LooksLikeDjiSrt(LogBytes head) {
-  LineReader lines(TextOf(head));
-  std::string_view line;
-  for (int i = 0; i < 8 && lines.Next(line); ++i) {
-    if (SrtStart(line)) return true;
-  }
-  return false;
+  return HasLine(TextOf(head), 8, [](std::string_view line) { return SrtStart(line).has_value(); });
 }
 
 bool LooksLikeAss(LogBytes head) {

@@ -6,7 +6,6 @@
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -57,12 +56,8 @@ std::optional<MrkRow> ParseRow(std::string_view line, std::vector<std::string_vi
       std::vector<std::string_view> sigmas;
       SplitFields(cells[i], ',', sigmas);
       if (sigmas.size() == 3) {
-        const auto north = ParseNumber(sigmas[0]);
-        const auto east = ParseNumber(sigmas[1]);
-        const auto down = ParseNumber(sigmas[2]);
-        if (north && east && down && *north > 0.0 && *east > 0.0 && *down > 0.0) {
-          row.event.sigma_in_ned_m = Eigen::Vector3d(*north, *east, *down);
-        }
+        row.event.sigma_in_ned_m =
+            PositiveSigmas(ParseNumber(sigmas[0]), ParseNumber(sigmas[1]), ParseNumber(sigmas[2]));
       }
     }
   }
@@ -74,13 +69,8 @@ std::optional<MrkRow> ParseRow(std::string_view line, std::vector<std::string_vi
 }  // namespace
 
 bool LooksLikeDjiMrk(LogBytes head) {
-  LineReader lines(TextOf(head));
-  std::string_view line;
   std::vector<std::string_view> cells;
-  for (int i = 0; i < 3 && lines.Next(line); ++i) {
-    if (ParseRow(line, cells)) return true;
-  }
-  return false;
+  return HasLine(TextOf(head), 3, [&](std::string_view line) { return ParseRow(line, cells).has_value(); });
 }
 
 Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {
@@ -90,12 +80,11 @@ Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const Consu
   std::vector<std::string_view> cells;
   std::optional<UtcTime> first;
   std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
   while (lines.Next(line)) {
     if (Trim(line).empty()) continue;
     auto row = ParseRow(line, cells);
     if (!row) {
-      ++bad;
+      builder.SkipRow();
       continue;
     }
     if (!first) first = row->time;
@@ -103,13 +92,10 @@ Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const Consu
     ++rows;
     builder.Add(std::move(row->event));
   }
-  if (rows == 0) {
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kMrkEmpty, {{"file", name}}});
-  }
+  if (rows == 0) return builder.Refuse(RemarkCode::kMrkEmpty);
   builder.Count("exposure", rows);
   builder.log().utc_at_zero = first;
   builder.log().utc_sigma_s = 0.001;  // the exposure is stamped by the receiver
-  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

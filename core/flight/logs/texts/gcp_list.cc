@@ -44,10 +44,8 @@ bool IsSighting(const std::vector<std::string_view>& words) {
 bool HasPixelColumns(const std::vector<std::string_view>& columns) {
   constexpr std::array<std::string_view, 9> kNames = {"im_x",    "imx", "px", "pixel_x", "pixelx",
                                                       "pixel x", "col", "u",  "image_x"};
-  return std::any_of(columns.begin(), columns.end(), [&](std::string_view column) {
-    const std::string lower = LowerCase(column);
-    return std::find(kNames.begin(), kNames.end(), lower) != kNames.end();
-  });
+  return std::any_of(columns.begin(), columns.end(),
+                     [&](std::string_view column) { return IsOneOf(LowerCase(column), kNames); });
 }
 
 // The number of the column that says which points are only to check the map; past all columns where none
@@ -59,8 +57,7 @@ std::size_t CheckColumn(const std::vector<std::string_view>& columns) {
 }
 
 bool SaysYes(std::string_view word) {
-  const std::string lower = LowerCase(Trim(word));
-  return lower == "1" || lower == "yes" || lower == "true" || lower == "x" || lower == kCheckEnding;
+  return IsOneOf(LowerCase(Trim(word)), {"1", "yes", "true", "x", kCheckEnding});
 }
 
 // As written, else by its number; a word after it, or a column, may say that it is to check the map.

@@ -12,7 +12,6 @@
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/system_line.h"
 #include "core/flight/logs/texts/list_rows.h"
-#include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"
 
 namespace skyquilt::flight {
@@ -55,9 +54,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   LogBuilder builder("geo_txt", name);
   const std::string_view text = TextOf(bytes);
   const std::optional<ListTop> top = ReadListTop(text, IsGeoRow);
-  if (!top) {
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kGeoTxtEmpty, {{"file", name}}});
-  }
+  if (!top) return builder.Refuse(RemarkCode::kGeoTxtEmpty);
   SKYQUILT_TRY_ASSIGN(const auto system, SystemOfList(name, {top->system, true}));
   const auto order = OrderOfLetters(top->row[1], top->row[2]);
   const bool is_above_sea = system && system->heights_are_above_sea();

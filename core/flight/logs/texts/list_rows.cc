@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <string>
+#include <utility>
 
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
@@ -12,6 +13,7 @@
 namespace skyquilt::flight {
 namespace {
 
+using M = CsvMeaning;
 constexpr int kLinesAboveRows = 24;  // a system, names of columns, comments
 constexpr std::size_t kLongestColumnName = 64;
 constexpr std::size_t kLongestLineOfNames = 16'384;
@@ -27,24 +29,14 @@ std::string LettersOfColumn(std::string_view name) {
 // As tables name their columns, and as lists do.
 ListColumn KindOfColumn(std::string_view name) {
   name = name.substr(0, kLongestColumnName);
-  switch (MapTolerantColumns({name}).front().meaning) {
-    case CsvMeaning::kLon:
-      return ListColumn::kEast;
-    case CsvMeaning::kLat:
-      return ListColumn::kNorth;
-    case CsvMeaning::kHeightEllipsoid:
-    case CsvMeaning::kHeightAmsl:
-    case CsvMeaning::kHeightAboveTakeoff:
-    case CsvMeaning::kHeightAboveGround:
-    case CsvMeaning::kSigmaHorizontal:
-    case CsvMeaning::kSigmaVertical:
-    case CsvMeaning::kRoll:
-    case CsvMeaning::kPitch:
-    case CsvMeaning::kYaw:
-    case CsvMeaning::kImage:
-      return ListColumn::kOther;
-    default:
-      break;
+  const M meaning = MapTolerantColumns({name}).front().meaning;
+  if (meaning == M::kLon) return ListColumn::kEast;
+  if (meaning == M::kLat) return ListColumn::kNorth;
+  for (const auto& [first, last] : {std::pair{M::kHeightEllipsoid, M::kHeightAboveGround},
+                                    {M::kSigmaHorizontal, M::kSigmaVertical},
+                                    {M::kRoll, M::kYaw},
+                                    {M::kImage, M::kImage}}) {
+    if (meaning >= first && meaning <= last) return ListColumn::kOther;
   }
   const std::string letters = LettersOfColumn(name);
   if (letters.size() == 1 && Trim(name).size() > 1) return ListColumn::kNone;  // the "n" of "32N"

@@ -7,7 +7,6 @@
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/texts/list_rows.h"
-#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -52,13 +51,11 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
   std::size_t columns = 0;
   std::vector<std::string_view> cells;
   std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
   while (lines.Next(line)) {
     if (Trim(line).empty()) continue;
     SplitFields(line, GuessSeparator(line), cells);
     if (!IsRow(cells)) {
-      if (rows > 0 && line.front() != '#') {
-        if (bad++ > 0) continue;
+      if (rows > 0 && line.front() != '#' && builder.SkipRow()) {
         builder.Warn({RemarkCode::kLineIsNoneButThis,
                       {{"line", lines.line_number()},
                        {"form", "image,latitude,longitude,height"},
@@ -80,20 +77,16 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     event.height_ellipsoid_m = number(3);
     if (const std::size_t accuracy_at = AccuracyColumn(columns); accuracy_at > 0) {
       const auto horizontal = number(accuracy_at);
-      const auto vertical = number(accuracy_at + 1);
-      if (horizontal && vertical && *horizontal > 0.0 && *vertical > 0.0) {
-        event.sigma_in_ned_m = Eigen::Vector3d(*horizontal, *horizontal, *vertical);
-      }
+      event.sigma_in_ned_m = PositiveSigmas(horizontal, horizontal, number(accuracy_at + 1));
     }
     ++rows;
     builder.Add(std::move(event));
   }
-  if (rows == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPlace, {{"file", name}}});
+  if (rows == 0) return builder.Refuse(RemarkCode::kFileNamesNoPlace);
   builder.Count("row", rows);
   if (columns >= 7) builder.Warn(RemarkCode::kAnglesWithoutHeader);
   builder.log().written_order_is_named = order.has_value();
   builder.log().mapping = {"height -> above the ellipsoid", "no angles"};
-  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

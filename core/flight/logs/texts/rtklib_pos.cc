@@ -84,9 +84,7 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
   std::size_t at = 2;
   const auto number = [&](std::size_t i) { return i < words.size() ? ParseNumber(words[i]) : std::nullopt; };
   if (header.is_ecef) {
-    const auto x = number(2);
-    const auto y = number(3);
-    const auto z = number(4);
+    const auto x = number(2), y = number(3), z = number(4);
     if (!x || !y || !z) return std::nullopt;
     const Eigen::Vector3d point_in_ecef(*x, *y, *z);
     if (point_in_ecef.norm() < 6.2e6 || point_in_ecef.norm() > 7e6) return std::nullopt;
@@ -112,18 +110,11 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
   const auto quality = number(at);
   if (!quality || *quality < 1.0) return std::nullopt;  // 0 is no solution
   solution.sample.is_rtk_fixed = *quality == 1.0;
-  const auto first = number(at + 2);
-  const auto second = number(at + 3);
-  const auto third = number(at + 4);
-  if (first && second && third && *first > 0.0 && *second > 0.0 && *third > 0.0) {
-    if (header.is_ecef) {
-      const double each = std::sqrt((*first * *first + *second * *second + *third * *third) / 3.0);
-      solution.sample.sigma_horizontal_m = each;
-      solution.sample.sigma_vertical_m = each;
-    } else {
-      solution.sample.sigma_horizontal_m = std::max(*first, *second);
-      solution.sample.sigma_vertical_m = third;
-    }
+  if (const auto sigmas = PositiveSigmas(number(at + 2), number(at + 3), number(at + 4))) {
+    const double x = sigmas->x(), y = sigmas->y(), z = sigmas->z();
+    const double each = std::sqrt((x * x + y * y + z * z) / 3.0);
+    solution.sample.sigma_horizontal_m = header.is_ecef ? each : std::max(x, y);
+    solution.sample.sigma_vertical_m = header.is_ecef ? each : z;
   }
   return solution;
 }
@@ -139,10 +130,7 @@ bool LooksLikeRtklibPos(LogBytes head) {
   while (lines.Next(line)) {
     if (Trim(line).empty()) continue;
     if (line.front() != '%') return has_header && ParseRow(line, header, words).has_value();
-    const std::string lower = LowerCase(line);
-    has_header = has_header || lower.find("rtklib") != std::string::npos ||
-                 lower.find("gpst") != std::string::npos || lower.find("latitude") != std::string::npos ||
-                 lower.find("ecef") != std::string::npos;
+    has_header = has_header || HoldsOneOf(LowerCase(line), {"rtklib", "gpst", "latitude", "ecef"});
     ReadHeaderLine(line, header);
   }
   return has_header;
@@ -156,7 +144,6 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
   std::vector<std::string_view> words;
   std::optional<UtcTime> first;
   std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
   ConsumedSteps steps(consumed);
   while (NextFilledLine(lines, steps, line)) {
     if (line.front() == '%') {
@@ -167,7 +154,7 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
       return Because(ErrorCode::kUnprocessable, {RemarkCode::kSolutionFromBase, {{"file", name}}});
     auto solution = ParseRow(line, header, words);
     if (!solution) {
-      ++bad;
+      builder.SkipRow();
       continue;
     }
     if (!first) first = solution->time;
@@ -175,13 +162,12 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
     ++rows;
     builder.Add(solution->sample);
   }
-  if (rows == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kSolutionEmpty, {{"file", name}}});
+  if (rows == 0) return builder.Refuse(RemarkCode::kSolutionEmpty);
   builder.Count("solution", rows);
   builder.log().utc_at_zero = first;
   builder.log().utc_sigma_s = 1e-3;
   builder.log().mapping = {fmt::format("time -> {}", header.is_utc ? "UTC" : "GPS time"),
                            "position -> the antenna"};
-  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

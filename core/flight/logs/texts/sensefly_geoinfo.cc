@@ -16,14 +16,10 @@ bool LooksLikeSenseflyGeoinfo(LogBytes head) {
 Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {
   LogBuilder builder("sensefly_geoinfo", name);
   LineReader lines(TextOf(bytes));
-  std::string_view line;
   std::vector<std::string_view> cells;
   std::map<std::string, std::size_t> columns;
   std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
-  while (lines.Next(line)) {
-    if (IsBlankOrComment(line)) continue;
-    SplitFields(line, '\t', cells);
+  while (NextRow(lines, '\t', cells)) {
     if (columns.empty()) {
       for (std::size_t i = 0; i < cells.size(); ++i) columns.emplace(LowerCase(cells[i]), i);
       if (!columns.contains("filename") || !columns.contains("latitude") || !columns.contains("longitude")) {
@@ -41,7 +37,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     const auto lon = number("longitude");
     const std::size_t name_column = columns["filename"];
     if (!lat || !lon || name_column >= cells.size() || cells[name_column].empty()) {
-      ++bad;
+      builder.SkipRow();
       continue;
     }
     CameraEvent event = EventByName(rows, cells[name_column]);
@@ -53,11 +49,10 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     ++rows;
     builder.Add(std::move(event));
   }
-  if (rows == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPlace, {{"file", name}}});
+  if (rows == 0) return builder.Refuse(RemarkCode::kFileNamesNoPlace);
   builder.Count("row", rows);
   builder.log().written_order_is_named = true;
   builder.log().mapping = {"heading, pitch, roll -> the airframe's, degrees, camera looking down"};
-  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

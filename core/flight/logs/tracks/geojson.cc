@@ -54,7 +54,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
     if (name == "features") times_ = best_ = {};  // of the document, not of a feature
     std::string bare = LowerCase(std::string_view(name).substr(0, kLongestJsonTime));
     std::erase_if(bare, [](char c) { return c == '-' || c == '_'; });
-    in_times_ = std::find(kTimeNames.begin(), kTimeNames.end(), bare) != kTimeNames.end();
+    in_times_ = IsOneOf(bare, kTimeNames);
     if (in_times_ && times_.name != bare) {
       SettleTimes();
       times_.name = bare;
@@ -187,14 +187,11 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
 bool LooksLikeGeoJson(LogBytes head) {
   std::string_view text = TextOf(head);
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return Trim(text).starts_with('{') && (text.find("\"Feature\"") != std::string_view::npos ||
-                                         text.find("\"FeatureCollection\"") != std::string_view::npos);
+  return Trim(text).starts_with('{') && HoldsOneOf(text, {"\"Feature\"", "\"FeatureCollection\""});
 }
 
 bool HasGeoJsonAreas(LogBytes bytes) {
-  const std::string_view text = TextOf(bytes);
-  return text.find("\"Polygon\"") != std::string_view::npos ||
-         text.find("\"MultiPolygon\"") != std::string_view::npos;
+  return HoldsOneOf(TextOf(bytes), {"\"Polygon\"", "\"MultiPolygon\""});
 }
 
 Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const ConsumedUpTo& /*consumed*/) {

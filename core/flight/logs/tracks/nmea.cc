@@ -178,17 +178,12 @@ class NmeaReader {
 }  // namespace
 
 bool LooksLikeNmea(LogBytes head) {
-  LineReader lines(TextOf(head));
-  std::string_view line;
   std::vector<std::string_view> fields;
-  for (int i = 0; i < kLinesLookedAt && lines.Next(line); ++i) {
-    if (SplitSentence(line, fields) != Sentence::kWhole) continue;
-    const std::string_view kind = fields[0].substr(fields[0].size() - 3);
-    for (const std::string_view known : {"GGA", "RMC", "GNS", "GSA", "GSV", "VTG", "GLL", "ZDA", "GST"}) {
-      if (kind == known) return true;
-    }
-  }
-  return false;
+  return HasLine(TextOf(head), kLinesLookedAt, [&](std::string_view line) {
+    return SplitSentence(line, fields) == Sentence::kWhole &&
+           IsOneOf(fields[0].substr(fields[0].size() - 3),
+                   {"GGA", "RMC", "GNS", "GSA", "GSV", "VTG", "GLL", "ZDA", "GST"});
+  });
 }
 
 Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
@@ -220,7 +215,7 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   reader.Finish();
   for (const auto& [sentence, count] : counts) builder.Count(sentence, count);
   if (builder.gnss_count() == 0) {
-    if (bad == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kNmeaWithoutFix, {{"file", name}}});
+    if (bad == 0) return builder.Refuse(RemarkCode::kNmeaWithoutFix);
     return Because(ErrorCode::kCorrupt,
                    {RemarkCode::kNmeaDamaged,
                     {{"file", name}, {"wrong", bad}, {"line", first_bad_line}, {"sentence", first_bad}}});
