@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
 
 #include "core/flight/read_flight.h"
@@ -18,14 +17,10 @@ namespace {
 
 class CapturesTest : public testing::Test {
  protected:
-  void Write(const std::string& name, const flight::Bytes& bytes) const {
-    std::ofstream(folder_ / name, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
   void Add(const std::string& name, const std::string& band, const std::string& more = "",
            const flight::ExifWriter& exif = UsualExif()) {
     // Levels differ, so that no two files are the same.
-    Write(name, BandPhotoBytes("Camera:BandName=\"" + band + "\" " + more, exif, level_++));
+    folder_.Write(name, BandPhotoBytes("Camera:BandName=\"" + band + "\" " + more, exif, level_++));
   }
   void AddGreenAndNir(std::initializer_list<const char*> captures) {
     for (const char* id : captures) {
@@ -112,7 +107,6 @@ TEST_F(CapturesTest, GroupsByTimeWithoutIds) {
 // A folder for each band, and a clock of whole seconds in which two captures fall.
 TEST_F(CapturesTest, NamesTellCapturesOfOneSecondApart) {
   for (const char* band : {"Blue", "Green", "NIR"}) {
-    std::filesystem::create_directory(folder_ / band);
     for (const int capture : {1, 2}) {
       if (capture == 1 && band[0] == 'N') continue;  // a file is missing
       Add(fmt::format("{}/IMG_{}.tif", band, capture), band);
@@ -180,14 +174,14 @@ TEST_F(CapturesTest, PanelsAndWarmthAreLeftOut) {
 
 TEST_F(CapturesTest, AListTellsWhichShowAPanelUnlessItNamesAll) {
   AddGreenAndNir({"a", "b"});
-  std::ofstream(folder_ / "reflectance.csv") << "photo,reflectance\nB_nir.tif,0.5\n";
+  folder_.Write("reflectance.csv", "photo,reflectance\nB_nir.tif,0.5\n");
   flight::Flight flight = Read();
   const Captures apart = SetBandsApart(flight, 1);
   EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"a_Green.TIF"}));
   EXPECT_EQ(apart.panels.size(), 2U) << "the whole capture";
   EXPECT_EQ(flight.left_out.size(), 2U);
 
-  std::ofstream(folder_ / "reflectance.csv") << "photo,reflectance\nb_NIR.TIF,0.5\na_NIR.TIF,0.5\n";
+  folder_.Write("reflectance.csv", "photo,reflectance\nb_NIR.TIF,0.5\na_NIR.TIF,0.5\n");
   flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).panels.empty());
   EXPECT_EQ(NamesOf(flight).size(), 2U);
@@ -239,7 +233,7 @@ TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
   flight::JpegParts parts;
   for (const char* name : {"a.JPG", "b.JPG"}) {
     parts.exif = UsualExif(name[0] == 'a' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
-    Write(name, flight::WithFlirRecord(flight::JpegHeader(parts), {'F', 'F', 'F', 0}));
+    folder_.Write(name, flight::WithFlirRecord(flight::JpegHeader(parts), {'F', 'F', 'F', 0}));
   }
   flight::Flight flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());
@@ -250,7 +244,7 @@ TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
   // Beside visible pictures it is none of the map's.
   for (const char* name : {"c.JPG", "d.JPG"}) {
     parts.exif = UsualExif(name[0] == 'c' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
-    Write(name, flight::JpegHeader(parts));
+    folder_.Write(name, flight::JpegHeader(parts));
   }
   flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -213,9 +212,7 @@ TEST(FlirTemperatureTest, ConstantsAndLevelsAreThoseThatExifToolReads) {
   const test::TemporaryFolder folder;
   const FlirPhoto photo = TruePhoto(FlirLevels::kPng);
   const Bytes jpeg = WithFlirRecord(Jpeg(), FlirRecordBytes(photo), 1500);
-  const std::string path = (folder.path() / "thermal.jpg").string();
-  std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(jpeg.data()), static_cast<std::streamsize>(jpeg.size()));
+  const std::string path = folder.Write("thermal.jpg", jpeg).string();
   flight::MemoryBytes source(jpeg);
   const auto header = flight::ReadImageHeader(source);
   ASSERT_TRUE(header.ok());

@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
@@ -108,11 +106,10 @@ TEST(ReflectanceList, IsKnownByItsName) {
 
 TEST(ReflectanceList, ThatCannotBeReadIsToldAndHarmsNothing) {
   const test::TemporaryFolder folder;
-  std::ofstream(folder / "reflectance.csv") << "a,b\n";
-  std::ofstream(folder / "x.jpg") << "no photo";
   SilentProgress progress;
-  const auto flight =
-      ReadFlight({{"reflectance.csv", folder / "reflectance.csv"}, {"x.jpg", folder / "x.jpg"}}, 1, progress);
+  const auto flight = ReadFlight({{"reflectance.csv", folder.Write("reflectance.csv", "a,b\n")},
+                                  {"x.jpg", folder.Write("x.jpg", "no photo")}},
+                                 1, progress);
   ASSERT_TRUE(flight.ok());
   EXPECT_TRUE(flight->reflectance_lists.empty());
   EXPECT_THAT(InWords(flight->warnings),

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -14,6 +13,7 @@
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/photos/read_photo.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -63,20 +63,14 @@ std::pair<int, int> Ends(const image::DecodedImage& image) { return {image.rgb.f
 // The photos of one camera, on disk.
 class SampleFiles : public ::testing::Test {
  protected:
-  void SetUp() override { std::filesystem::create_directories(folder_); }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   Photo Write(const std::string& name, const Bytes& bytes) {
     auto photo = ReadPhotoFromBytes(name, bytes);
     EXPECT_TRUE(photo.ok()) << photo.error().message;
-    photo->path = folder_ / name;
-    std::ofstream(photo->path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    photo->path = folder_.Write(name, bytes);
     return *photo;
   }
 
-  const std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) /
-                                        ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  const test::TemporaryFolder folder_;
   const FilePhotoSource source_;
 };
 

@@ -7,13 +7,14 @@
 #include <chrono>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <set>
 #include <vector>
 
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/video/moving_film.h"
+#include "tests/support/bytes_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::video {
 namespace {
@@ -32,14 +33,9 @@ std::string Subtitles(int seconds) {
 
 constexpr flight::UtcTime kFilmedAt{std::chrono::seconds(1'695'038'303)};  // 2023-09-18 11:58:23
 
-std::string BytesOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // As a camera writes it, into the header of the film (ISO/IEC 14496-12, 8.2.2: seconds since 1904).
 void SetCreation(const std::filesystem::path& path, flight::UtcTime time) {
-  std::string bytes = BytesOf(path);
+  std::string bytes = test::BytesOf(path);
   const std::size_t header = bytes.find("mvhd");
   ASSERT_NE(header, std::string::npos);
   const auto since_1904 = static_cast<std::uint32_t>(
@@ -53,7 +49,7 @@ std::vector<flight::Photo> PhotosOf(const FlightFiles& given) {
   std::vector<flight::Photo> photos;
   for (const flight::InputFile& file : given.files) {
     if (!file.name.ends_with(".jpg")) continue;
-    const std::string bytes = BytesOf(file.path);
+    const std::string bytes = test::BytesOf(file.path);
     const auto photo = flight::ReadPhotoFromBytes(
         file.name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
     EXPECT_TRUE(photo) << file.name;
@@ -70,7 +66,7 @@ class FilmsTest : public testing::Test {
     std::filesystem::create_directories(folder_.path() / "frames");
     return WithFramesOfFilms(files, FilmsAmong(files), folder_.path() / "frames", {}, progress);
   }
-  FilmFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(FilmsTest, BecomePhotosWithATableOfTheirPlaces) {
@@ -89,8 +85,7 @@ TEST_F(FilmsTest, BecomePhotosWithATableOfTheirPlaces) {
   EXPECT_EQ(std::count(names.begin(), names.end(), "dji_0001.srt"), 0);
   ASSERT_EQ(given->sources.size(), 2U);
   EXPECT_EQ(given->sources[1].name, "dji_0001.srt");
-  std::ifstream table(given->files.back().path);
-  const std::string text{std::istreambuf_iterator<char>(table), {}};
+  const std::string text = test::BytesOf(given->files.back().path);
   EXPECT_NE(text.find("\"DJI_0001_000000.jpg\",47.0000"), std::string::npos) << text;
   EXPECT_NE(text.find(",50.000,"), std::string::npos) << text;
 }

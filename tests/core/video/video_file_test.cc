@@ -2,10 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "tests/core/video/moving_film.h"
+#include "tests/support/bytes_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::video {
 namespace {
@@ -17,11 +16,8 @@ class VideoFileTest : public testing::Test {
     if (!WriteFilm(path_, 60, [](int k) { return 4 * k; }))
       GTEST_SKIP() << "no MPEG-4 encoder on this machine";
   }
-  std::string Bytes() const {
-    std::ifstream file(path_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  FilmFolder folder_;
+  std::string Bytes() const { return test::BytesOf(path_); }
+  test::TemporaryFolder folder_;
   std::filesystem::path path_;
 };
 

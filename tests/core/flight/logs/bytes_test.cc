@@ -1,7 +1,6 @@
 // Clocks, times as they are written, and texts in UTF-16.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <string>
 
 #include "core/flight/bytes/gps_time.h"
@@ -195,9 +194,8 @@ TEST(ReadLog, ReadsAnySortOfTextInUtf16) {
 
 TEST(ReadGcpList, ReadsUtf16) {
   const test::TemporaryFolder folder;
-  const auto path = folder.path() / "gcp_list.txt";
-  std::ofstream(path, std::ios::binary)
-      << Utf16(u"EPSG:32615\n576667.1 5188164.6 198.3 100 200 a.jpg gcp1\n", false, true);
+  const auto path = folder.Write(
+      "gcp_list.txt", Utf16(u"EPSG:32615\n576667.1 5188164.6 198.3 100 200 a.jpg gcp1\n", false, true));
   for (const auto& list : {ReadGcpList({"gcp_list.txt", path}), ReadWrittenGcpList({"gcp_list.txt", path})}) {
     ASSERT_TRUE(list.ok()) << list.error().message;
     EXPECT_EQ(list->sightings.size(), 1u);
