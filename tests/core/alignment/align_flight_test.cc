@@ -8,34 +8,12 @@
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/ground/model_ground.h"
 #include "core/simulate/sensors/recorded_pose.h"
 #include "tests/core/alignment/simulated_case.h"
 #include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
-
-struct Outcome {
-  AlignedFlight flight;
-  AlignReport report;
-  GroundError error;
-};
-
-Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& posed, int threads = 2) {
-  Outcome outcome;
-  SilentProgress progress;
-  AlignOptions options;
-  options.threads = threads;
-  Result<AlignedFlight> aligned =
-      AlignFlight(posed, test::PhotosOf(truth), options, outcome.report, progress);
-  EXPECT_TRUE(aligned.ok());
-  outcome.flight = *std::move(aligned);
-  ground::ModelGroundReport ground_report;
-  outcome.error =
-      MeasureGroundError(truth, outcome.flight, ground::ModelGround(outcome.flight, ground_report));
-  return outcome;
-}
 
 // A camera that reads its rows one after another bends what it sees by its speed.
 TEST(AlignFlight, UndoesTheRollingShutterThatItIsToldOf) {
@@ -146,8 +124,10 @@ TEST(AlignFlight, FindsTheDistortionOfALensWhoseFocalLengthAloneIsRecorded) {
 TEST(AlignFlight, GivesTheSameBytesOnOneThreadAndOnTwo) {
   const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
   const poses::PosedFlight posed = PosesOf(truth);
-  const AlignedFlight one = Align(truth, posed, 1).flight;
-  const AlignedFlight two = Align(truth, posed, 2).flight;
+  AlignOptions alone;
+  alone.threads = 1;
+  const AlignedFlight one = Align(truth, posed, alone).flight;
+  const AlignedFlight two = Align(truth, posed).flight;
   ASSERT_EQ(one.photos.size(), two.photos.size());
   for (std::size_t i = 0; i < one.photos.size(); ++i) {
     EXPECT_EQ(one.photos[i].cam_from_enu.rotation.coeffs(), two.photos[i].cam_from_enu.rotation.coeffs());

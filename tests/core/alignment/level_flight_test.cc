@@ -7,9 +7,7 @@
 #include <limits>
 
 #include "core/flight/remarks/remark_words.h"
-#include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
-#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -125,18 +123,11 @@ TEST(AlignFlight, IsNotTiltedByASecondTakeOffFromLowerGround) {
         pose.rotation, pose.TargetOriginInSource() + Eigen::Vector3d(0.0, 0.0, 15.0));
     posed.photos[i].height_above_ground_m += 15.0;
   }
-  AlignReport report;
-  SilentProgress progress;
-  AlignOptions options;
-  options.threads = 2;
-  const Result<AlignedFlight> aligned = AlignFlight(posed, test::PhotosOf(truth), options, report, progress);
-  ASSERT_TRUE(aligned.ok()) << aligned.error().message;
+  const auto [aligned, report, error] = Align(truth, posed);
   EXPECT_EQ(report.aligned, 16);
   ASSERT_FALSE(report.corrections.empty());
   EXPECT_NE(InWords(report.corrections.front()).find("second take-off"), std::string::npos)
       << InWords(report.corrections.front());
-  ground::ModelGroundReport ground_report;
-  const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
   EXPECT_LT(error.absolute_ce90_m, 4.0);
   EXPECT_LT(error.relative_ce90_m, 2.0 * truth.GsdM());
 }
