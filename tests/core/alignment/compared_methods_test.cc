@@ -9,6 +9,7 @@
 #include "core/alignment/baselines/align_directly.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -29,11 +30,11 @@ TEST(AlignByFeatures, ChainsAFlightOverFlatGroundTighterThanItsPosesAre) {
   const poses::PosedFlight posed = PosesOf(truth);
   AlignReport report;
   SilentProgress progress;
-  const auto flight = AlignByFeatures(posed, test::PhotosOf(truth), OnThreads(2), report, progress);
-  ASSERT_TRUE(flight.ok());
-  EXPECT_EQ(flight->photos.size(), 8U);
+  const auto flight =
+      test::ValueOf(AlignByFeatures(posed, test::PhotosOf(truth), OnThreads(2), report, progress));
+  EXPECT_EQ(flight.photos.size(), 8U);
   EXPECT_EQ(report.components, 1);
-  EXPECT_LT(ErrorOf(truth, *flight).relative_ce90_m, 5.0 * truth.GsdM());
+  EXPECT_LT(ErrorOf(truth, flight).relative_ce90_m, 5.0 * truth.GsdM());
   EXPECT_GT(ErrorOf(truth, AlignByPoseOnly(posed)).relative_ce90_m, 10.0 * truth.GsdM());
 }
 
@@ -82,13 +83,12 @@ TEST(AlignByFeatures, LeavesOutAPhotoThatMatchesNoOther) {
   const std::string odd = posed.photos[2].photo.name;
   AlignReport report;
   SilentProgress progress;
-  const auto flight =
-      AlignByFeatures(posed, OneElsewhere(truth, *elsewhere, odd), OnThreads(2), report, progress);
-  ASSERT_TRUE(flight.ok());
-  EXPECT_EQ(flight->photos.size(), 7U);
-  ASSERT_EQ(flight->left_out.size(), 1U);
-  EXPECT_EQ(flight->left_out.front().name, odd);
-  EXPECT_FALSE(InWords(flight->left_out.front().reason).empty());
+  const auto flight = test::ValueOf(
+      AlignByFeatures(posed, OneElsewhere(truth, *elsewhere, odd), OnThreads(2), report, progress));
+  EXPECT_EQ(flight.photos.size(), 7U);
+  ASSERT_EQ(flight.left_out.size(), 1U);
+  EXPECT_EQ(flight.left_out.front().name, odd);
+  EXPECT_FALSE(InWords(flight.left_out.front().reason).empty());
 }
 
 TEST(AlignDirectly, MovesPhotosTogetherThatPosesLeaveApart) {
@@ -96,12 +96,12 @@ TEST(AlignDirectly, MovesPhotosTogetherThatPosesLeaveApart) {
   const poses::PosedFlight posed = PosesOf(truth);
   AlignReport report;
   SilentProgress progress;
-  const auto flight = AlignDirectly(posed, test::PhotosOf(truth), OnThreads(2), report, progress);
-  ASSERT_TRUE(flight.ok());
-  EXPECT_EQ(flight->photos.size(), 8U);
+  const auto flight =
+      test::ValueOf(AlignDirectly(posed, test::PhotosOf(truth), OnThreads(2), report, progress));
+  EXPECT_EQ(flight.photos.size(), 8U);
   EXPECT_GT(report.aligned, 5);
   for (const AlignPhotoReport& photo : report.photo_reports) EXPECT_EQ(photo.features, 0);
-  EXPECT_LT(ErrorOf(truth, *flight).relative_ce90_m,
+  EXPECT_LT(ErrorOf(truth, flight).relative_ce90_m,
             0.7 * ErrorOf(truth, AlignByPoseOnly(posed)).relative_ce90_m);
 }
 

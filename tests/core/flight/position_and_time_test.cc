@@ -9,6 +9,7 @@
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -184,12 +185,11 @@ TEST(ReadPhotoPosition, ReadsXmpAloneInEveryNaming) {
       "exif:GPSLongitude=\"2,30,0E\"");
   for (const std::string& xmp :
        {Dji("drone-dji:Latitude=\"1.5\" drone-dji:Longitude=\"2.5\""), skydio, exif_in_xmp}) {
-    const auto photo = ReadPhotoFromBytes("a.jpg", JpegHeader({.xmp = xmp}));
-    ASSERT_TRUE(photo.ok());
-    ASSERT_TRUE(photo->position);
-    EXPECT_NEAR(photo->position->position.lat_deg, 1.5, 1e-12);
-    EXPECT_NEAR(photo->position->position.lon_deg, 2.5, 1e-12);
-    EXPECT_EQ(photo->position->source, "xmp");
+    const auto photo = test::ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.xmp = xmp})));
+    ASSERT_TRUE(photo.position);
+    EXPECT_NEAR(photo.position->position.lat_deg, 1.5, 1e-12);
+    EXPECT_NEAR(photo.position->position.lon_deg, 2.5, 1e-12);
+    EXPECT_EQ(photo.position->source, "xmp");
   }
 }
 
@@ -204,13 +204,12 @@ TEST(ReadPhotoHeights, KeepsEachZeroApart) {
 }
 
 TEST(ReadPhotoHeights, KeepsTheHeightOfAPhotoWhosePositionWasTakenOut) {
-  const auto photo = ReadPhotoFromBytes(
+  const auto photo = test::ValueOf(ReadPhotoFromBytes(
       "a.jpg",
       JpegHeader(
-          {.xmp = Dji("drone-dji:AbsoluteAltitude=\"+198.31\" drone-dji:RelativeAltitude=\"+39.80\"")}));
-  ASSERT_TRUE(photo.ok());
-  EXPECT_FALSE(photo->position);
-  EXPECT_EQ(photo->lone_height_above_takeoff_m, 39.80);
+          {.xmp = Dji("drone-dji:AbsoluteAltitude=\"+198.31\" drone-dji:RelativeAltitude=\"+39.80\"")})));
+  EXPECT_FALSE(photo.position);
+  EXPECT_EQ(photo.lone_height_above_takeoff_m, 39.80);
 }
 
 TEST(ReadPhotoHeights, TakesRtkHeightsAsEllipsoidal) {

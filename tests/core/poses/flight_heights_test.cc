@@ -5,6 +5,7 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
 #include "core/poses/estimate_poses.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -92,15 +93,13 @@ TEST(ChooseHeights, PhotosBelowTheTakeoffLieOverAnElevationModel) {
   }
   const FallingDem dem;
   EstimatePosesOptions options;
-  const auto without = EstimatePoses(flight, options);
-  ASSERT_TRUE(without.ok()) << without.error().message;
-  ASSERT_FALSE(without->left_out.empty());
-  EXPECT_NE(InWords(without->left_out.back().reason).find("--dem"), std::string::npos);
+  const auto without = test::ValueOf(EstimatePoses(flight, options));
+  ASSERT_FALSE(without.left_out.empty());
+  EXPECT_NE(InWords(without.left_out.back().reason).find("--dem"), std::string::npos);
   options.dem = &dem;
-  const auto over_model = EstimatePoses(flight, options);
-  ASSERT_TRUE(over_model.ok()) << over_model.error().message;
-  ASSERT_EQ(over_model->photos.size(), 5u);
-  for (const PosedPhoto& photo : over_model->photos) EXPECT_NEAR(photo.height_above_ground_m, 30.0, 2.0);
+  const auto over_model = test::ValueOf(EstimatePoses(flight, options));
+  ASSERT_EQ(over_model.photos.size(), 5u);
+  for (const PosedPhoto& photo : over_model.photos) EXPECT_NEAR(photo.height_above_ground_m, 30.0, 2.0);
 }
 
 TEST(ChooseHeights, LetsSurveyedHeightsDifferAsTheyWereMeasured) {

@@ -7,6 +7,7 @@
 
 #include "core/base/median.h"
 #include "tests/core/surface/synthetic_scene.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::surface {
 namespace {
@@ -201,10 +202,10 @@ class CancelledAtOnce final : public Progress {
 TEST(MatchSurface, StopsWhenCancelled) {
   const SyntheticScene scene = Scene(2, 1);
   CancelledAtOnce progress;
-  const auto surface = MatchSurface(scene.flight, scene, ground::GroundSurface::Plane(0.0),
-                                    GridOver(Around(-5, -5, 5, 5), kCellM), Options(), progress);
-  ASSERT_FALSE(surface);
-  EXPECT_EQ(surface.error().code, ErrorCode::kCancelled);
+  const Error surface =
+      test::ErrorOf(MatchSurface(scene.flight, scene, ground::GroundSurface::Plane(0.0),
+                                 GridOver(Around(-5, -5, 5, 5), kCellM), Options(), progress));
+  EXPECT_EQ(surface.code, ErrorCode::kCancelled);
 }
 
 TEST(MatchSurface, HandsOnTheErrorOfWhoTakesBlocks) {
@@ -227,10 +228,9 @@ TEST(MatchSurface, HandsOnTheErrorOfWhoTakesBlocks) {
 TEST(MatchSurface, RefusesAGridWithoutCells) {
   const SyntheticScene scene = Scene(1, 1);
   SilentProgress progress;
-  const auto surface =
-      MatchSurface(scene.flight, scene, ground::GroundSurface::Plane(0.0), {}, Options(), progress);
-  ASSERT_FALSE(surface);
-  EXPECT_EQ(surface.error().code, ErrorCode::kInvalidArgument);
+  const Error surface = test::ErrorOf(
+      MatchSurface(scene.flight, scene, ground::GroundSurface::Plane(0.0), {}, Options(), progress));
+  EXPECT_EQ(surface.code, ErrorCode::kInvalidArgument);
 }
 
 TEST(GridOver, HasTheSameCellsForAllMapsOfAFlight) {

@@ -8,6 +8,7 @@
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
 #include "core/geo/lat_lon.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -195,14 +196,14 @@ TEST(TableUnits, ListsOfSurveysCountHeightsFromTheEllipsoid) {
 }
 
 TEST(TableUnits, ListsThatSayWhatTheirHeightsAreAreNoneOfPix4ds) {
-  const auto heights = ParseLog("list.csv", BytesOf("image,latitude,longitude,height_above_takeoff\n"
-                                                    "a.jpg,47.1,8.1,60\nb.jpg,47.1002,8.1,61\n"));
-  ASSERT_TRUE(heights.ok()) << heights.error().message;
-  EXPECT_EQ(heights->events.at(0).height_above_takeoff_m, 60.0);
-  const auto above_sea = ParseLog("list.csv", BytesOf("image,latitude,longitude,altitude AMSL (m)\n"
-                                                      "a.jpg,47.1,8.1,560\nb.jpg,47.1002,8.1,561\n"));
-  ASSERT_TRUE(above_sea.ok()) << above_sea.error().message;
-  EXPECT_EQ(above_sea->events.at(0).height_amsl_m, 560.0);
+  const auto heights =
+      test::ValueOf(ParseLog("list.csv", BytesOf("image,latitude,longitude,height_above_takeoff\n"
+                                                 "a.jpg,47.1,8.1,60\nb.jpg,47.1002,8.1,61\n")));
+  EXPECT_EQ(heights.events.at(0).height_above_takeoff_m, 60.0);
+  const auto above_sea =
+      test::ValueOf(ParseLog("list.csv", BytesOf("image,latitude,longitude,altitude AMSL (m)\n"
+                                                 "a.jpg,47.1,8.1,560\nb.jpg,47.1002,8.1,561\n")));
+  EXPECT_EQ(above_sea.events.at(0).height_amsl_m, 560.0);
 }
 
 }  // namespace
