@@ -15,6 +15,7 @@
 #include "tests/core/video/moving_film.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::video {
 namespace {
@@ -115,16 +116,14 @@ TEST_F(FilmsTest, NameSubtitlesThatBelongToNoneOfThemWhereOneHasNone) {
   folder_.Write("DJI_0001.SRT", Subtitles(2));
   folder_.Write("flight.SRT", Subtitles(2));
   const std::vector<flight::InputFile> files{File("DJI_0001.MP4"), File("DJI_0001.SRT"), File("flight.SRT")};
-  const auto whole = Replace(files);
-  ASSERT_TRUE(whole);
-  EXPECT_TRUE(whole->warnings.empty());
+  const auto whole = test::ValueOf(Replace(files));
+  EXPECT_TRUE(whole.warnings.empty());
   std::vector<flight::InputFile> more = files;
   more.push_back(File("DJI_0002.MP4"));
-  const auto given = Replace(more);
-  ASSERT_TRUE(given);
-  ASSERT_EQ(given->warnings.size(), 1U);
-  EXPECT_EQ(given->warnings[0].code, flight::RemarkCode::kSubtitlesOfNoFilm);
-  EXPECT_EQ(flight::InWords(given->warnings[0]),
+  const auto given = test::ValueOf(Replace(more));
+  ASSERT_EQ(given.warnings.size(), 1U);
+  EXPECT_EQ(given.warnings[0].code, flight::RemarkCode::kSubtitlesOfNoFilm);
+  EXPECT_EQ(flight::InWords(given.warnings[0]),
             "flight.SRT says nothing of DJI_0002.MP4: subtitles are those of the film of their name. If they "
             "are its own, name them DJI_0002.SRT.");
 }
@@ -134,20 +133,18 @@ TEST_F(FilmsTest, SayThatTheirSubtitlesLastLonger) {
   if (!WriteFilm(folder_.path() / "DJI_0001.MP4", 60, [](int k) { return 6 * k; }))
     GTEST_SKIP() << "no MPEG-4 encoder";
   folder_.Write("DJI_0001.SRT", Subtitles(40));
-  const auto given = Replace({File("DJI_0001.MP4"), File("DJI_0001.SRT")});
-  ASSERT_TRUE(given);
-  ASSERT_EQ(given->warnings.size(), 1U);
-  EXPECT_EQ(given->warnings[0].code, flight::RemarkCode::kSubtitlesOfOtherLength);
+  const auto given = test::ValueOf(Replace({File("DJI_0001.MP4"), File("DJI_0001.SRT")}));
+  ASSERT_EQ(given.warnings.size(), 1U);
+  EXPECT_EQ(given.warnings[0].code, flight::RemarkCode::kSubtitlesOfOtherLength);
 }
 
 TEST_F(FilmsTest, GiveTheirFramesTheTimeOfTheirCreation) {
   const std::filesystem::path film = folder_.path() / "film.MP4";
   if (!WriteFilm(film, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
   ASSERT_NO_FATAL_FAILURE(SetCreation(film, kFilmedAt));
-  const auto alone = Replace({File("film.MP4")});
-  ASSERT_TRUE(alone);
-  EXPECT_TRUE(alone->warnings.empty());
-  const std::vector<flight::Photo> photos = PhotosOf(*alone);
+  const auto alone = test::ValueOf(Replace({File("film.MP4")}));
+  EXPECT_TRUE(alone.warnings.empty());
+  const std::vector<flight::Photo> photos = PhotosOf(alone);
   ASSERT_GE(photos.size(), 2U);
   EXPECT_EQ(photos.front().captured_at, kFilmedAt);
   EXPECT_TRUE(photos.front().captured_at_is_local);
@@ -160,21 +157,19 @@ TEST_F(FilmsTest, GiveTheirFramesTheTimeOfTheirCreation) {
                 "<trkpt lat=\"47\" lon=\"8\"><time>2023-09-18T11:58:20Z</time></trkpt>"
                 "<trkpt lat=\"47.001\" lon=\"8\"><time>2023-09-18T11:58:30Z</time></trkpt>"
                 "</trkseg></trk></gpx>\n");
-  const auto beside = Replace({File("film.MP4"), File("way.gpx")});
-  ASSERT_TRUE(beside);
-  ASSERT_EQ(beside->warnings.size(), 1U);
-  EXPECT_EQ(beside->warnings[0].code, flight::RemarkCode::kFilmTimedByCreation);
-  EXPECT_EQ(beside->warnings[0].values.at("at"), flight::RemarkValue("2023-09-18 11:58:23"));
-  EXPECT_EQ(beside->warnings[0].values.at("name"), flight::RemarkValue("20230918_115821.MP4"));
+  const auto beside = test::ValueOf(Replace({File("film.MP4"), File("way.gpx")}));
+  ASSERT_EQ(beside.warnings.size(), 1U);
+  EXPECT_EQ(beside.warnings[0].code, flight::RemarkCode::kFilmTimedByCreation);
+  EXPECT_EQ(beside.warnings[0].values.at("at"), flight::RemarkValue("2023-09-18 11:58:23"));
+  EXPECT_EQ(beside.warnings[0].values.at("name"), flight::RemarkValue("20230918_115821.MP4"));
 }
 
 TEST_F(FilmsTest, BeganWhenTheirNameSays) {
   const std::filesystem::path film = folder_.path() / "DJI_20230918115823_0001_D.MP4";
   if (!WriteFilm(film, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
   ASSERT_NO_FATAL_FAILURE(SetCreation(film, kFilmedAt - std::chrono::hours(2) + std::chrono::seconds(2)));
-  const auto given = Replace({File("DJI_20230918115823_0001_D.MP4")});
-  ASSERT_TRUE(given);
-  const std::vector<flight::Photo> photos = PhotosOf(*given);
+  const auto given = test::ValueOf(Replace({File("DJI_20230918115823_0001_D.MP4")}));
+  const std::vector<flight::Photo> photos = PhotosOf(given);
   ASSERT_FALSE(photos.empty());
   EXPECT_EQ(photos.front().captured_at, kFilmedAt);
 }
@@ -188,9 +183,8 @@ TEST_F(FilmsTest, BeganWhenTheyWereCreatedWhereNotAllNamesSayIt) {
     ASSERT_NO_FATAL_FAILURE(SetCreation(film.path, created));
     created += std::chrono::minutes(1);
   }
-  const auto given = Replace(films);
-  ASSERT_TRUE(given);
-  const std::vector<flight::Photo> photos = PhotosOf(*given);
+  const auto given = test::ValueOf(Replace(films));
+  const std::vector<flight::Photo> photos = PhotosOf(given);
   const auto second = std::find_if(photos.begin(), photos.end(), [](const flight::Photo& photo) {
     return photo.name.starts_with("second");
   });
@@ -205,9 +199,8 @@ TEST_F(FilmsTest, HaveNoTimesWhereOneBeganWhileAnotherWasTaken) {
     if (!WriteFilm(film.path, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
     ASSERT_NO_FATAL_FAILURE(SetCreation(film.path, kFilmedAt));
   }
-  const auto given = Replace(films);
-  ASSERT_TRUE(given);
-  const std::vector<flight::Photo> photos = PhotosOf(*given);
+  const auto given = test::ValueOf(Replace(films));
+  const std::vector<flight::Photo> photos = PhotosOf(given);
   EXPECT_FALSE(photos.empty());
   EXPECT_TRUE(std::none_of(photos.begin(), photos.end(),
                            [](const flight::Photo& photo) { return photo.captured_at.has_value(); }));
@@ -225,12 +218,11 @@ TEST_F(FilmsTest, NamesAFilmThatCannotBeReadAndGoesOn) {
                                           12) +
                                   std::string(400, 'x'));
   folder_.Write("photo.jpg", "\xff\xd8\xff");
-  const auto given = Replace({File("broken.mp4"), File("photo.jpg")});
-  ASSERT_TRUE(given);
-  ASSERT_EQ(given->warnings.size(), 1U);
-  EXPECT_NE(flight::InWords(given->warnings[0]).find("broken.mp4"), std::string::npos);
-  ASSERT_EQ(given->files.size(), 1U);
-  EXPECT_EQ(given->files[0].name, "photo.jpg");
+  const auto given = test::ValueOf(Replace({File("broken.mp4"), File("photo.jpg")}));
+  ASSERT_EQ(given.warnings.size(), 1U);
+  EXPECT_NE(flight::InWords(given.warnings[0]).find("broken.mp4"), std::string::npos);
+  ASSERT_EQ(given.files.size(), 1U);
+  EXPECT_EQ(given.files[0].name, "photo.jpg");
 }
 
 }  // namespace
