@@ -8,6 +8,7 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -59,11 +60,10 @@ TEST(FindLevelling, LeavesWhatLiesAsItsAnglesSay) {
 
 TEST(FindLevelling, LaysATiltedFlightLevel) {
   TiltedFlight flown(-0.2, 15.0);
-  const auto levelling = FindLevelling(flown.problem, flown.records);
-  ASSERT_TRUE(levelling);
-  EXPECT_NEAR(levelling->tilt_rad, 0.2, 1e-9);
-  EXPECT_NEAR(levelling->height_range_m, 15.0, 1.0);
-  Level(*levelling, flown.records, flown.problem);
+  const auto levelling = test::ValueOf(FindLevelling(flown.problem, flown.records));
+  EXPECT_NEAR(levelling.tilt_rad, 0.2, 1e-9);
+  EXPECT_NEAR(levelling.height_range_m, 15.0, 1.0);
+  Level(levelling, flown.records, flown.problem);
   double first_z = flown.problem.photos[0].cam_from_enu.TargetOriginInSource().z();
   for (int i = 0; i < 12; ++i) {
     const BundlePhoto& photo = flown.problem.photos[static_cast<std::size_t>(i)];
@@ -102,10 +102,9 @@ TEST(Level, TurnsWhatWasExpectedOfPhotosThatTheImagesPlaced) {
     photo.prior_cam_from_enu = photo.cam_from_enu;
     photo.has_record = false;
   }
-  const auto levelling = FindLevelling(flown.problem, flown.records);
-  ASSERT_TRUE(levelling);
+  const auto levelling = test::ValueOf(FindLevelling(flown.problem, flown.records));
   for (BundlePhoto& photo : flown.problem.photos) photo.is_by_images = true;
-  Level(*levelling, flown.records, flown.problem);
+  Level(levelling, flown.records, flown.problem);
   for (const BundlePhoto& photo : flown.problem.photos) {
     EXPECT_LT(
         (photo.prior_cam_from_enu.TargetOriginInSource() - photo.cam_from_enu.TargetOriginInSource()).norm(),
