@@ -5,15 +5,19 @@
 
 #include <filesystem>
 #include <initializer_list>
+#include <utility>
 
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/bands/band_photos.h"
 #include "tests/core/flight/flir_photo.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::bands {
 namespace {
+
+using test::ValueOf;
 
 class CapturesTest : public testing::Test {
  protected:
@@ -30,10 +34,13 @@ class CapturesTest : public testing::Test {
   }
   flight::Flight Read() {
     SilentProgress progress;
-    auto files = flight::ListInputFiles({folder_.path()});
-    auto flight = flight::ReadFlight(*files, 2, progress);
-    EXPECT_TRUE(flight.ok());
-    return *std::move(flight);
+    return ValueOf(flight::ReadFlight(ValueOf(flight::ListInputFiles({folder_.path()})), 2, progress));
+  }
+  // The flight of the folder, whose bands were set apart.
+  std::pair<flight::Flight, Captures> Apart(int threads = 1) {
+    flight::Flight flight = Read();
+    Captures apart = SetBandsApart(flight, threads);
+    return {std::move(flight), std::move(apart)};
   }
   const test::TemporaryFolder folder_;
   std::uint16_t level_ = 20'000;
@@ -98,8 +105,7 @@ TEST_F(CapturesTest, GroupsByTimeWithoutIds) {
           UsualExif(fmt::format("2024:06:01 10:00:{:02}", second)));
     }
   }
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   ASSERT_EQ(apart.captures.size(), 2U);
   EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"0_Red.TIF", "5_Red.TIF"}));
 }
@@ -112,8 +118,7 @@ TEST_F(CapturesTest, NamesTellCapturesOfOneSecondApart) {
       Add(fmt::format("{}/IMG_{}.tif", band, capture), band);
     }
   }
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   ASSERT_EQ(apart.captures.size(), 2U);
   EXPECT_TRUE(flight.left_out.empty());
   for (std::size_t i = 0; i < 2; ++i) {
@@ -128,8 +133,7 @@ TEST_F(CapturesTest, TheCamerasOfARigMayHaveModelsOfTheirOwn) {
     Add(fmt::format("{}.TIF", band), band, "Camera:RigName=\"Six\" Camera:ImageUniqueID=\"5010\"",
         UsualExif().Ascii(flight::ExifIfd::kImage, 0x0110, band));
   }
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   ASSERT_EQ(apart.captures.size(), 1U);
   EXPECT_EQ(apart.captures[0].photos.size(), 2U);
 }
@@ -137,8 +141,7 @@ TEST_F(CapturesTest, TheCamerasOfARigMayHaveModelsOfTheirOwn) {
 TEST_F(CapturesTest, BandsWithoutWavelengthsStandAsUsual) {
   for (const char* band : {"Green", "NIR", "Red", "RedEdge", "Other"})
     Add(std::string(band) + ".TIF", band, "Camera:CaptureUUID=\"a\"");
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   std::vector<std::string> names;
   for (const Band& band : apart.bands) names.push_back(band.name);
   EXPECT_EQ(names, (std::vector<std::string>{"green", "red", "rededge", "nir", "other"}));
@@ -151,8 +154,7 @@ TEST_F(CapturesTest, TheReferenceIsTheBandOfMostCaptures) {
       Add(std::string(id) + "_green.TIF", "Green", fmt::format("Camera:CaptureUUID=\"{}\"", id));
   }
   Add("d_green.TIF", "Red", "Camera:CaptureUUID=\"d\"");
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   EXPECT_EQ(apart.reference_band, "nir");
   EXPECT_EQ(apart.captures.size(), 3U);
   ASSERT_EQ(flight.left_out.size(), 1U);  // a capture without the reference band
@@ -164,8 +166,7 @@ TEST_F(CapturesTest, PanelsAndWarmthAreLeftOut) {
   for (const char* band : {"Green", "NIR"}) Add(std::string(band) + ".TIF", band, "Camera:CaptureUUID=\"a\"");
   Add("warm.TIF", "LWIR", "Camera:CaptureUUID=\"a\"");
   Add("panel.TIF", "Green", "Camera:CaptureUUID=\"p\" Camera:CalibrationPicture=\"1\"");
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   EXPECT_EQ(apart.captures.size(), 1U);
   ASSERT_EQ(flight.left_out.size(), 2U);
   EXPECT_EQ(flight.left_out[0].name, "panel.TIF");
@@ -175,8 +176,7 @@ TEST_F(CapturesTest, PanelsAndWarmthAreLeftOut) {
 TEST_F(CapturesTest, AListTellsWhichShowAPanelUnlessItNamesAll) {
   AddGreenAndNir({"a", "b"});
   folder_.Write("reflectance.csv", "photo,reflectance\nB_nir.tif,0.5\n");
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  auto [flight, apart] = Apart();
   EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"a_Green.TIF"}));
   EXPECT_EQ(apart.panels.size(), 2U) << "the whole capture";
   EXPECT_EQ(flight.left_out.size(), 2U);
@@ -203,8 +203,7 @@ constexpr const char* kGain = "xmlns:FLIR=\"http://ns.flir.com/FLIR/1.0/\" FLIR:
 TEST_F(CapturesTest, TemperaturesAloneAreABand) {
   for (const char* name : {"a.TIF", "b.TIF"}) Add(name, "LWIR", kGain);
   Add("unknown.TIF", "LWIR");
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 2);
+  const auto [flight, apart] = Apart(2);
   EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"a.TIF", "b.TIF"}));
   EXPECT_EQ(apart.reference_band, "lwir");
   ASSERT_EQ(apart.bands.size(), 1U);
@@ -222,8 +221,7 @@ TEST_F(CapturesTest, TemperaturesFollowTheirRig) {
     }
   }
   Add("c_LWIR.TIF", "LWIR", fmt::format("Camera:CaptureUUID=\"c\" {}", kGain));
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   EXPECT_EQ(apart.reference_band, "blue");  // though more captures have temperatures
   ASSERT_EQ(apart.captures.size(), 2U);
   EXPECT_EQ(apart.captures[0].photos.size(), 2U);
@@ -271,8 +269,7 @@ TEST_F(CapturesTest, ABandsValuesMeanTheSameInAllItsPhotos) {
                            .Ascii(flight::ExifIfd::kImage, 0x0110, "Rig")
                      : UsualExif());
   }
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   ASSERT_EQ(apart.captures.size(), 3U);
   int nirs = 0;
   for (const Capture& capture : apart.captures) nirs += static_cast<int>(capture.photos.size()) - 1;

@@ -29,6 +29,17 @@ bool Notes(const Photo& photo, const std::string& words) {
   return false;
 }
 
+using Parts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+// North and east (or west), as the parts are written.
+ExifWriter InParts(Parts lat, Parts lon, const std::string& lon_ref = "E") {
+  return ExifWriter()
+      .Rational(ExifIfd::kGps, 2, std::move(lat))
+      .Rational(ExifIfd::kGps, 4, std::move(lon))
+      .Ascii(ExifIfd::kGps, 1, "N")
+      .Ascii(ExifIfd::kGps, 3, lon_ref);
+}
+
 std::string Dji(const std::string& attributes) { return XmpPacket(kDjiNamespace + attributes); }
 
 TEST(ReadPhotoPosition, ReadsAllFourQuartersInBothByteOrders) {
@@ -75,12 +86,7 @@ TEST(ReadPhotoPosition, TreatsZeroZeroAsNoFix) {
 TEST(ReadPhotoPosition, RefusesWhatIsNotOnEarth) {
   EXPECT_FALSE(Read(ExifWriter().Position(91.0, 5.0)).position);
   EXPECT_FALSE(Read(ExifWriter().Position(45.0, 181.0)).position);
-  EXPECT_FALSE(Read(ExifWriter()
-                        .Rational(ExifIfd::kGps, 2, {{46, 0}, {50, 1}, {3, 1}})
-                        .Rational(ExifIfd::kGps, 4, {{9, 1}, {5, 1}, {3, 1}})
-                        .Ascii(ExifIfd::kGps, 1, "N")
-                        .Ascii(ExifIfd::kGps, 3, "E"))
-                   .position);
+  EXPECT_FALSE(Read(InParts({{46, 0}, {50, 1}, {3, 1}}, {{9, 1}, {5, 1}, {3, 1}})).position);
   EXPECT_FALSE(Read(ExifWriter().Ascii(ExifIfd::kImage, 0x010F, "DJI")).position);
   EXPECT_FALSE(Read(ExifWriter().Ascii(ExifIfd::kImage, 0x010F, "DJI"),
                     Dji("drone-dji:GpsLatitude=\"nan\" drone-dji:GpsLongitude=\"5\""))
@@ -88,24 +94,15 @@ TEST(ReadPhotoPosition, RefusesWhatIsNotOnEarth) {
 }
 
 TEST(ReadPhotoPosition, ReadsDecimalMinutesWithEmptySeconds) {
-  const Photo photo = Read(ExifWriter()
-                               .Rational(ExifIfd::kGps, 2, {{46, 1}, {505567, 10000}, {0, 0}})
-                               .Rational(ExifIfd::kGps, 4, {{91, 1}, {595, 10}, {0, 1}})
-                               .Ascii(ExifIfd::kGps, 1, "N")
-                               .Ascii(ExifIfd::kGps, 3, "W"));
+  const Photo photo = Read(InParts({{46, 1}, {505567, 10000}, {0, 0}}, {{91, 1}, {595, 10}, {0, 1}}, "W"));
   ASSERT_TRUE(photo.position);
   EXPECT_NEAR(photo.position->position.lat_deg, 46.0 + 50.5567 / 60.0, 1e-9);
   EXPECT_NEAR(photo.position->position.lon_deg, -(91.0 + 59.5 / 60.0), 1e-9);
 }
 
 TEST(ReadPhotoPosition, IsAsUnsureAsTheStepsInWhichItIsWritten) {
-  const auto sigma_of = [](std::pair<std::uint32_t, std::uint32_t> minutes,
-                           std::pair<std::uint32_t, std::uint32_t> seconds) {
-    return Read(ExifWriter()
-                    .Rational(ExifIfd::kGps, 2, {{46, 1}, minutes, seconds})
-                    .Rational(ExifIfd::kGps, 4, {{7, 1}, minutes, seconds})
-                    .Ascii(ExifIfd::kGps, 1, "N")
-                    .Ascii(ExifIfd::kGps, 3, "E"))
+  const auto sigma_of = [](Parts::value_type minutes, Parts::value_type seconds) {
+    return Read(InParts({{46, 1}, minutes, seconds}, {{7, 1}, minutes, seconds}))
         .position->sigma_horizontal_m;
   };
   EXPECT_NEAR(sigma_of({50, 1}, {33, 1}).value(), 9.05, 0.1);  // 31 m / sqrt(12), and the receiver's
@@ -114,13 +111,7 @@ TEST(ReadPhotoPosition, IsAsUnsureAsTheStepsInWhichItIsWritten) {
 }
 
 // 46.8426 N by the parts given, 7.5 E.
-Photo OfLatitude(std::vector<std::pair<std::uint32_t, std::uint32_t>> parts) {
-  return Read(ExifWriter()
-                  .Rational(ExifIfd::kGps, 2, std::move(parts))
-                  .Rational(ExifIfd::kGps, 4, {{7, 1}, {30, 1}, {0, 1}})
-                  .Ascii(ExifIfd::kGps, 1, "N")
-                  .Ascii(ExifIfd::kGps, 3, "E"));
-}
+Photo OfLatitude(Parts parts) { return Read(InParts(std::move(parts), {{7, 1}, {30, 1}, {0, 1}})); }
 
 TEST(ReadPhotoPosition, CountsDecimalsThatAreWrittenTwiceOnce) {
   const double seconds = 33.36;  // 46 degrees, 50.556 minutes
@@ -161,11 +152,7 @@ TEST(ReadPhotoPosition, ReadsDecimalCommas) {
 }
 
 TEST(ReadPhotoPosition, PrefersTheFinerOfTwoWritingsOfOnePosition) {
-  const ExifWriter coarse = ExifWriter()
-                                .Rational(ExifIfd::kGps, 2, {{46, 1}, {50, 1}, {33, 1}})
-                                .Rational(ExifIfd::kGps, 4, {{91, 1}, {59, 1}, {40, 1}})
-                                .Ascii(ExifIfd::kGps, 1, "N")
-                                .Ascii(ExifIfd::kGps, 3, "W");
+  const ExifWriter coarse = InParts({{46, 1}, {50, 1}, {33, 1}}, {{91, 1}, {59, 1}, {40, 1}}, "W");
   const Photo photo =
       Read(coarse, Dji("drone-dji:GpsLatitude=\"46.84261\" drone-dji:GpsLongitude=\"-91.99455\""));
   ASSERT_TRUE(photo.position);

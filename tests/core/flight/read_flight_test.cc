@@ -36,11 +36,7 @@ Bytes PhotoAt(double lat_deg, const std::string& time) {
 
 Flight Read(const TemporaryFolder& folder) {
   SilentProgress progress;
-  const auto files = ListInputFiles({folder.path()});
-  EXPECT_TRUE(files.ok());
-  auto flight = ReadFlight(*files, 0, progress);
-  EXPECT_TRUE(flight.ok());
-  return std::move(*flight);
+  return ValueOf(ReadFlight(ValueOf(ListInputFiles({folder.path()})), 0, progress));
 }
 
 std::vector<std::string> Names(const Flight& flight) {
