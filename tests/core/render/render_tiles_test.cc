@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "core/geo/tile_id.h"
 #include "core/render/blocks/block_geometry.h"
@@ -144,14 +143,7 @@ TEST(RenderTiles, DoesNotAlias) {
           whole.at<cv::Vec3b>(y, x) = {value, value, value};
         }
       }
-      if (denominator == 1) return image;
-      image::DecodedImage small{(image.width_px + denominator - 1) / denominator,
-                                (image.height_px + denominator - 1) / denominator,
-                                {}};
-      small.rgb.resize(static_cast<std::size_t>(small.width_px) * small.height_px * 3);
-      cv::Mat out(small.height_px, small.width_px, CV_8UC3, small.rgb.data());
-      cv::resize(whole, out, out.size(), 0, 0, cv::INTER_AREA);
-      return small;
+      return test::AtSize(image, denominator);
     }
   };
   simulate::SimulateOptions options;
