@@ -17,9 +17,8 @@ namespace {
 using std::chrono::microseconds;
 
 Photo Read(const ExifWriter& exif, const std::string& xmp = "", bool is_big_endian = false) {
-  auto photo = ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(is_big_endian), .xmp = xmp}));
-  EXPECT_TRUE(photo.ok()) << (photo.ok() ? "" : photo.error().message);
-  return std::move(*photo);
+  return test::ValueOf(
+      ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(is_big_endian), .xmp = xmp})));
 }
 
 bool Notes(const Photo& photo, const std::string& words) {

@@ -22,9 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 flight::GcpList Read(std::string_view text) {
-  const auto list = flight::ParseGcpList("gcp_list.txt", flight::BytesOf(text));
-  EXPECT_TRUE(list.ok());
-  return *list;
+  return ValueOf(flight::ParseGcpList("gcp_list.txt", flight::BytesOf(text)));
 }
 
 TEST(ControlPoints, HaveNoHeightsWhereAllAreZero) {

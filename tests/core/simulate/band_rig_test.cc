@@ -35,9 +35,7 @@ SimulateOptions SmallRig() {
 
 SimulatedFlight Simulate(const SimulateOptions& options, const std::filesystem::path& folder) {
   SilentProgress progress;
-  auto flight = SimulateFlight(options, folder, progress);
-  EXPECT_TRUE(flight.ok());
-  return *std::move(flight);
+  return test::ValueOf(SimulateFlight(options, folder, progress));
 }
 
 TEST(BandRigTest, LevelsAreReadAsReflectance) {

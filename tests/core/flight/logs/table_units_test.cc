@@ -17,15 +17,11 @@ using geo::DegToRad;
 using ::testing::HasSubstr;
 
 FlightLog LogOfTable(std::string_view text) {
-  const auto log = ParseTolerantCsv("table.csv", BytesOf(text));
-  EXPECT_TRUE(log.ok()) << log.error().message;
-  return log.ok() ? *log : FlightLog();
+  return test::ValueOf(ParseTolerantCsv("table.csv", BytesOf(text)));
 }
 
 std::string WhyNoTable(std::string_view text) {
-  const auto log = ParseTolerantCsv("table.csv", BytesOf(text));
-  EXPECT_FALSE(log.ok());
-  return log.ok() ? "" : log.error().message;
+  return test::ErrorOf(ParseTolerantCsv("table.csv", BytesOf(text))).message;
 }
 
 constexpr int kRows = 40;
