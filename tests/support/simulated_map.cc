@@ -118,8 +118,7 @@ KeptPhotos::KeptPhotos(const simulate::SimulatedFlight& flight, const std::vecto
   for (std::size_t i = 0; i < made.size(); ++i) images_[flight.photos[i].photo.name] = std::move(made[i]);
 }
 
-Result<image::DecodedImage> KeptPhotos::Decode(const flight::Photo& photo, int denominator) const {
-  const image::DecodedImage& whole = images_.at(photo.name);
+image::DecodedImage AtSize(const image::DecodedImage& whole, int denominator) {
   if (denominator == 1) return whole;
   const cv::Mat in(whole.height_px, whole.width_px, CV_8UC3, const_cast<std::uint8_t*>(whole.rgb.data()));
   image::DecodedImage small{(whole.width_px + denominator - 1) / denominator,
@@ -129,6 +128,10 @@ Result<image::DecodedImage> KeptPhotos::Decode(const flight::Photo& photo, int d
   cv::Mat out(small.height_px, small.width_px, CV_8UC3, small.rgb.data());
   cv::resize(in, out, out.size(), 0, 0, cv::INTER_AREA);
   return small;
+}
+
+Result<image::DecodedImage> KeptPhotos::Decode(const flight::Photo& photo, int denominator) const {
+  return AtSize(images_.at(photo.name), denominator);
 }
 
 render::SeamMap SimulatedMap::Seams(const render::SeamOptions& options) const {

@@ -29,6 +29,9 @@ struct Car {
 
 inline constexpr double kCarLengthM = 4.5, kCarWidthM = 1.8;
 
+// A picture at 1 / denominator of its size, each pixel the mean of its area.
+image::DecodedImage AtSize(const image::DecodedImage& whole, int denominator);
+
 // The photos, rendered once and kept, with the cars painted in.
 class KeptPhotos final : public flight::PhotoSource {
  public:

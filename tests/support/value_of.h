@@ -1,7 +1,8 @@
-// ValueOf, ErrorOf: what a result holds, for tests that need it; a result that holds the other fails the test
-// and ends it.
+// ValueOf, ErrorOf: what a result or an optional holds, for tests that need it; one that does not hold it
+// fails the test and ends it.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +14,12 @@ template <typename Value>
 Value ValueOf(Result<Value> result) {
   if (!result) throw std::runtime_error(result.error().message);
   return *std::move(result);
+}
+
+template <typename Value>
+Value ValueOf(std::optional<Value> found) {
+  if (!found) throw std::runtime_error("nothing where a value is expected");
+  return *std::move(found);
 }
 
 template <typename Value>

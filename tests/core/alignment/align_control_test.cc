@@ -10,10 +10,7 @@
 #include "core/alignment/align_flight.h"
 #include "core/alignment/bundle/control_points.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
-#include "tests/support/rendered_once.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -23,27 +20,20 @@ using flight::RemarkCode;
 constexpr double kDegPerMetreNorth = 1.0 / 111'000.0, kDegPerMetreEast = 1.0 / 76'000.0;
 
 // A flight that was aligned by its survey, of which `change` made what the test is about.
-struct Surveyed {
+struct Surveyed : Outcome {
   simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
   AlignOptions options;
-  AlignReport report;
-  AlignedFlight flight;
 
   template <typename Change>
   explicit Surveyed(const Change& change) {
     options.control = SurveyControl(truth);
     EXPECT_EQ(options.control.size(), 5u);
     change(options.control);
-    SilentProgress progress;
-    flight = test::ValueOf(AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress));
+    static_cast<Outcome&>(*this) = Align(truth, PosesOf(truth), options);
     EXPECT_EQ(report.control.size(), options.control.size());
     report.control.resize(options.control.size());
   }
 
-  GroundError Error() const {
-    ground::ModelGroundReport ground_report;
-    return MeasureGroundError(truth, flight, ground::ModelGround(flight, ground_report));
-  }
   bool IsAnyUsed() const {
     return std::any_of(report.control.begin(), report.control.end(),
                        [](const ControlReport& point) { return point.is_used; });
@@ -63,7 +53,7 @@ TEST(AlignWithControl, LiesWhereSurveyedPointsSayAndNamesTheOneThatIsWrong) {
   EXPECT_FALSE(wrong.report.control[1].is_used);
   wrong.ExpectReason(1, RemarkCode::kPointFarFromOthers);
   EXPECT_TRUE(wrong.report.control[0].is_used);
-  EXPECT_LT(wrong.Error().absolute_ce90_m, 2.0 * wrong.truth.GsdM());
+  EXPECT_LT(wrong.error.absolute_ce90_m, 2.0 * wrong.truth.GsdM());
 }
 
 TEST(AlignWithControl, LeavesOutAMarkThatTheOthersContradict) {
@@ -93,7 +83,7 @@ TEST(AlignWithControl, IsNotBentToASurveyThatContradictsThePhotos) {
   ASSERT_FALSE(bent.flight.warnings.empty());
   const std::string first = InWords(bent.flight.warnings.front());
   EXPECT_NE(first.find("CONTRADICT"), std::string::npos) << first;
-  EXPECT_LT(bent.Error().relative_ce90_m, 1.5 * bent.truth.GsdM());
+  EXPECT_LT(bent.error.relative_ce90_m, 1.5 * bent.truth.GsdM());
 }
 
 TEST(AlignWithControl, NamesSurveyedPointsThatMissByFar) {
@@ -129,7 +119,7 @@ TEST(AlignWithControl, RefusesSurveyedPointsOfAnotherPlace) {
   EXPECT_FALSE(elsewhere.IsAnyUsed());
   EXPECT_EQ(elsewhere.Said(RemarkCode::kControlElsewhere), 1) << "once for all points";
   EXPECT_EQ(elsewhere.Said(RemarkCode::kControlNotUsed), 0);
-  EXPECT_LT(elsewhere.Error().absolute_ce90_m, 15.0) << "the map is where its positions say";
+  EXPECT_LT(elsewhere.error.absolute_ce90_m, 15.0) << "the map is where its positions say";
 }
 
 TEST(AlignWithControl, RefusesMarksThatArePixelsOfSmallerPictures) {

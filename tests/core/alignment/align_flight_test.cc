@@ -8,34 +8,13 @@
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/ground/model_ground.h"
 #include "core/simulate/sensors/recorded_pose.h"
 #include "tests/core/alignment/simulated_case.h"
 #include "tests/support/rendered_once.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {
-
-struct Outcome {
-  AlignedFlight flight;
-  AlignReport report;
-  GroundError error;
-};
-
-Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& posed, int threads = 2) {
-  Outcome outcome;
-  SilentProgress progress;
-  AlignOptions options;
-  options.threads = threads;
-  Result<AlignedFlight> aligned =
-      AlignFlight(posed, test::PhotosOf(truth), options, outcome.report, progress);
-  EXPECT_TRUE(aligned.ok());
-  outcome.flight = *std::move(aligned);
-  ground::ModelGroundReport ground_report;
-  outcome.error =
-      MeasureGroundError(truth, outcome.flight, ground::ModelGround(outcome.flight, ground_report));
-  return outcome;
-}
 
 // A camera that reads its rows one after another bends what it sees by its speed.
 TEST(AlignFlight, UndoesTheRollingShutterThatItIsToldOf) {
@@ -146,8 +125,10 @@ TEST(AlignFlight, FindsTheDistortionOfALensWhoseFocalLengthAloneIsRecorded) {
 TEST(AlignFlight, GivesTheSameBytesOnOneThreadAndOnTwo) {
   const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
   const poses::PosedFlight posed = PosesOf(truth);
-  const AlignedFlight one = Align(truth, posed, 1).flight;
-  const AlignedFlight two = Align(truth, posed, 2).flight;
+  AlignOptions alone;
+  alone.threads = 1;
+  const AlignedFlight one = Align(truth, posed, alone).flight;
+  const AlignedFlight two = Align(truth, posed).flight;
   ASSERT_EQ(one.photos.size(), two.photos.size());
   for (std::size_t i = 0; i < one.photos.size(); ++i) {
     EXPECT_EQ(one.photos[i].cam_from_enu.rotation.coeffs(), two.photos[i].cam_from_enu.rotation.coeffs());
@@ -229,8 +210,8 @@ TEST(AlignFlight, TellsABlurredPhotoFromOneOfAnotherPlaceAndAccusesNoOther) {
   const std::string blurred = truth.photos[5].photo.name, astray = truth.photos[6].photo.name;
   AlignReport report;
   SilentProgress progress;
-  const auto aligned = AlignFlight(PosesOf(truth), AstraySource(truth, astray), {}, report, progress);
-  ASSERT_TRUE(aligned.ok());
+  const auto aligned =
+      test::ValueOf(AlignFlight(PosesOf(truth), AstraySource(truth, astray), {}, report, progress));
   EXPECT_TRUE(HasFault(report, blurred, PhotoFault::kBlurred));
   EXPECT_FALSE(HasFault(report, blurred, PhotoFault::kOtherPlace));
   EXPECT_TRUE(HasFault(report, astray, PhotoFault::kOtherPlace));
@@ -271,29 +252,28 @@ TEST(AlignFlight, KeepsPhotosItCannotMatchAtTheirPose) {
   const poses::PosedFlight posed = PosesOf(truth);
   AlignReport report;
   SilentProgress progress;
-  const Result<AlignedFlight> aligned = AlignFlight(posed, SpoiltSource(truth), {}, report, progress);
-  ASSERT_TRUE(aligned.ok());
-  ASSERT_EQ(aligned->photos.size(), 8u);
+  const auto aligned = test::ValueOf(AlignFlight(posed, SpoiltSource(truth), {}, report, progress));
+  ASSERT_EQ(aligned.photos.size(), 8u);
   EXPECT_EQ(report.aligned, 6);
   for (const int i : {3, 6}) {
-    EXPECT_EQ(aligned->photos[i].placement, Placement::kPoseOnly);
-    ASSERT_FALSE(aligned->photos[i].placement_remarks.empty());
-    EXPECT_EQ(aligned->photos[i].placement_remarks[0].code == flight::RemarkCode::kByPoseUnreadable, i == 3);
-    EXPECT_GT(aligned->photos[i].error_radius_m, 0.0);
-    EXPECT_LT((aligned->photos[i].cam_from_enu.TargetOriginInSource() -
+    EXPECT_EQ(aligned.photos[i].placement, Placement::kPoseOnly);
+    ASSERT_FALSE(aligned.photos[i].placement_remarks.empty());
+    EXPECT_EQ(aligned.photos[i].placement_remarks[0].code == flight::RemarkCode::kByPoseUnreadable, i == 3);
+    EXPECT_GT(aligned.photos[i].error_radius_m, 0.0);
+    EXPECT_LT((aligned.photos[i].cam_from_enu.TargetOriginInSource() -
                posed.photos[i].cam_from_enu.TargetOriginInSource())
                   .norm(),
               6.0);
   }
-  EXPECT_NE(InOneLine(aligned->photos[3].placement_remarks).find("cut off"), std::string::npos);
+  EXPECT_NE(InOneLine(aligned.photos[3].placement_remarks).find("cut off"), std::string::npos);
   // Looking straight down a photo is tied as far out as its border, and one without ties nowhere.
   for (const int i : {0, 1, 2, 4, 5, 7}) {
-    const camera::Intrinsics& lens = aligned->photos[i].intrinsics;
+    const camera::Intrinsics& lens = aligned.photos[i].intrinsics;
     const double corner_rad = std::atan(std::hypot(lens.width_px, lens.height_px) / 2.0 / lens.focal_x_px);
-    EXPECT_GT(aligned->photos[i].tied_look_rad, 0.5 * corner_rad);
-    EXPECT_LT(aligned->photos[i].tied_look_rad, corner_rad + 0.05);
+    EXPECT_GT(aligned.photos[i].tied_look_rad, 0.5 * corner_rad);
+    EXPECT_LT(aligned.photos[i].tied_look_rad, corner_rad + 0.05);
   }
-  for (const int i : {3, 6}) EXPECT_EQ(aligned->photos[i].tied_look_rad, 0.0);
+  for (const int i : {3, 6}) EXPECT_EQ(aligned.photos[i].tied_look_rad, 0.0);
 }
 
 TEST(AlignFlight, LimitsNoLookWhereNothingIsTied) {
@@ -311,9 +291,9 @@ TEST(AlignFlight, RefusesOptionsThatMakeNoSense) {
   AlignOptions options;
   options.detector_pixels = 5;
   const simulate::SimulatedFlight truth = SmallTruth(2, 0.0);
-  const auto refused = AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress);
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  const Error refused =
+      test::ErrorOf(AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress));
+  EXPECT_EQ(refused.code, ErrorCode::kInvalidArgument);
 }
 
 TEST(AlignFlight, TakesAFlightOfNoneAndOfOne) {
@@ -324,9 +304,8 @@ TEST(AlignFlight, TakesAFlightOfNoneAndOfOne) {
   posed.photos.clear();
   AlignReport report;
   SilentProgress progress;
-  const auto none = AlignFlight(posed, test::PhotosOf(truth), {}, report, progress);
-  ASSERT_TRUE(none.ok());
-  EXPECT_TRUE(none->photos.empty());
+  const auto none = test::ValueOf(AlignFlight(posed, test::PhotosOf(truth), {}, report, progress));
+  EXPECT_TRUE(none.photos.empty());
 }
 
 }  // namespace

@@ -9,20 +9,10 @@
 #include "core/alignment/baselines/align_directly.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/alignment/simulated_case.h"
-#include "tests/support/rendered_once.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {
-
-simulate::SimulateOptions SmallFlight() {
-  simulate::SimulateOptions options;
-  options.seed = options.world.seed = 5;
-  options.noise = simulate::NoiseClass::kXmpTypical;
-  options.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
-  options.trajectory.photos = 8;
-  options.trajectory.photos_per_line = 4;
-  return options;
-}
 
 AlignOptions OnThreads(int threads) {
   AlignOptions options;
@@ -36,24 +26,24 @@ GroundError ErrorOf(const simulate::SimulatedFlight& truth, const AlignedFlight&
 }
 
 TEST(AlignByFeatures, ChainsAFlightOverFlatGroundTighterThanItsPosesAre) {
-  const auto truth = PlanSimulatedFlight(SmallFlight());
-  const poses::PosedFlight posed = PosesOf(*truth);
+  const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
+  const poses::PosedFlight posed = PosesOf(truth);
   AlignReport report;
   SilentProgress progress;
-  const auto flight = AlignByFeatures(posed, test::PhotosOf(*truth), OnThreads(2), report, progress);
-  ASSERT_TRUE(flight.ok());
-  EXPECT_EQ(flight->photos.size(), 8U);
+  const auto flight =
+      test::ValueOf(AlignByFeatures(posed, test::PhotosOf(truth), OnThreads(2), report, progress));
+  EXPECT_EQ(flight.photos.size(), 8U);
   EXPECT_EQ(report.components, 1);
-  EXPECT_LT(ErrorOf(*truth, *flight).relative_ce90_m, 5.0 * truth->GsdM());
-  EXPECT_GT(ErrorOf(*truth, AlignByPoseOnly(posed)).relative_ce90_m, 10.0 * truth->GsdM());
+  EXPECT_LT(ErrorOf(truth, flight).relative_ce90_m, 5.0 * truth.GsdM());
+  EXPECT_GT(ErrorOf(truth, AlignByPoseOnly(posed)).relative_ce90_m, 10.0 * truth.GsdM());
 }
 
 TEST(AlignByFeatures, LooksAtNoRecordedAngle) {
-  const auto truth = PlanSimulatedFlight(SmallFlight());
-  poses::PosedFlight posed = PosesOf(*truth);
+  const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
+  poses::PosedFlight posed = PosesOf(truth);
   AlignReport report;
   SilentProgress progress;
-  const simulate::SimulatedPhotoSource source = test::PhotosOf(*truth);
+  const simulate::SimulatedPhotoSource source = test::PhotosOf(truth);
   const auto before = AlignByFeatures(posed, source, OnThreads(2), report, progress);
   for (poses::PosedPhoto& photo : posed.photos) {
     photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
@@ -85,35 +75,34 @@ class OneElsewhere final : public flight::PhotoSource {
 };
 
 TEST(AlignByFeatures, LeavesOutAPhotoThatMatchesNoOther) {
-  const auto truth = PlanSimulatedFlight(SmallFlight());
-  simulate::SimulateOptions other = SmallFlight();
+  const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
+  simulate::SimulateOptions other = SmallTruth(8, 0.0).options;
   other.world.seed = 99;
   const auto elsewhere = PlanSimulatedFlight(other);
-  const poses::PosedFlight posed = PosesOf(*truth);
+  const poses::PosedFlight posed = PosesOf(truth);
   const std::string odd = posed.photos[2].photo.name;
   AlignReport report;
   SilentProgress progress;
-  const auto flight =
-      AlignByFeatures(posed, OneElsewhere(*truth, *elsewhere, odd), OnThreads(2), report, progress);
-  ASSERT_TRUE(flight.ok());
-  EXPECT_EQ(flight->photos.size(), 7U);
-  ASSERT_EQ(flight->left_out.size(), 1U);
-  EXPECT_EQ(flight->left_out.front().name, odd);
-  EXPECT_FALSE(InWords(flight->left_out.front().reason).empty());
+  const auto flight = test::ValueOf(
+      AlignByFeatures(posed, OneElsewhere(truth, *elsewhere, odd), OnThreads(2), report, progress));
+  EXPECT_EQ(flight.photos.size(), 7U);
+  ASSERT_EQ(flight.left_out.size(), 1U);
+  EXPECT_EQ(flight.left_out.front().name, odd);
+  EXPECT_FALSE(InWords(flight.left_out.front().reason).empty());
 }
 
 TEST(AlignDirectly, MovesPhotosTogetherThatPosesLeaveApart) {
-  const auto truth = PlanSimulatedFlight(SmallFlight());
-  const poses::PosedFlight posed = PosesOf(*truth);
+  const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
+  const poses::PosedFlight posed = PosesOf(truth);
   AlignReport report;
   SilentProgress progress;
-  const auto flight = AlignDirectly(posed, test::PhotosOf(*truth), OnThreads(2), report, progress);
-  ASSERT_TRUE(flight.ok());
-  EXPECT_EQ(flight->photos.size(), 8U);
+  const auto flight =
+      test::ValueOf(AlignDirectly(posed, test::PhotosOf(truth), OnThreads(2), report, progress));
+  EXPECT_EQ(flight.photos.size(), 8U);
   EXPECT_GT(report.aligned, 5);
   for (const AlignPhotoReport& photo : report.photo_reports) EXPECT_EQ(photo.features, 0);
-  EXPECT_LT(ErrorOf(*truth, *flight).relative_ce90_m,
-            0.7 * ErrorOf(*truth, AlignByPoseOnly(posed)).relative_ce90_m);
+  EXPECT_LT(ErrorOf(truth, flight).relative_ce90_m,
+            0.7 * ErrorOf(truth, AlignByPoseOnly(posed)).relative_ce90_m);
 }
 
 }  // namespace

@@ -109,6 +109,12 @@ struct Overlapping {
     for (std::uint16_t k = 0; k < 300; ++k) pair.matches.push_back({k, k});
     verified.push_back(pair);
   }
+  void VerifyFirstFour() {
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) Verify(i, j);
+    }
+  }
+  std::vector<PhotoDoubt> Doubts() const { return DoubtPhotos(input, pairs, verified, Relief(0.0)); }
 };
 
 TEST(DoubtPhotos, KnowsACopyByItsPixels) {
@@ -116,7 +122,7 @@ TEST(DoubtPhotos, KnowsACopyByItsPixels) {
   photos.features[2].keypoints = photos.features[0].keypoints;
   photos.Verify(0, 1);
   photos.Verify(0, 2);
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.verified, Relief(0.0));
+  const auto doubts = photos.Doubts();
   EXPECT_FALSE(doubts[1].IsAny());
   ASSERT_TRUE(doubts[2].copy_of.has_value());
   EXPECT_EQ(*doubts[2].copy_of, 0);
@@ -124,21 +130,17 @@ TEST(DoubtPhotos, KnowsACopyByItsPixels) {
 
 TEST(DoubtPhotos, KnowsAPhotoOfAnotherPlaceByItsSilentNeighbours) {
   Overlapping photos(5);
-  for (int i = 0; i < 4; ++i) {
-    for (int j = i + 1; j < 4; ++j) photos.Verify(i, j);
-  }
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.verified, Relief(0.0));
+  photos.VerifyFirstFour();
+  const auto doubts = photos.Doubts();
   EXPECT_TRUE(doubts[4].shows_other_place);
   for (int i = 0; i < 4; ++i) EXPECT_FALSE(doubts[i].IsAny());
 }
 
 TEST(DoubtPhotos, KnowsABlurredPhotoByOthersOfTheSameGround) {
   Overlapping photos(4);
-  for (int i = 0; i < 4; ++i) {
-    for (int j = i + 1; j < 4; ++j) photos.Verify(i, j);
-  }
+  photos.VerifyFirstFour();
   photos.features[1].detail = EvenDetail(10.0F);
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.verified, Relief(0.0));
+  const auto doubts = photos.Doubts();
   EXPECT_TRUE(doubts[1].is_blurred);
   ASSERT_TRUE(doubts[0].sharpness && doubts[1].sharpness);
   EXPECT_LT(*doubts[1].sharpness, 0.35);
@@ -148,11 +150,9 @@ TEST(DoubtPhotos, KnowsABlurredPhotoByOthersOfTheSameGround) {
 
 TEST(DoubtPhotos, KnowsABlurredPhotoThatMatchesNothing) {
   Overlapping photos(5);
-  for (int i = 0; i < 4; ++i) {
-    for (int j = i + 1; j < 4; ++j) photos.Verify(i, j);
-  }
+  photos.VerifyFirstFour();
   photos.features[4].detail = EvenDetail(10.0F);
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.verified, Relief(0.0));
+  const auto doubts = photos.Doubts();
   EXPECT_TRUE(doubts[4].is_blurred);
   EXPECT_FALSE(doubts[4].shows_other_place);
 }

@@ -8,7 +8,6 @@
 #include "core/poses/estimate_poses.h"
 #include "core/poses/heights/flight_heights.h"
 #include "tests/core/alignment/simulated_case.h"
-#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -76,13 +75,7 @@ TEST(FlightOverHills, IsDrapedOverTheElevationModelWithoutAnyTiePoint) {
 TEST(FlightOverHills, MovesTheElevationModelToTheTiePoints) {
   const simulate::SimulatedFlight truth = OverHills(simulate::NoiseClass::kXmpTypical);
   const HillsOfWorld hills(truth);
-  const auto by_pictures = [&](const poses::PosedFlight& posed) {
-    AlignReport report;
-    SilentProgress progress;
-    const auto aligned = AlignFlight(posed, test::PhotosOf(truth), {}, report, progress);
-    EXPECT_TRUE(aligned.ok());
-    return *aligned;
-  };
+  const auto by_pictures = [&](const poses::PosedFlight& posed) { return Align(truth, posed).flight; };
   const Placed without = Place(truth, nullptr, by_pictures);
   const Placed with = Place(truth, &hills, by_pictures);
   RecordProperty("without_ce90_m", std::to_string(without.error.relative_ce90_m));
@@ -93,17 +86,14 @@ TEST(FlightOverHills, MovesTheElevationModelToTheTiePoints) {
 
 // How far above the true ones the cameras of a map stand.
 double CamerasTooHighM(const simulate::SimulatedFlight& truth) {
-  AlignReport report;
-  SilentProgress progress;
-  const auto aligned = AlignFlight(PosesOf(truth), test::PhotosOf(truth), {}, report, progress);
-  EXPECT_TRUE(aligned.ok());
-  EXPECT_EQ(report.aligned, static_cast<int>(truth.photos.size()));
+  const Outcome outcome = Align(truth, PosesOf(truth));
+  EXPECT_EQ(outcome.report.aligned, static_cast<int>(truth.photos.size()));
   std::vector<double> off_m;
-  for (std::size_t i = 0; i < aligned->photos.size(); ++i) {
+  for (std::size_t i = 0; i < outcome.flight.photos.size(); ++i) {
     const auto height_m = [](const geo::LocalFrame& frame, const geo::Rigid3& cam_from_enu) {
       return frame.Wgs84FromEnu(cam_from_enu.TargetOriginInSource()).height_ellipsoid_m;
     };
-    off_m.push_back(height_m(aligned->frame, aligned->photos[i].cam_from_enu) -
+    off_m.push_back(height_m(outcome.flight.frame, outcome.flight.photos[i].cam_from_enu) -
                     height_m(truth.frame, truth.photos[i].pose.cam_from_enu));
   }
   return Median(std::move(off_m));

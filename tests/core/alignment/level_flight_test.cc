@@ -7,9 +7,8 @@
 #include <limits>
 
 #include "core/flight/remarks/remark_words.h"
-#include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
-#include "tests/support/rendered_once.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -61,11 +60,10 @@ TEST(FindLevelling, LeavesWhatLiesAsItsAnglesSay) {
 
 TEST(FindLevelling, LaysATiltedFlightLevel) {
   TiltedFlight flown(-0.2, 15.0);
-  const auto levelling = FindLevelling(flown.problem, flown.records);
-  ASSERT_TRUE(levelling);
-  EXPECT_NEAR(levelling->tilt_rad, 0.2, 1e-9);
-  EXPECT_NEAR(levelling->height_range_m, 15.0, 1.0);
-  Level(*levelling, flown.records, flown.problem);
+  const auto levelling = test::ValueOf(FindLevelling(flown.problem, flown.records));
+  EXPECT_NEAR(levelling.tilt_rad, 0.2, 1e-9);
+  EXPECT_NEAR(levelling.height_range_m, 15.0, 1.0);
+  Level(levelling, flown.records, flown.problem);
   double first_z = flown.problem.photos[0].cam_from_enu.TargetOriginInSource().z();
   for (int i = 0; i < 12; ++i) {
     const BundlePhoto& photo = flown.problem.photos[static_cast<std::size_t>(i)];
@@ -104,10 +102,9 @@ TEST(Level, TurnsWhatWasExpectedOfPhotosThatTheImagesPlaced) {
     photo.prior_cam_from_enu = photo.cam_from_enu;
     photo.has_record = false;
   }
-  const auto levelling = FindLevelling(flown.problem, flown.records);
-  ASSERT_TRUE(levelling);
+  const auto levelling = test::ValueOf(FindLevelling(flown.problem, flown.records));
   for (BundlePhoto& photo : flown.problem.photos) photo.is_by_images = true;
-  Level(*levelling, flown.records, flown.problem);
+  Level(levelling, flown.records, flown.problem);
   for (const BundlePhoto& photo : flown.problem.photos) {
     EXPECT_LT(
         (photo.prior_cam_from_enu.TargetOriginInSource() - photo.cam_from_enu.TargetOriginInSource()).norm(),
@@ -125,18 +122,11 @@ TEST(AlignFlight, IsNotTiltedByASecondTakeOffFromLowerGround) {
         pose.rotation, pose.TargetOriginInSource() + Eigen::Vector3d(0.0, 0.0, 15.0));
     posed.photos[i].height_above_ground_m += 15.0;
   }
-  AlignReport report;
-  SilentProgress progress;
-  AlignOptions options;
-  options.threads = 2;
-  const Result<AlignedFlight> aligned = AlignFlight(posed, test::PhotosOf(truth), options, report, progress);
-  ASSERT_TRUE(aligned.ok()) << aligned.error().message;
+  const auto [aligned, report, error] = Align(truth, posed);
   EXPECT_EQ(report.aligned, 16);
   ASSERT_FALSE(report.corrections.empty());
   EXPECT_NE(InWords(report.corrections.front()).find("second take-off"), std::string::npos)
       << InWords(report.corrections.front());
-  ground::ModelGroundReport ground_report;
-  const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
   EXPECT_LT(error.absolute_ce90_m, 4.0);
   EXPECT_LT(error.relative_ce90_m, 2.0 * truth.GsdM());
 }

@@ -5,9 +5,7 @@
 
 #include "core/alignment/from_records/correct_poses.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
-#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -73,16 +71,11 @@ TEST(AlignFlight, TurnsAFlightWhoseCameraIsMountedSideways) {
     photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(turn * photo.cam_from_enu.rotation,
                                                                   photo.cam_from_enu.TargetOriginInSource());
   }
-  AlignReport report;
-  SilentProgress progress;
-  const auto aligned = AlignFlight(posed, test::PhotosOf(truth), {}, report, progress);
-  ASSERT_TRUE(aligned.ok());
+  const auto [aligned, report, error] = Align(truth, posed);
   EXPECT_EQ(report.aligned, 12);
   ASSERT_FALSE(report.corrections.empty());
   EXPECT_NE(InWords(report.corrections.front()).find("mounted sideways"), std::string::npos)
       << InWords(report.corrections.front());
-  ground::ModelGroundReport ground_report;
-  const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
   EXPECT_LT(error.relative_ce90_m, 3.0 * truth.GsdM());
 }
 

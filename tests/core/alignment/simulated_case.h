@@ -1,5 +1,5 @@
 // A simulated flight, what alignment made of it, and how far that is from the truth. For tests and
-// benchmarks.
+// benchmarks; who calls Align links tests/support/rendered_once.cc.
 #pragma once
 
 #include <set>
@@ -8,8 +8,11 @@
 
 #include "core/alignment/align_flight.h"
 #include "core/ground/ground_surface.h"
+#include "core/ground/model_ground.h"
 #include "core/poses/posed_flight.h"
 #include "core/simulate/simulate_flight.h"
+#include "tests/support/rendered_once.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 
@@ -47,5 +50,25 @@ simulate::SimulatedFlight SmallTruth(int photos, double relief_m);
 
 // Reads what the simulated photos record, as the product would.
 poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth);
+
+// What AlignFlight makes of such poses, on two threads unless asked otherwise; a failure ends the test.
+struct Outcome {
+  AlignedFlight flight;
+  AlignReport report;
+  GroundError error;  // on the ground as its tie points have it
+};
+
+inline Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& posed,
+                     AlignOptions options = {}) {
+  if (options.threads == 0) options.threads = 2;
+  Outcome outcome;
+  SilentProgress progress;
+  outcome.flight =
+      test::ValueOf(AlignFlight(posed, test::PhotosOf(truth), options, outcome.report, progress));
+  ground::ModelGroundReport ground_report;
+  outcome.error =
+      MeasureGroundError(truth, outcome.flight, ground::ModelGround(outcome.flight, ground_report));
+  return outcome;
+}
 
 }  // namespace skyquilt::alignment

@@ -6,6 +6,7 @@
 #include "core/bands/read_radiometry.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "tests/core/bands/band_photos.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::bands {
 namespace {
@@ -27,64 +28,58 @@ TEST(BandNames, HaveOneSpelling) {
 }
 
 TEST(BandFacts, OfParrotAndMicaSense) {
-  const auto facts = Read(BandPhotoBytes(
+  const auto facts = test::ValueOf(Read(BandPhotoBytes(
       "Camera:BandName=\"Red edge\" Camera:CentralWavelength=\"735.0\" Camera:WavelengthFWHM=\"10\" "
-      "Camera:CaptureUUID=\"1351F8EE\""));
-  ASSERT_TRUE(facts.ok());
-  EXPECT_EQ(facts->name, "rededge");
-  EXPECT_DOUBLE_EQ(facts->wavelength_nm.value(), 735.0);
-  EXPECT_DOUBLE_EQ(facts->width_nm.value(), 10.0);
-  EXPECT_EQ(facts->capture_id, "1351F8EE");
-  EXPECT_FALSE(facts->is_panel);
+      "Camera:CaptureUUID=\"1351F8EE\"")));
+  EXPECT_EQ(facts.name, "rededge");
+  EXPECT_DOUBLE_EQ(facts.wavelength_nm.value(), 735.0);
+  EXPECT_DOUBLE_EQ(facts.width_nm.value(), 10.0);
+  EXPECT_EQ(facts.capture_id, "1351F8EE");
+  EXPECT_FALSE(facts.is_panel);
 }
 
 TEST(BandFacts, OfDji) {
-  const auto facts = Read(BandPhotoBytes(
-      "drone-dji:BandName=\"NIR\" drone-dji:BandFreq=\"840(+/-26)nm\" drone-dji:CaptureUUID=\"abc\""));
-  ASSERT_TRUE(facts.ok());
-  EXPECT_EQ(facts->name, "nir");
-  EXPECT_DOUBLE_EQ(facts->wavelength_nm.value(), 840.0);
-  EXPECT_DOUBLE_EQ(facts->width_nm.value(), 52.0);
-  EXPECT_EQ(facts->capture_id, "abc");
+  const auto facts = test::ValueOf(Read(BandPhotoBytes(
+      "drone-dji:BandName=\"NIR\" drone-dji:BandFreq=\"840(+/-26)nm\" drone-dji:CaptureUUID=\"abc\"")));
+  EXPECT_EQ(facts.name, "nir");
+  EXPECT_DOUBLE_EQ(facts.wavelength_nm.value(), 840.0);
+  EXPECT_DOUBLE_EQ(facts.width_nm.value(), 52.0);
+  EXPECT_EQ(facts.capture_id, "abc");
 }
 
 // Their captures are counted, from the start in each flight.
 TEST(BandFacts, OfSentera) {
-  const auto facts = Read(
+  const auto facts = test::ValueOf(Read(
       BandPhotoBytes("Camera:BandName=\"Blue\" Camera:ImageUniqueID=\"5010\" Camera:RigName=\"Sentera-6x\" "
-                     "Camera:FlightUniqueID=\"2020-07-19_17-23-11\""));
-  ASSERT_TRUE(facts.ok());
-  EXPECT_EQ(facts->capture_id, "2020-07-19_17-23-11 5010");
-  EXPECT_EQ(facts->rig, "Sentera-6x");
+                     "Camera:FlightUniqueID=\"2020-07-19_17-23-11\"")));
+  EXPECT_EQ(facts.capture_id, "2020-07-19_17-23-11 5010");
+  EXPECT_EQ(facts.rig, "Sentera-6x");
 }
 
 // As Zenmuse XT2 names it.
 TEST(BandFacts, OfFlirsOwnTags) {
-  const auto facts = Read(BandPhotoBytes(
-      "xmlns:FLIR=\"http://ns.flir.com/FLIR/1.0/\" FLIR:BandName=\"LWIR\" FLIR:TlinearGain=\"0.04\""));
-  ASSERT_TRUE(facts.ok());
-  EXPECT_EQ(facts->name, kThermalBand);
-  EXPECT_EQ(facts->radiometry.calibration, Calibration::kKelvin);
+  const auto facts = test::ValueOf(Read(BandPhotoBytes(
+      "xmlns:FLIR=\"http://ns.flir.com/FLIR/1.0/\" FLIR:BandName=\"LWIR\" FLIR:TlinearGain=\"0.04\"")));
+  EXPECT_EQ(facts.name, kThermalBand);
+  EXPECT_EQ(facts.radiometry.calibration, Calibration::kKelvin);
 }
 
 TEST(BandFacts, WithoutABandThereAreNone) {
-  const auto facts = Read(BandPhotoBytes("Camera:Yaw=\"1\""));
-  ASSERT_FALSE(facts.ok());
-  EXPECT_EQ(facts.error().code, ErrorCode::kUnsupportedFormat);
-  EXPECT_NE(facts.error().message.find("BandName"), std::string::npos);
+  const Error facts = test::ErrorOf(Read(BandPhotoBytes("Camera:Yaw=\"1\"")));
+  EXPECT_EQ(facts.code, ErrorCode::kUnsupportedFormat);
+  EXPECT_NE(facts.message.find("BandName"), std::string::npos);
 }
 
 TEST(BandFacts, NumbersThatAreNoneAreLeftOut) {
-  const auto facts = Read(BandPhotoBytes(
+  const auto facts = test::ValueOf(Read(BandPhotoBytes(
       "Camera:BandName=\"Red\" Camera:CentralWavelength=\"1e300\" Camera:WavelengthFWHM=\"-3\" "
       "drone-dji:BandFreq=\")(nm\" Camera:VignettingPolynomial2DName=\"0,0,99999,0\" "
       "Camera:VignettingPolynomial2D=\"1,2\" Camera:SensorModel=\"0,0,0\" "
-      "Camera:IrradianceList=\"####\" drone-dji:SensorGain=\"0\" MicaSense:RadiometricCalibration=\"nan,0,0\""));
-  ASSERT_TRUE(facts.ok());
-  EXPECT_FALSE(facts->wavelength_nm.has_value());
-  EXPECT_FALSE(facts->width_nm.has_value());
-  EXPECT_EQ(facts->radiometry.vignetting.kind, BandVignetting::Kind::kNone);
-  EXPECT_TRUE(std::isfinite(facts->radiometry.per_level));
+      "Camera:IrradianceList=\"####\" drone-dji:SensorGain=\"0\" MicaSense:RadiometricCalibration=\"nan,0,0\"")));
+  EXPECT_FALSE(facts.wavelength_nm.has_value());
+  EXPECT_FALSE(facts.width_nm.has_value());
+  EXPECT_EQ(facts.radiometry.vignetting.kind, BandVignetting::Kind::kNone);
+  EXPECT_TRUE(std::isfinite(facts.radiometry.per_level));
 }
 
 TEST(BandFacts, CutOffFilesAreRefused) {
@@ -120,10 +115,9 @@ TEST(Sunshine, TheMostSensitiveGainThatIsNotSaturatedCalibrates) {
 
 TEST(SamplePictures, KeepTheirSixteenBits) {
   const flight::Bytes bytes = BandPhotoBytes("Camera:BandName=\"Red\"", UsualExif(), 40'123);
-  const auto samples = flight::DecodeSampleBytes(bytes, 40, 30);
-  ASSERT_TRUE(samples.ok());
-  ASSERT_EQ(samples->samples.size(), 1200U);
-  EXPECT_EQ(samples->samples[777], 40'123);
+  const auto samples = test::ValueOf(flight::DecodeSampleBytes(bytes, 40, 30));
+  ASSERT_EQ(samples.samples.size(), 1200U);
+  EXPECT_EQ(samples.samples[777], 40'123);
   EXPECT_EQ(flight::DecodeSampleBytes(bytes, 41, 30).error().code, ErrorCode::kCorrupt);
   EXPECT_FALSE(flight::DecodeSampleBytes({bytes.begin(), bytes.begin() + 300}, 40, 30).ok());
   const flight::Bytes colour = flight::TiffImage({}, 2, 1, {1, 2, 3, 4, 5, 6});

@@ -4,28 +4,27 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
+#include <utility>
 
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/bands/band_photos.h"
 #include "tests/core/flight/flir_photo.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::bands {
 namespace {
 
+using test::ValueOf;
+
 class CapturesTest : public testing::Test {
  protected:
-  void Write(const std::string& name, const flight::Bytes& bytes) const {
-    std::ofstream(folder_ / name, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
   void Add(const std::string& name, const std::string& band, const std::string& more = "",
            const flight::ExifWriter& exif = UsualExif()) {
     // Levels differ, so that no two files are the same.
-    Write(name, BandPhotoBytes("Camera:BandName=\"" + band + "\" " + more, exif, level_++));
+    folder_.Write(name, BandPhotoBytes("Camera:BandName=\"" + band + "\" " + more, exif, level_++));
   }
   void AddGreenAndNir(std::initializer_list<const char*> captures) {
     for (const char* id : captures) {
@@ -35,10 +34,13 @@ class CapturesTest : public testing::Test {
   }
   flight::Flight Read() {
     SilentProgress progress;
-    auto files = flight::ListInputFiles({folder_.path()});
-    auto flight = flight::ReadFlight(*files, 2, progress);
-    EXPECT_TRUE(flight.ok());
-    return *std::move(flight);
+    return ValueOf(flight::ReadFlight(ValueOf(flight::ListInputFiles({folder_.path()})), 2, progress));
+  }
+  // The flight of the folder, whose bands were set apart.
+  std::pair<flight::Flight, Captures> Apart(int threads = 1) {
+    flight::Flight flight = Read();
+    Captures apart = SetBandsApart(flight, threads);
+    return {std::move(flight), std::move(apart)};
   }
   const test::TemporaryFolder folder_;
   std::uint16_t level_ = 20'000;
@@ -103,8 +105,7 @@ TEST_F(CapturesTest, GroupsByTimeWithoutIds) {
           UsualExif(fmt::format("2024:06:01 10:00:{:02}", second)));
     }
   }
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   ASSERT_EQ(apart.captures.size(), 2U);
   EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"0_Red.TIF", "5_Red.TIF"}));
 }
@@ -112,14 +113,12 @@ TEST_F(CapturesTest, GroupsByTimeWithoutIds) {
 // A folder for each band, and a clock of whole seconds in which two captures fall.
 TEST_F(CapturesTest, NamesTellCapturesOfOneSecondApart) {
   for (const char* band : {"Blue", "Green", "NIR"}) {
-    std::filesystem::create_directory(folder_ / band);
     for (const int capture : {1, 2}) {
       if (capture == 1 && band[0] == 'N') continue;  // a file is missing
       Add(fmt::format("{}/IMG_{}.tif", band, capture), band);
     }
   }
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   ASSERT_EQ(apart.captures.size(), 2U);
   EXPECT_TRUE(flight.left_out.empty());
   for (std::size_t i = 0; i < 2; ++i) {
@@ -134,8 +133,7 @@ TEST_F(CapturesTest, TheCamerasOfARigMayHaveModelsOfTheirOwn) {
     Add(fmt::format("{}.TIF", band), band, "Camera:RigName=\"Six\" Camera:ImageUniqueID=\"5010\"",
         UsualExif().Ascii(flight::ExifIfd::kImage, 0x0110, band));
   }
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   ASSERT_EQ(apart.captures.size(), 1U);
   EXPECT_EQ(apart.captures[0].photos.size(), 2U);
 }
@@ -143,8 +141,7 @@ TEST_F(CapturesTest, TheCamerasOfARigMayHaveModelsOfTheirOwn) {
 TEST_F(CapturesTest, BandsWithoutWavelengthsStandAsUsual) {
   for (const char* band : {"Green", "NIR", "Red", "RedEdge", "Other"})
     Add(std::string(band) + ".TIF", band, "Camera:CaptureUUID=\"a\"");
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   std::vector<std::string> names;
   for (const Band& band : apart.bands) names.push_back(band.name);
   EXPECT_EQ(names, (std::vector<std::string>{"green", "red", "rededge", "nir", "other"}));
@@ -157,8 +154,7 @@ TEST_F(CapturesTest, TheReferenceIsTheBandOfMostCaptures) {
       Add(std::string(id) + "_green.TIF", "Green", fmt::format("Camera:CaptureUUID=\"{}\"", id));
   }
   Add("d_green.TIF", "Red", "Camera:CaptureUUID=\"d\"");
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   EXPECT_EQ(apart.reference_band, "nir");
   EXPECT_EQ(apart.captures.size(), 3U);
   ASSERT_EQ(flight.left_out.size(), 1U);  // a capture without the reference band
@@ -170,8 +166,7 @@ TEST_F(CapturesTest, PanelsAndWarmthAreLeftOut) {
   for (const char* band : {"Green", "NIR"}) Add(std::string(band) + ".TIF", band, "Camera:CaptureUUID=\"a\"");
   Add("warm.TIF", "LWIR", "Camera:CaptureUUID=\"a\"");
   Add("panel.TIF", "Green", "Camera:CaptureUUID=\"p\" Camera:CalibrationPicture=\"1\"");
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   EXPECT_EQ(apart.captures.size(), 1U);
   ASSERT_EQ(flight.left_out.size(), 2U);
   EXPECT_EQ(flight.left_out[0].name, "panel.TIF");
@@ -180,14 +175,13 @@ TEST_F(CapturesTest, PanelsAndWarmthAreLeftOut) {
 
 TEST_F(CapturesTest, AListTellsWhichShowAPanelUnlessItNamesAll) {
   AddGreenAndNir({"a", "b"});
-  std::ofstream(folder_ / "reflectance.csv") << "photo,reflectance\nB_nir.tif,0.5\n";
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  folder_.Write("reflectance.csv", "photo,reflectance\nB_nir.tif,0.5\n");
+  auto [flight, apart] = Apart();
   EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"a_Green.TIF"}));
   EXPECT_EQ(apart.panels.size(), 2U) << "the whole capture";
   EXPECT_EQ(flight.left_out.size(), 2U);
 
-  std::ofstream(folder_ / "reflectance.csv") << "photo,reflectance\nb_NIR.TIF,0.5\na_NIR.TIF,0.5\n";
+  folder_.Write("reflectance.csv", "photo,reflectance\nb_NIR.TIF,0.5\na_NIR.TIF,0.5\n");
   flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).panels.empty());
   EXPECT_EQ(NamesOf(flight).size(), 2U);
@@ -209,8 +203,7 @@ constexpr const char* kGain = "xmlns:FLIR=\"http://ns.flir.com/FLIR/1.0/\" FLIR:
 TEST_F(CapturesTest, TemperaturesAloneAreABand) {
   for (const char* name : {"a.TIF", "b.TIF"}) Add(name, "LWIR", kGain);
   Add("unknown.TIF", "LWIR");
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 2);
+  const auto [flight, apart] = Apart(2);
   EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"a.TIF", "b.TIF"}));
   EXPECT_EQ(apart.reference_band, "lwir");
   ASSERT_EQ(apart.bands.size(), 1U);
@@ -228,8 +221,7 @@ TEST_F(CapturesTest, TemperaturesFollowTheirRig) {
     }
   }
   Add("c_LWIR.TIF", "LWIR", fmt::format("Camera:CaptureUUID=\"c\" {}", kGain));
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   EXPECT_EQ(apart.reference_band, "blue");  // though more captures have temperatures
   ASSERT_EQ(apart.captures.size(), 2U);
   EXPECT_EQ(apart.captures[0].photos.size(), 2U);
@@ -239,7 +231,7 @@ TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
   flight::JpegParts parts;
   for (const char* name : {"a.JPG", "b.JPG"}) {
     parts.exif = UsualExif(name[0] == 'a' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
-    Write(name, flight::WithFlirRecord(flight::JpegHeader(parts), {'F', 'F', 'F', 0}));
+    folder_.Write(name, flight::WithFlirRecord(flight::JpegHeader(parts), {'F', 'F', 'F', 0}));
   }
   flight::Flight flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());
@@ -250,7 +242,7 @@ TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
   // Beside visible pictures it is none of the map's.
   for (const char* name : {"c.JPG", "d.JPG"}) {
     parts.exif = UsualExif(name[0] == 'c' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
-    Write(name, flight::JpegHeader(parts));
+    folder_.Write(name, flight::JpegHeader(parts));
   }
   flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());
@@ -277,8 +269,7 @@ TEST_F(CapturesTest, ABandsValuesMeanTheSameInAllItsPhotos) {
                            .Ascii(flight::ExifIfd::kImage, 0x0110, "Rig")
                      : UsualExif());
   }
-  flight::Flight flight = Read();
-  const Captures apart = SetBandsApart(flight, 1);
+  const auto [flight, apart] = Apart();
   ASSERT_EQ(apart.captures.size(), 3U);
   int nirs = 0;
   for (const Capture& capture : apart.captures) nirs += static_cast<int>(capture.photos.size()) - 1;

@@ -11,6 +11,7 @@
 #include "core/bands/calibrate_by_panels.h"
 #include "core/bands/find_panel.h"
 #include "core/flight/remarks/remark_words.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::bands {
 namespace {
@@ -33,17 +34,15 @@ constexpr std::array<std::string_view, 25> kCode = {
 };
 
 TEST(PanelCode, SaysSerialAndReflectance) {
-  const auto code = ParsePanelCode("RP04-1924106-OB04005250900425");
-  ASSERT_TRUE(code);
-  EXPECT_EQ(code->serial, "RP04-1924106-OB");
-  EXPECT_EQ(code->version, 4);
-  EXPECT_DOUBLE_EQ(*code->ReflectanceAt(400.0), 0.525);
-  EXPECT_DOUBLE_EQ(*code->ReflectanceAt(650.0), 0.475);
-  EXPECT_DOUBLE_EQ(*code->ReflectanceAt(2000.0), 0.425) << "no further than it was measured";
-  const auto old = ParsePanelCode("RP02-1603036-SC");
-  ASSERT_TRUE(old);
-  EXPECT_EQ(old->version, 2);
-  EXPECT_FALSE(old->ReflectanceAt(560.0));
+  const auto code = test::ValueOf(ParsePanelCode("RP04-1924106-OB04005250900425"));
+  EXPECT_EQ(code.serial, "RP04-1924106-OB");
+  EXPECT_EQ(code.version, 4);
+  EXPECT_DOUBLE_EQ(*code.ReflectanceAt(400.0), 0.525);
+  EXPECT_DOUBLE_EQ(*code.ReflectanceAt(650.0), 0.475);
+  EXPECT_DOUBLE_EQ(*code.ReflectanceAt(2000.0), 0.425) << "no further than it was measured";
+  const auto old = test::ValueOf(ParsePanelCode("RP02-1603036-SC"));
+  EXPECT_EQ(old.version, 2);
+  EXPECT_FALSE(old.ReflectanceAt(560.0));
 }
 
 TEST(PanelCode, OfAnythingElseIsNone) {
@@ -105,11 +104,10 @@ TEST(FindPanel, FindsTheGreySquareHoweverThePanelIsTurned) {
     const auto found = FindPanel(picture);
     ASSERT_TRUE(found) << turn_rad;
     EXPECT_EQ(found->code.serial, "RP04-1924106-OB");
-    const auto levels = LevelsIn(picture, found->area_px);
-    ASSERT_TRUE(levels);
-    EXPECT_EQ(levels->median, 30'000.0) << turn_rad;
-    EXPECT_LT(levels->spread, 0.01) << turn_rad << ": the square alone";
-    EXPECT_EQ(levels->clipped_share, 0.0);
+    const auto levels = test::ValueOf(LevelsIn(picture, found->area_px));
+    EXPECT_EQ(levels.median, 30'000.0) << turn_rad;
+    EXPECT_LT(levels.spread, 0.01) << turn_rad << ": the square alone";
+    EXPECT_EQ(levels.clipped_share, 0.0);
   }
 }
 

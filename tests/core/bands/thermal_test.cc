@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -18,6 +17,7 @@
 #include "tests/core/flight/flir_photo.h"
 #include "tests/support/output_of.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::bands {
 namespace {
@@ -90,18 +90,16 @@ Bytes Jpeg(int width_px = kThermalWidth, int height_px = kThermalHeight) {
 
 BandFacts FactsOf(const Bytes& bytes) {
   flight::MemoryBytes source(bytes);
-  auto facts = ReadBandFacts(source);
-  EXPECT_TRUE(facts.ok());
-  return facts ? *std::move(facts) : BandFacts{};
+  return test::ValueOf(ReadBandFacts(source));
 }
 
 void ExpectTrueKelvins(const Bytes& jpeg, int scale = 1) {
   const BandFacts facts = FactsOf(jpeg);
   EXPECT_EQ(facts.name, "lwir");
   ASSERT_EQ(facts.radiometry.calibration, Calibration::kKelvin) << facts.radiometry.method;
-  const auto levels = flight::DecodeSampleBytes(jpeg, kThermalWidth * scale, kThermalHeight * scale);
-  ASSERT_TRUE(levels.ok()) << levels.error().message;
-  const image::FloatImage kelvins = ValuesOf(*levels, facts.radiometry);
+  const auto levels =
+      test::ValueOf(flight::DecodeSampleBytes(jpeg, kThermalWidth * scale, kThermalHeight * scale));
+  const image::FloatImage kelvins = ValuesOf(levels, facts.radiometry);
   for (int y = 0; y < kThermalHeight; ++y) {
     for (int x = 0; x < kThermalWidth; ++x) {
       const int at = y * scale * kelvins.width_px + x * scale;
@@ -213,15 +211,11 @@ TEST(FlirTemperatureTest, ConstantsAndLevelsAreThoseThatExifToolReads) {
   const test::TemporaryFolder folder;
   const FlirPhoto photo = TruePhoto(FlirLevels::kPng);
   const Bytes jpeg = WithFlirRecord(Jpeg(), FlirRecordBytes(photo), 1500);
-  const std::string path = (folder.path() / "thermal.jpg").string();
-  std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(jpeg.data()), static_cast<std::streamsize>(jpeg.size()));
+  const std::string path = folder.Write("thermal.jpg", jpeg).string();
   flight::MemoryBytes source(jpeg);
-  const auto header = flight::ReadImageHeader(source);
-  ASSERT_TRUE(header.ok());
-  const auto record = flight::ReadFlirRecord(source, header->flir);
-  ASSERT_TRUE(record.ok());
-  const FlirConstants& c = record->constants;
+  const auto header = test::ValueOf(flight::ReadImageHeader(source));
+  const auto record = test::ValueOf(flight::ReadFlirRecord(source, header.flir));
+  const FlirConstants& c = record.constants;
   constexpr double kZeroCelsiusK = 273.15;
   const std::vector<std::pair<std::string, double>> expected = {
       {"PlanckR1", c.planck_r1},
@@ -241,15 +235,15 @@ TEST(FlirTemperatureTest, ConstantsAndLevelsAreThoseThatExifToolReads) {
       {"AtmosphericTransBeta1", c.beta_1},
       {"AtmosphericTransBeta2", c.beta_2},
       {"AtmosphericTransX", c.atmosphere_x},
-      {"RawThermalImageWidth", record->width_px},
-      {"RawThermalImageHeight", record->height_px}};
+      {"RawThermalImageWidth", record.width_px},
+      {"RawThermalImageHeight", record.height_px}};
   for (const auto& [tag, value] : expected) {
     const std::string read = test::OutputOf("exiftool -n -s3 -" + tag + " '" + path + "'");
     ASSERT_FALSE(read.empty()) << tag;
     EXPECT_NEAR(std::stod(read), value, 1e-6 * std::max(1.0, std::abs(value))) << tag;
   }
   const std::string png = test::OutputOf("exiftool -b -RawThermalImage '" + path + "'");
-  EXPECT_EQ(Bytes(png.begin(), png.end()), record->picture);
+  EXPECT_EQ(Bytes(png.begin(), png.end()), record.picture);
 }
 
 Radiometry TiffRadiometry(const std::string& attributes, const std::string& make = "Maker") {

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "tests/support/temporary_folder.h"
 
@@ -13,11 +12,9 @@ namespace {
 
 TEST(Digest, OfAFileTellsItsBytes) {
   const test::TemporaryFolder folder;
-  std::ofstream(folder / "one") << "a flight";
-  std::ofstream(folder / "same") << "a flight";
-  std::ofstream(folder / "other") << "b flight";
-  EXPECT_EQ(*DigestOfFile(folder / "one"), *DigestOfFile(folder / "same"));
-  EXPECT_NE(*DigestOfFile(folder / "one"), *DigestOfFile(folder / "other"));
+  const Digest one = *DigestOfFile(folder.Write("one", "a flight"));
+  EXPECT_EQ(*DigestOfFile(folder.Write("same", "a flight")), one);
+  EXPECT_NE(*DigestOfFile(folder.Write("other", "b flight")), one);
 }
 
 // Their bytes never end, or never come.

@@ -11,6 +11,7 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/lat_lon.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -248,22 +249,20 @@ TEST(VelocityFromTags, TurnsEveryFrameToEastNorthUp) {
   ASSERT_TRUE(dji.AddPacket(XmpPacket(kDjiNamespace + std::string("drone-dji:FlightXSpeed=\"+3.0\" "
                                                                   "drone-dji:FlightYSpeed=\"-4.0\" "
                                                                   "drone-dji:FlightZSpeed=\"+0.5\""))));
-  const auto from_ned = VelocityFromTags(dji);
-  ASSERT_TRUE(from_ned);
-  EXPECT_EQ(from_ned->north_mps, 3.0);
-  EXPECT_EQ(from_ned->east_mps, -4.0);
-  EXPECT_EQ(from_ned->up_mps, -0.5);
+  const auto from_ned = test::ValueOf(VelocityFromTags(dji));
+  EXPECT_EQ(from_ned.north_mps, 3.0);
+  EXPECT_EQ(from_ned.east_mps, -4.0);
+  EXPECT_EQ(from_ned.up_mps, -0.5);
 
   XmpTags sequoia;
   ASSERT_TRUE(sequoia.AddPacket(XmpPacket("xmlns:Camera=\"http://pix4d.com/camera/1.0/\"",
                                           "<Camera:IMULinearVelocity><rdf:Seq><rdf:li>1.5</"
                                           "rdf:li><rdf:li>-2</rdf:li><rdf:li>0.25</rdf:li></rdf:Seq>"
                                           "</Camera:IMULinearVelocity>")));
-  const auto from_enu = VelocityFromTags(sequoia);
-  ASSERT_TRUE(from_enu);
-  EXPECT_EQ(from_enu->east_mps, 1.5);
-  EXPECT_EQ(from_enu->north_mps, -2.0);
-  EXPECT_EQ(from_enu->up_mps, 0.25);
+  const auto from_enu = test::ValueOf(VelocityFromTags(sequoia));
+  EXPECT_EQ(from_enu.east_mps, 1.5);
+  EXPECT_EQ(from_enu.north_mps, -2.0);
+  EXPECT_EQ(from_enu.up_mps, 0.25);
 }
 
 TEST(VelocityFromTags, RefusesAllZeroAndImpossibleSpeeds) {

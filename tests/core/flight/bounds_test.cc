@@ -1,11 +1,8 @@
 // What readers of photos take of files that were made to cost: counted, not timed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 #include <zlib.h>
 
-#include <filesystem>
-#include <fstream>
 #include <numeric>
 #include <string>
 #include <tuple>
@@ -17,6 +14,8 @@
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/photos/png_profile.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -216,9 +215,8 @@ TEST(PngHeader, OneExifAndFewPacketsAreRead) {
   for (int i = 0; i < 20; ++i) chunk("iTXt", text);
   chunk("IEND", {});
   CountingBytes source(png);
-  const auto header = ReadImageHeader(source);
-  ASSERT_TRUE(header.ok()) << header.error().message;
-  EXPECT_LE(header->xmp_packets.size(), 4U);
+  const auto header = test::ValueOf(ReadImageHeader(source));
+  EXPECT_LE(header.xmp_packets.size(), 4U);
   EXPECT_LT(source.bytes_read, 500'000U);
 }
 
@@ -239,35 +237,27 @@ TEST(TiffDirectories, ChainsAreCountedOnlySoFar) {
        {std::tuple{3U, false, 3}, {64U, false, 64}, {65U, false, 65}, {60'000U, false, 65}, {2U, true, 65}}) {
     const Bytes tiff = chain(length, closes);
     CountingBytes source(tiff);
-    const Result<int> counted = CountTiffDirectories(source, 64);
-    ASSERT_TRUE(counted.ok());
-    EXPECT_EQ(*counted, count);
+    const auto counted = test::ValueOf(CountTiffDirectories(source, 64));
+    EXPECT_EQ(counted, count);
     EXPECT_LT(source.reads, 200U);
   }
-  const auto path = std::filesystem::temp_directory_path() / ("chain_" + std::to_string(::getpid()) + ".tif");
-  for (const std::uint32_t length : {10U, 1000U}) {
-    const Bytes tiff = chain(length, false);
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(tiff.data()), static_cast<long>(tiff.size()));
-    EXPECT_EQ(CheckTiffDirectories(path).ok(), length < 64);
-  }
-  std::filesystem::remove(path);
+  const test::TemporaryFolder folder;
+  for (const std::uint32_t length : {10U, 1000U})
+    EXPECT_EQ(CheckTiffDirectories(folder.Write("chain.tif", chain(length, false))).ok(), length < 64);
 }
 
 TEST(FindDuplicates, FilesThatAreAlikeAtFirstAreToldApart) {
-  const auto folder = std::filesystem::temp_directory_path() / ("alike_" + std::to_string(::getpid()));
-  std::filesystem::create_directory(folder);
+  const test::TemporaryFolder folder;
   std::vector<InputFile> files;
   for (int i = 0; i < 40; ++i) {
-    files.push_back({std::to_string(i), folder / std::to_string(i)});
-    std::ofstream(files.back().path) << std::string(70'000, 'x') << static_cast<char>('a' + i % 20);
+    const std::string content = std::string(70'000, 'x') + static_cast<char>('a' + i % 20);
+    files.push_back({std::to_string(i), folder.Write(std::to_string(i), content)});
   }
   const auto duplicate_of = FindDuplicates(files);
   for (std::size_t i = 0; i < 20; ++i) {
     EXPECT_FALSE(duplicate_of[i]);
     EXPECT_EQ(duplicate_of[i + 20], i);
   }
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "core/flight/photos/read_photo.h"
 #include "tests/core/flight/synthetic_photo.h"
 #include "tests/support/long_png.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -65,9 +66,8 @@ TEST(DecodePhotoBytes, DecodesJpegAtEverySize) {
   const Bytes jpeg = Jpeg(Ramp(kWidth, kHeight), kWidth, kHeight, TJPF_RGB, TJSAMP_422);
   for (const int denominator : {1, 2, 4, 8}) {
     SCOPED_TRACE(denominator);
-    const auto image = DecodePhotoBytes(jpeg, kWidth, kHeight, denominator);
-    ASSERT_TRUE(image.ok()) << image.error().message;
-    ExpectRamp(*image, kWidth, kHeight, denominator);
+    const auto image = test::ValueOf(DecodePhotoBytes(jpeg, kWidth, kHeight, denominator));
+    ExpectRamp(image, kWidth, kHeight, denominator);
   }
 }
 
@@ -86,14 +86,12 @@ TEST(DecodePhotoBytes, DecodesTiffAndPngAtEverySize) {
     for (const cv::Mat& picture : {bgr, deep}) {
       Bytes file;
       ASSERT_TRUE(cv::imencode(ending, picture, file));
-      const auto header = ReadPhotoFromBytes(ending, file);
-      ASSERT_TRUE(header.ok()) << header.error().message;
+      const auto header = test::ValueOf(ReadPhotoFromBytes(ending, file));
       for (const int denominator : {1, 2, 4, 8}) {
         SCOPED_TRACE(std::string(ending) + " " + std::to_string(denominator));
-        const auto image =
-            DecodePhotoBytes(file, header->intrinsics.width_px, header->intrinsics.height_px, denominator);
-        ASSERT_TRUE(image.ok()) << image.error().message;
-        ExpectRamp(*image, kWidth, kHeight, denominator);
+        const auto image = test::ValueOf(
+            DecodePhotoBytes(file, header.intrinsics.width_px, header.intrinsics.height_px, denominator));
+        ExpectRamp(image, kWidth, kHeight, denominator);
       }
     }
   }
@@ -110,25 +108,23 @@ Bytes Noise(int width_px, int height_px) {
 void ExpectPartsOf(const Bytes& file, int width_px, int height_px) {
   std::mt19937 random(11);
   for (const int denominator : {1, 2, 4, 8}) {
-    const auto whole = DecodePhotoBytes(file, width_px, height_px, denominator);
-    ASSERT_TRUE(whole.ok()) << whole.error().message;
+    const auto whole = test::ValueOf(DecodePhotoBytes(file, width_px, height_px, denominator));
     const auto below = [&](int end) { return static_cast<int>(random() % static_cast<unsigned>(end)); };
     for (int trial = 0; trial < 40; ++trial) {
-      image::PixelBox box{below(whole->width_px), below(whole->height_px), 0, 0};
-      box.right = box.left + 1 + below(whole->width_px - box.left);
-      box.bottom = box.top + 1 + below(whole->height_px - box.top);
+      image::PixelBox box{below(whole.width_px), below(whole.height_px), 0, 0};
+      box.right = box.left + 1 + below(whole.width_px - box.left);
+      box.bottom = box.top + 1 + below(whole.height_px - box.top);
       SCOPED_TRACE(::testing::Message() << "1/" << denominator << ": " << box.left << " " << box.top << " "
                                         << box.right << " " << box.bottom);
-      const auto part = DecodePhotoPart(file, width_px, height_px, denominator, box);
-      ASSERT_TRUE(part.ok()) << part.error().message;
-      const image::DecodedImage& image = part->image;
-      ASSERT_TRUE((image::PixelBox{part->left_px, part->top_px, part->left_px + image.width_px,
-                                   part->top_px + image.height_px}
+      const auto part = test::ValueOf(DecodePhotoPart(file, width_px, height_px, denominator, box));
+      const image::DecodedImage& image = part.image;
+      ASSERT_TRUE((image::PixelBox{part.left_px, part.top_px, part.left_px + image.width_px,
+                                   part.top_px + image.height_px}
                        .Contains(box)));
       ASSERT_EQ(image.rgb.size(), static_cast<std::size_t>(image.width_px) * image.height_px * 3);
       for (int y = box.top; y < box.bottom; ++y) {
-        const std::uint8_t* there = image.Row(y - part->top_px) + 3 * (box.left - part->left_px);
-        ASSERT_TRUE(std::equal(there, there + 3 * (box.right - box.left), whole->Row(y) + 3 * box.left)) << y;
+        const std::uint8_t* there = image.Row(y - part.top_px) + 3 * (box.left - part.left_px);
+        ASSERT_TRUE(std::equal(there, there + 3 * (box.right - box.left), whole.Row(y) + 3 * box.left)) << y;
       }
     }
   }
@@ -168,10 +164,9 @@ TEST(DecodePhotoPart, AveragesAPngRowByRow) {
   cv::cvtColor(cv::Mat(height, width, CV_8UC3, rgb.data()), bgr, cv::COLOR_RGB2BGR);
   ASSERT_TRUE(cv::imencode(".png", bgr, file));
   for (const int d : {1, 2, 4, 8}) {
-    const auto image = DecodePhotoBytes(file, width, height, d);
-    ASSERT_TRUE(image.ok()) << image.error().message;
-    for (int y = 0; y < image->height_px; ++y) {
-      for (int x = 0; x < image->width_px; ++x) {
+    const auto image = test::ValueOf(DecodePhotoBytes(file, width, height, d));
+    for (int y = 0; y < image.height_px; ++y) {
+      for (int x = 0; x < image.width_px; ++x) {
         for (int c = 0; c < 3; ++c) {
           int sum = 0;
           for (int k = 0; k < d * d; ++k) {
@@ -179,7 +174,7 @@ TEST(DecodePhotoPart, AveragesAPngRowByRow) {
                       from_y = std::min(y * d + k / d, height - 1);
             sum += rgb[static_cast<std::size_t>(3 * (from_y * width + from_x) + c)];
           }
-          ASSERT_EQ(image->Row(y)[3 * x + c], (sum + d * d / 2) / (d * d)) << d << ": " << x << " " << y;
+          ASSERT_EQ(image.Row(y)[3 * x + c], (sum + d * d / 2) / (d * d)) << d << ": " << x << " " << y;
         }
       }
     }
@@ -196,11 +191,10 @@ TEST(DecodePhotoBytes, ReadsEveryKindOfPng) {
   EXPECT_EQ(DecodePhotoBytes(file, 40, 30, 2)->rgb, PixelBytes(20 * 15 * 3, 90));
   for (const cv::Mat& picture : {deep, clear}) {
     ASSERT_TRUE(cv::imencode(".png", picture, file));
-    const auto image = DecodePhotoBytes(file, 40, 30, 1);
-    ASSERT_TRUE(image.ok()) << image.error().message;
-    EXPECT_EQ(image->rgb[0], 30);
-    EXPECT_EQ(image->rgb[1], 20);
-    EXPECT_EQ(image->rgb[2], 10);
+    const auto image = test::ValueOf(DecodePhotoBytes(file, 40, 30, 1));
+    EXPECT_EQ(image.rgb[0], 30);
+    EXPECT_EQ(image.rgb[1], 20);
+    EXPECT_EQ(image.rgb[2], 10);
   }
   for (std::size_t length = 0; length + 12 < file.size(); length += 7)
     EXPECT_FALSE(
@@ -239,10 +233,9 @@ TEST(DecodePhotoPart, RefusesWhatTakesMoreThanItMay) {
   const cv::Mat picture(480, 640, CV_8UC3, rgb.data());
   ASSERT_TRUE(cv::imencode(".jpg", picture, progressive, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}));
   ASSERT_TRUE(cv::imencode(".png", picture, png));
-  const auto refused = DecodePhotoPart(progressive, 640, 480, 8, std::nullopt, {}, 1 << 20);
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
-  EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--max-memory"));
+  const Error refused = test::ErrorOf(DecodePhotoPart(progressive, 640, 480, 8, std::nullopt, {}, 1 << 20));
+  EXPECT_EQ(refused.code, ErrorCode::kTooLarge);
+  EXPECT_THAT(refused.message, ::testing::HasSubstr("--max-memory"));
   EXPECT_TRUE(DecodePhotoPart(progressive, 640, 480, 8, std::nullopt, {}, 4 << 20).ok());
   EXPECT_TRUE(DecodePhotoPart(png, 640, 480, 8, std::nullopt, {}, 1 << 20).ok());
 }
@@ -251,9 +244,8 @@ TEST(DecodePhotoPart, ReadsNothingBelow) {
   const Bytes jpeg = Jpeg(Noise(320, 240), 320, 240, TJPF_RGB, TJSAMP_420);
   const Bytes cut(jpeg.begin(), jpeg.begin() + static_cast<std::ptrdiff_t>(jpeg.size() / 2));
   EXPECT_TRUE(DecodePhotoPart(cut, 320, 240, 1, image::PixelBox{0, 0, 320, 60}).ok());
-  const auto below = DecodePhotoPart(cut, 320, 240, 1, image::PixelBox{0, 180, 320, 240});
-  ASSERT_FALSE(below.ok());
-  EXPECT_EQ(below.error().code, ErrorCode::kCorrupt);
+  const Error below = test::ErrorOf(DecodePhotoPart(cut, 320, 240, 1, image::PixelBox{0, 180, 320, 240}));
+  EXPECT_EQ(below.code, ErrorCode::kCorrupt);
 }
 
 TEST(DecodePhotoBytes, RefusesAPictureOfTooManyScans) {
@@ -267,27 +259,23 @@ TEST(DecodePhotoBytes, RefusesAPictureOfTooManyScans) {
   Bytes bomb(file.begin(), file.end() - 2);
   for (int i = 0; i < 600; ++i) bomb.insert(bomb.end(), scan.begin(), scan.end());
   bomb.insert(bomb.end(), {0xFF, 0xD9});
-  const auto image = DecodePhotoBytes(bomb, 64, 48, 1);
-  ASSERT_FALSE(image.ok());
-  EXPECT_EQ(image.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(test::ErrorOf(DecodePhotoBytes(bomb, 64, 48, 1)).code, ErrorCode::kCorrupt);
 }
 
 TEST(DecodePhotoBytes, TurnsGreyIntoRgb) {
   const Bytes jpeg = Jpeg(Bytes(64 * 48, 77), 64, 48, TJPF_GRAY, TJSAMP_GRAY);
-  const auto image = DecodePhotoBytes(jpeg, 64, 48, 2);
-  ASSERT_TRUE(image.ok());
-  ASSERT_EQ(image->rgb.size(), 32u * 24u * 3u);
-  for (const std::uint8_t value : image->rgb) ASSERT_NEAR(value, 77, 2);
+  const auto image = test::ValueOf(DecodePhotoBytes(jpeg, 64, 48, 2));
+  ASSERT_EQ(image.rgb.size(), 32u * 24u * 3u);
+  for (const std::uint8_t value : image.rgb) ASSERT_NEAR(value, 77, 2);
 }
 
 TEST(DecodePhotoBytes, TurnsAdobesInvertedCmykIntoRgb) {
   Bytes cmyk;
   for (int i = 0; i < 64 * 48; ++i) cmyk.insert(cmyk.end(), {200, 100, 50, 255});
-  const auto image = DecodePhotoBytes(Jpeg(cmyk, 64, 48, TJPF_CMYK, TJSAMP_444), 64, 48, 1);
-  ASSERT_TRUE(image.ok()) << image.error().message;
-  EXPECT_NEAR(image->rgb[0], 200, 4);
-  EXPECT_NEAR(image->rgb[1], 100, 4);
-  EXPECT_NEAR(image->rgb[2], 50, 4);
+  const auto image = test::ValueOf(DecodePhotoBytes(Jpeg(cmyk, 64, 48, TJPF_CMYK, TJSAMP_444), 64, 48, 1));
+  EXPECT_NEAR(image.rgb[0], 200, 4);
+  EXPECT_NEAR(image.rgb[1], 100, 4);
+  EXPECT_NEAR(image.rgb[2], 50, 4);
 }
 
 TEST(DecodePhotoBytes, RefusesEveryJpegThatIsCutOff) {
@@ -301,9 +289,9 @@ TEST(DecodePhotoBytes, RefusesEveryJpegThatIsCutOff) {
 }
 
 TEST(DecodePhotoBytes, RefusesAFileThatChangedSinceItsHeaderWasRead) {
-  const auto image = DecodePhotoBytes(Jpeg(Ramp(160, 120), 160, 120, TJPF_RGB, TJSAMP_420), 4000, 3000, 1);
-  ASSERT_FALSE(image.ok());
-  EXPECT_EQ(image.error().code, ErrorCode::kCorrupt);
+  const Error image =
+      test::ErrorOf(DecodePhotoBytes(Jpeg(Ramp(160, 120), 160, 120, TJPF_RGB, TJSAMP_420), 4000, 3000, 1));
+  EXPECT_EQ(image.code, ErrorCode::kCorrupt);
 }
 
 TEST(DecodePhotoBytes, SurvivesDamagedTiffAndNonsense) {
@@ -316,9 +304,7 @@ TEST(DecodePhotoBytes, SurvivesDamagedTiffAndNonsense) {
 TEST(FilePhotoSource, NamesAFileThatIsGone) {
   Photo photo;
   photo.path = "/nonexistent/photo.jpg";
-  const auto image = FilePhotoSource().Decode(photo, 1);
-  ASSERT_FALSE(image.ok());
-  EXPECT_EQ(image.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(test::ErrorOf(FilePhotoSource().Decode(photo, 1)).code, ErrorCode::kNotFound);
 }
 
 }  // namespace

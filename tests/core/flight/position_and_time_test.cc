@@ -9,6 +9,7 @@
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -16,9 +17,8 @@ namespace {
 using std::chrono::microseconds;
 
 Photo Read(const ExifWriter& exif, const std::string& xmp = "", bool is_big_endian = false) {
-  auto photo = ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(is_big_endian), .xmp = xmp}));
-  EXPECT_TRUE(photo.ok()) << (photo.ok() ? "" : photo.error().message);
-  return std::move(*photo);
+  return test::ValueOf(
+      ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(is_big_endian), .xmp = xmp})));
 }
 
 bool Notes(const Photo& photo, const std::string& words) {
@@ -26,6 +26,17 @@ bool Notes(const Photo& photo, const std::string& words) {
     if (note.find(words) != std::string::npos) return true;
   }
   return false;
+}
+
+using Parts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+// North and east (or west), as the parts are written.
+ExifWriter InParts(Parts lat, Parts lon, const std::string& lon_ref = "E") {
+  return ExifWriter()
+      .Rational(ExifIfd::kGps, 2, std::move(lat))
+      .Rational(ExifIfd::kGps, 4, std::move(lon))
+      .Ascii(ExifIfd::kGps, 1, "N")
+      .Ascii(ExifIfd::kGps, 3, lon_ref);
 }
 
 std::string Dji(const std::string& attributes) { return XmpPacket(kDjiNamespace + attributes); }
@@ -74,12 +85,7 @@ TEST(ReadPhotoPosition, TreatsZeroZeroAsNoFix) {
 TEST(ReadPhotoPosition, RefusesWhatIsNotOnEarth) {
   EXPECT_FALSE(Read(ExifWriter().Position(91.0, 5.0)).position);
   EXPECT_FALSE(Read(ExifWriter().Position(45.0, 181.0)).position);
-  EXPECT_FALSE(Read(ExifWriter()
-                        .Rational(ExifIfd::kGps, 2, {{46, 0}, {50, 1}, {3, 1}})
-                        .Rational(ExifIfd::kGps, 4, {{9, 1}, {5, 1}, {3, 1}})
-                        .Ascii(ExifIfd::kGps, 1, "N")
-                        .Ascii(ExifIfd::kGps, 3, "E"))
-                   .position);
+  EXPECT_FALSE(Read(InParts({{46, 0}, {50, 1}, {3, 1}}, {{9, 1}, {5, 1}, {3, 1}})).position);
   EXPECT_FALSE(Read(ExifWriter().Ascii(ExifIfd::kImage, 0x010F, "DJI")).position);
   EXPECT_FALSE(Read(ExifWriter().Ascii(ExifIfd::kImage, 0x010F, "DJI"),
                     Dji("drone-dji:GpsLatitude=\"nan\" drone-dji:GpsLongitude=\"5\""))
@@ -87,24 +93,15 @@ TEST(ReadPhotoPosition, RefusesWhatIsNotOnEarth) {
 }
 
 TEST(ReadPhotoPosition, ReadsDecimalMinutesWithEmptySeconds) {
-  const Photo photo = Read(ExifWriter()
-                               .Rational(ExifIfd::kGps, 2, {{46, 1}, {505567, 10000}, {0, 0}})
-                               .Rational(ExifIfd::kGps, 4, {{91, 1}, {595, 10}, {0, 1}})
-                               .Ascii(ExifIfd::kGps, 1, "N")
-                               .Ascii(ExifIfd::kGps, 3, "W"));
+  const Photo photo = Read(InParts({{46, 1}, {505567, 10000}, {0, 0}}, {{91, 1}, {595, 10}, {0, 1}}, "W"));
   ASSERT_TRUE(photo.position);
   EXPECT_NEAR(photo.position->position.lat_deg, 46.0 + 50.5567 / 60.0, 1e-9);
   EXPECT_NEAR(photo.position->position.lon_deg, -(91.0 + 59.5 / 60.0), 1e-9);
 }
 
 TEST(ReadPhotoPosition, IsAsUnsureAsTheStepsInWhichItIsWritten) {
-  const auto sigma_of = [](std::pair<std::uint32_t, std::uint32_t> minutes,
-                           std::pair<std::uint32_t, std::uint32_t> seconds) {
-    return Read(ExifWriter()
-                    .Rational(ExifIfd::kGps, 2, {{46, 1}, minutes, seconds})
-                    .Rational(ExifIfd::kGps, 4, {{7, 1}, minutes, seconds})
-                    .Ascii(ExifIfd::kGps, 1, "N")
-                    .Ascii(ExifIfd::kGps, 3, "E"))
+  const auto sigma_of = [](Parts::value_type minutes, Parts::value_type seconds) {
+    return Read(InParts({{46, 1}, minutes, seconds}, {{7, 1}, minutes, seconds}))
         .position->sigma_horizontal_m;
   };
   EXPECT_NEAR(sigma_of({50, 1}, {33, 1}).value(), 9.05, 0.1);  // 31 m / sqrt(12), and the receiver's
@@ -113,13 +110,7 @@ TEST(ReadPhotoPosition, IsAsUnsureAsTheStepsInWhichItIsWritten) {
 }
 
 // 46.8426 N by the parts given, 7.5 E.
-Photo OfLatitude(std::vector<std::pair<std::uint32_t, std::uint32_t>> parts) {
-  return Read(ExifWriter()
-                  .Rational(ExifIfd::kGps, 2, std::move(parts))
-                  .Rational(ExifIfd::kGps, 4, {{7, 1}, {30, 1}, {0, 1}})
-                  .Ascii(ExifIfd::kGps, 1, "N")
-                  .Ascii(ExifIfd::kGps, 3, "E"));
-}
+Photo OfLatitude(Parts parts) { return Read(InParts(std::move(parts), {{7, 1}, {30, 1}, {0, 1}})); }
 
 TEST(ReadPhotoPosition, CountsDecimalsThatAreWrittenTwiceOnce) {
   const double seconds = 33.36;  // 46 degrees, 50.556 minutes
@@ -160,11 +151,7 @@ TEST(ReadPhotoPosition, ReadsDecimalCommas) {
 }
 
 TEST(ReadPhotoPosition, PrefersTheFinerOfTwoWritingsOfOnePosition) {
-  const ExifWriter coarse = ExifWriter()
-                                .Rational(ExifIfd::kGps, 2, {{46, 1}, {50, 1}, {33, 1}})
-                                .Rational(ExifIfd::kGps, 4, {{91, 1}, {59, 1}, {40, 1}})
-                                .Ascii(ExifIfd::kGps, 1, "N")
-                                .Ascii(ExifIfd::kGps, 3, "W");
+  const ExifWriter coarse = InParts({{46, 1}, {50, 1}, {33, 1}}, {{91, 1}, {59, 1}, {40, 1}}, "W");
   const Photo photo =
       Read(coarse, Dji("drone-dji:GpsLatitude=\"46.84261\" drone-dji:GpsLongitude=\"-91.99455\""));
   ASSERT_TRUE(photo.position);
@@ -184,12 +171,11 @@ TEST(ReadPhotoPosition, ReadsXmpAloneInEveryNaming) {
       "exif:GPSLongitude=\"2,30,0E\"");
   for (const std::string& xmp :
        {Dji("drone-dji:Latitude=\"1.5\" drone-dji:Longitude=\"2.5\""), skydio, exif_in_xmp}) {
-    const auto photo = ReadPhotoFromBytes("a.jpg", JpegHeader({.xmp = xmp}));
-    ASSERT_TRUE(photo.ok());
-    ASSERT_TRUE(photo->position);
-    EXPECT_NEAR(photo->position->position.lat_deg, 1.5, 1e-12);
-    EXPECT_NEAR(photo->position->position.lon_deg, 2.5, 1e-12);
-    EXPECT_EQ(photo->position->source, "xmp");
+    const auto photo = test::ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.xmp = xmp})));
+    ASSERT_TRUE(photo.position);
+    EXPECT_NEAR(photo.position->position.lat_deg, 1.5, 1e-12);
+    EXPECT_NEAR(photo.position->position.lon_deg, 2.5, 1e-12);
+    EXPECT_EQ(photo.position->source, "xmp");
   }
 }
 
@@ -204,13 +190,12 @@ TEST(ReadPhotoHeights, KeepsEachZeroApart) {
 }
 
 TEST(ReadPhotoHeights, KeepsTheHeightOfAPhotoWhosePositionWasTakenOut) {
-  const auto photo = ReadPhotoFromBytes(
+  const auto photo = test::ValueOf(ReadPhotoFromBytes(
       "a.jpg",
       JpegHeader(
-          {.xmp = Dji("drone-dji:AbsoluteAltitude=\"+198.31\" drone-dji:RelativeAltitude=\"+39.80\"")}));
-  ASSERT_TRUE(photo.ok());
-  EXPECT_FALSE(photo->position);
-  EXPECT_EQ(photo->lone_height_above_takeoff_m, 39.80);
+          {.xmp = Dji("drone-dji:AbsoluteAltitude=\"+198.31\" drone-dji:RelativeAltitude=\"+39.80\"")})));
+  EXPECT_FALSE(photo.position);
+  EXPECT_EQ(photo.lone_height_above_takeoff_m, 39.80);
 }
 
 TEST(ReadPhotoHeights, TakesRtkHeightsAsEllipsoidal) {

@@ -24,11 +24,7 @@ const std::string kAngles = std::string(kDjiNamespace) +
 
 Bytes BytesOf(const std::string& text) { return Bytes(text.begin(), text.end()); }
 
-Error Refusal(const Bytes& bytes) {
-  const auto photo = ReadPhotoFromBytes("a.jpg", bytes);
-  EXPECT_FALSE(photo.ok());
-  return photo.ok() ? Error{} : photo.error();
-}
+Error Refusal(const Bytes& bytes) { return test::ErrorOf(ReadPhotoFromBytes("a.jpg", bytes)); }
 
 // A photo with everything a reader may stumble over.
 Bytes RichPhoto() {

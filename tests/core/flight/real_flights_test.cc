@@ -1,7 +1,6 @@
 // Reading the two real flights, against exiftool as the oracle where it is installed.
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -12,6 +11,8 @@
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/lat_lon.h"
+#include "tests/support/output_of.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -29,24 +30,14 @@ fs::path ImagesOf(const std::string& flight) {
 
 Flight Read(const fs::path& folder, int threads = 0) {
   SilentProgress progress;
-  auto files = ListInputFiles({folder});
-  EXPECT_TRUE(files.ok());
-  auto flight = ReadFlight(*files, threads, progress);
-  EXPECT_TRUE(flight.ok());
-  return std::move(*flight);
+  return test::ValueOf(ReadFlight(test::ValueOf(ListInputFiles({folder})), threads, progress));
 }
 
 // Rows of exiftool's printed numbers by file name.
 std::map<std::string, std::vector<std::string>> AskExiftool(const fs::path& folder, const std::string& tags) {
   std::map<std::string, std::vector<std::string>> rows;
   const std::string command = "exiftool -n -T -filename " + tags + " '" + folder.string() + "' 2>/dev/null";
-  FILE* pipe = ::popen(command.c_str(), "r");
-  if (!pipe) return rows;
-  std::string text;
-  char buffer[4096];
-  for (std::size_t got; (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) text.append(buffer, got);
-  ::pclose(pipe);
-  std::istringstream lines(text);
+  std::istringstream lines(test::OutputOf(command));
   for (std::string line; std::getline(lines, line);) {
     std::istringstream fields(line);
     std::string name, field;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -14,6 +13,8 @@
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/photos/read_photo.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -63,20 +64,14 @@ std::pair<int, int> Ends(const image::DecodedImage& image) { return {image.rgb.f
 // The photos of one camera, on disk.
 class SampleFiles : public ::testing::Test {
  protected:
-  void SetUp() override { std::filesystem::create_directories(folder_); }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   Photo Write(const std::string& name, const Bytes& bytes) {
     auto photo = ReadPhotoFromBytes(name, bytes);
     EXPECT_TRUE(photo.ok()) << photo.error().message;
-    photo->path = folder_ / name;
-    std::ofstream(photo->path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    photo->path = folder_.Write(name, bytes);
     return *photo;
   }
 
-  const std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) /
-                                        ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  const test::TemporaryFolder folder_;
   const FilePhotoSource source_;
 };
 
@@ -95,10 +90,9 @@ TEST(SampleFormatOfTiff, RefusesTilesFarLargerThanThePicture) {
   EXPECT_TRUE(with(100, 80, 512, 512));
   EXPECT_TRUE(with(4000, 3000, 256, 256));
   EXPECT_TRUE(with(30'000, 12'000, 4096, 4096));
-  const auto refused = with(30'000, 16, 16, 1 << 22);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupportedFormat);
-  EXPECT_THAT(refused.error().message, HasSubstr("16 x 4194304"));
+  const Error refused = test::ErrorOf(with(30'000, 16, 16, 1 << 22));
+  EXPECT_EQ(refused.code, ErrorCode::kUnsupportedFormat);
+  EXPECT_THAT(refused.message, HasSubstr("16 x 4194304"));
 }
 
 TEST(SampleFormatOfTiff, TellsWhatIsDrawn) {
@@ -130,10 +124,9 @@ TEST(SampleFormatOfTiff, RefusesByName) {
 }
 
 TEST(ReadPhoto, LeavesOutByItsHeaderWhatCannotBeDrawn) {
-  const auto photo =
-      ReadPhotoFromBytes("a.tif", Tiff(cv::Mat(kHeight, kWidth, CV_32FC3, cv::Scalar::all(1))));
-  ASSERT_FALSE(photo.ok());
-  EXPECT_THAT(photo.error().message, HasSubstr("32-bit floating point"));
+  const Error photo = test::ErrorOf(
+      ReadPhotoFromBytes("a.tif", Tiff(cv::Mat(kHeight, kWidth, CV_32FC3, cv::Scalar::all(1)))));
+  EXPECT_THAT(photo.message, HasSubstr("32-bit floating point"));
 }
 
 TEST(RangeOf, SpreadsFewLevelsAndKeepsTheDepthOfMany) {
@@ -184,11 +177,10 @@ TEST(DecodePhotoBytes, DrawsTwelveBitsOfColourInTheirColours) {
   for (const char* ending : {".tif", ".png"}) {
     Bytes file;
     ASSERT_TRUE(cv::imencode(ending, colour, file));
-    const auto image = DecodePhotoBytes(file, kWidth, kHeight, 1);
-    ASSERT_TRUE(image.ok()) << image.error().message;
-    EXPECT_EQ(image->rgb[0], 200);
-    EXPECT_EQ(image->rgb[1], 100);
-    EXPECT_EQ(image->rgb[2], 50);
+    const auto image = test::ValueOf(DecodePhotoBytes(file, kWidth, kHeight, 1));
+    EXPECT_EQ(image.rgb[0], 200);
+    EXPECT_EQ(image.rgb[1], 100);
+    EXPECT_EQ(image.rgb[2], 50);
   }
 }
 
@@ -217,10 +209,9 @@ TEST(DecodePhotoBytes, DrawsNumbersWithASign) {
   ASSERT_NE(tag, file.end());
   *(tag + 8) = 2;
   EXPECT_EQ(ReadPhotoFromBytes("a.tif", file)->sample_kind, SampleKind::kSigned);
-  const auto image = DecodePhotoBytes(file, kWidth, kHeight, 1);
-  ASSERT_TRUE(image.ok()) << image.error().message;
-  EXPECT_LE(image->rgb.front(), 2);
-  EXPECT_GE(image->rgb.back(), 252);
+  const auto image = test::ValueOf(DecodePhotoBytes(file, kWidth, kHeight, 1));
+  EXPECT_LE(image.rgb.front(), 2);
+  EXPECT_GE(image.rgb.back(), 252);
 }
 
 TEST(DecodePhotoBytes, DrawsWhatWasNotMeasuredBlack) {
@@ -228,17 +219,15 @@ TEST(DecodePhotoBytes, DrawsWhatWasNotMeasuredBlack) {
   picture.at<float>(0, 3) = kNotANumber;
   for (int x = 0; x < kWidth; ++x) picture.at<float>(10, x) = -9999.0F;
   for (int x = 0; x < kWidth; ++x) picture.at<float>(11, x) = -std::numeric_limits<float>::max();
-  const auto image = DecodePhotoBytes(Tiff(picture), kWidth, kHeight, 1);
-  ASSERT_TRUE(image.ok()) << image.error().message;
-  EXPECT_EQ(image->Row(0)[3 * 3], 0);
-  EXPECT_EQ(image->Row(10)[0], 0);
-  EXPECT_EQ(image->Row(11)[0], 0);
-  EXPECT_LE(image->Row(0)[0], 2) << "the range is that of what was measured";
-  EXPECT_GE(image->rgb.back(), 252);
+  const auto image = test::ValueOf(DecodePhotoBytes(Tiff(picture), kWidth, kHeight, 1));
+  EXPECT_EQ(image.Row(0)[3 * 3], 0);
+  EXPECT_EQ(image.Row(10)[0], 0);
+  EXPECT_EQ(image.Row(11)[0], 0);
+  EXPECT_LE(image.Row(0)[0], 2) << "the range is that of what was measured";
+  EXPECT_GE(image.rgb.back(), 252);
   const cv::Mat nothing(kHeight, kWidth, CV_32F, cv::Scalar(kNotANumber));
-  const auto without = DecodePhotoBytes(Tiff(nothing), kWidth, kHeight, 2);
-  ASSERT_FALSE(without.ok());
-  EXPECT_THAT(without.error().message, HasSubstr("holds no measurement"));
+  EXPECT_THAT(test::ErrorOf(DecodePhotoBytes(Tiff(nothing), kWidth, kHeight, 2)).message,
+              HasSubstr("holds no measurement"));
 }
 
 TEST_F(SampleFiles, OneCameraIsDrawnInOneRangeWhateverTheThreads) {

@@ -6,6 +6,7 @@
 
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/crs/zoned_easting.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::geo {
 namespace {
@@ -82,14 +83,12 @@ TEST(UtmCodeOf, CountsZonesFromTheDateLine) {
 
 TEST(MapProjection, UtmIsThatOfEpsgsGuidance) {
   // CN Tower (NGA's example of UTM): zone 17, 630084 m east, 4833438 m north.
-  const auto zone = MapProjection::OfEpsg(32617);
-  ASSERT_TRUE(zone);
-  const auto place = zone->PlaceOf({.lat_deg = 43.642567, .lon_deg = -79.387139});
-  ASSERT_TRUE(place);
-  EXPECT_NEAR(place->x(), 630084.0, 1.0);
-  EXPECT_NEAR(place->y(), 4833438.0, 1.0);
-  EXPECT_FALSE(zone->is_north_first());
-  EXPECT_FALSE(zone->is_geographic());
+  const auto zone = test::ValueOf(MapProjection::OfEpsg(32617));
+  const auto place = test::ValueOf(zone.PlaceOf({.lat_deg = 43.642567, .lon_deg = -79.387139}));
+  EXPECT_NEAR(place.x(), 630084.0, 1.0);
+  EXPECT_NEAR(place.y(), 4833438.0, 1.0);
+  EXPECT_FALSE(zone.is_north_first());
+  EXPECT_FALSE(zone.is_geographic());
 }
 
 TEST(MapProjection, UtmWithoutTheDatabaseIsThatOfTheDatabase) {
@@ -175,15 +174,13 @@ TEST(MapProjection, WhatCannotBeIsRefusedOrAbsent) {
                          7415 /* compound */, 32661 + 100000}) {
     EXPECT_FALSE(MapProjection::OfEpsg(code)) << code;
   }
-  const auto zone = MapProjection::OfEpsg(32632);
-  ASSERT_TRUE(zone);
-  EXPECT_FALSE(zone->LatLonOf({1e12, 1e12}));
-  EXPECT_FALSE(zone->LatLonOf({std::nan(""), 0.0}));
-  EXPECT_FALSE(zone->PlaceOf({.lat_deg = std::nan(""), .lon_deg = 0.0}));
+  const auto zone = test::ValueOf(MapProjection::OfEpsg(32632));
+  EXPECT_FALSE(zone.LatLonOf({1e12, 1e12}));
+  EXPECT_FALSE(zone.LatLonOf({std::nan(""), 0.0}));
+  EXPECT_FALSE(zone.PlaceOf({.lat_deg = std::nan(""), .lon_deg = 0.0}));
   // Beyond the pole a transverse Mercator goes on with the other side of the Earth.
-  const auto laea = MapProjection::OfEpsg(3035);
-  ASSERT_TRUE(laea);
-  EXPECT_FALSE(laea->LatLonOf({4321000.0 + 3e7, 3210000.0}));
+  const auto laea = test::ValueOf(MapProjection::OfEpsg(3035));
+  EXPECT_FALSE(laea.LatLonOf({4321000.0 + 3e7, 3210000.0}));
 }
 
 // PROJ keeps what failed last, of whichever system, until somebody forgets it.

@@ -11,6 +11,7 @@
 
 #include "tests/support/bytes_of.h"
 #include "tests/support/long_png.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::image {
 namespace {
@@ -37,11 +38,10 @@ TEST(PictureCodec, GivesPngBackToTheByte) {
     const RgbaImage image = Painted(width_px, height_px);
     for (const auto& bytes : {EncodePicture(image, PictureFormat::kPng), EncodePlainPng(image)}) {
       EXPECT_EQ(PictureFormatOf(Text(bytes)), PictureFormat::kPng);
-      const auto decoded = DecodePicture(Text(bytes));
-      ASSERT_TRUE(decoded);
-      EXPECT_EQ(decoded->width_px, width_px);
-      EXPECT_EQ(decoded->height_px, height_px);
-      EXPECT_EQ(decoded->rgba, image.rgba);
+      const auto decoded = test::ValueOf(DecodePicture(Text(bytes)));
+      EXPECT_EQ(decoded.width_px, width_px);
+      EXPECT_EQ(decoded.height_px, height_px);
+      EXPECT_EQ(decoded.rgba, image.rgba);
     }
   }
 }
@@ -109,23 +109,21 @@ TEST(PictureFormat, SaysWhetherAWebpHasAlpha) {
 TEST(PictureCodec, EncodesRowsWithinALargerPicture) {
   const RgbaImage image = Painted(64, 64);
   const PixelRows part{image.Pixel(16, 32), 32, 16, 4, 4 * 64};
-  const auto decoded = DecodePicture(Text(EncodeJpeg(part, 95)));
-  ASSERT_TRUE(decoded);
-  EXPECT_EQ(decoded->width_px, 32);
-  EXPECT_EQ(decoded->height_px, 16);
-  EXPECT_NEAR(decoded->Pixel(8, 8)[0], image.Pixel(24, 40)[0], 6);
-  EXPECT_NEAR(decoded->Pixel(8, 8)[1], image.Pixel(24, 40)[1], 6);
+  const auto decoded = test::ValueOf(DecodePicture(Text(EncodeJpeg(part, 95))));
+  EXPECT_EQ(decoded.width_px, 32);
+  EXPECT_EQ(decoded.height_px, 16);
+  EXPECT_NEAR(decoded.Pixel(8, 8)[0], image.Pixel(24, 40)[0], 6);
+  EXPECT_NEAR(decoded.Pixel(8, 8)[1], image.Pixel(24, 40)[1], 6);
 }
 
 TEST(PictureCodec, ReadsWhatOthersWrite) {
   cv::Mat grey(20, 30, CV_16UC1, cv::Scalar(200 << 8));
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", grey, bytes);
-  const auto decoded = DecodePicture(Text(bytes));
-  ASSERT_TRUE(decoded);
-  EXPECT_EQ(decoded->width_px, 30);
-  EXPECT_EQ(decoded->Pixel(3, 3)[3], 255);
-  EXPECT_EQ(decoded->Pixel(3, 3)[0], decoded->Pixel(3, 3)[2]);
+  const auto decoded = test::ValueOf(DecodePicture(Text(bytes)));
+  EXPECT_EQ(decoded.width_px, 30);
+  EXPECT_EQ(decoded.Pixel(3, 3)[3], 255);
+  EXPECT_EQ(decoded.Pixel(3, 3)[0], decoded.Pixel(3, 3)[2]);
 }
 
 TEST(PictureCodec, EndsWhatIsMadeToKeepADecoderBusy) {

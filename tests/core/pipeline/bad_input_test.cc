@@ -13,6 +13,7 @@
 #include "tests/support/bytes_of.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -53,12 +54,11 @@ class BadInput : public testing::Test {
   }
 
   void ExpectLeftOut(const std::string& name) {
-    const auto built = Build();
-    ASSERT_TRUE(built.ok()) << built.error().message;
-    EXPECT_EQ(built->report.photos_pose_only, 4);
-    ASSERT_EQ(built->report.photos_left_out, 1);
-    EXPECT_EQ(built->report.left_out_photos[0].name, name);
-    EXPECT_GT(InWords(built->report.left_out_photos[0].reason).size(), 15u);
+    const auto built = test::ValueOf(Build());
+    EXPECT_EQ(built.report.photos_pose_only, 4);
+    ASSERT_EQ(built.report.photos_left_out, 1);
+    EXPECT_EQ(built.report.left_out_photos[0].name, name);
+    EXPECT_GT(InWords(built.report.left_out_photos[0].reason).size(), 15u);
   }
 
   test::TemporaryFolder folder_;
@@ -84,9 +84,8 @@ TEST_F(BadInput, AJpegDamagedInTheMiddleNeverFailsTheFlight) {
   for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 4000 && i < bytes.size() - 2; ++i)
     bytes[i] = '\xff';
   Write("damaged.jpg", bytes);
-  const auto built = Build();
-  ASSERT_TRUE(built.ok()) << built.error().message;
-  EXPECT_GE(built->report.photos_pose_only, 4);
+  const auto built = test::ValueOf(Build());
+  EXPECT_GE(built.report.photos_pose_only, 4);
 }
 
 TEST_F(BadInput, APhotoWithoutGpsIsLeftOut) {
@@ -100,9 +99,8 @@ TEST_F(BadInput, APhotoWithoutGpsIsLeftOut) {
 TEST_F(BadInput, OnePhotoMakesAMap) {
   for (const char* name : {"SIM_0002.JPG", "SIM_0003.JPG", "SIM_0004.JPG"})
     std::filesystem::remove(photos_ / name);
-  const auto built = Build();
-  ASSERT_TRUE(built.ok()) << built.error().message;
-  EXPECT_EQ(built->report.photos_pose_only, 1);
+  const auto built = test::ValueOf(Build());
+  EXPECT_EQ(built.report.photos_pose_only, 1);
   EXPECT_FALSE(map_.tiles.empty());
 }
 
@@ -110,10 +108,9 @@ TEST_F(BadInput, NothingUsableIsAClearError) {
   for (const auto& entry : std::filesystem::directory_iterator(photos_)) {
     std::ofstream(entry.path(), std::ios::trunc) << "not a photo";
   }
-  const auto built = Build();
-  ASSERT_FALSE(built.ok());
-  EXPECT_EQ(built.error().code, ErrorCode::kUnprocessable);
-  EXPECT_NE(built.error().message.find("photo"), std::string::npos);
+  const Error built = test::ErrorOf(Build());
+  EXPECT_EQ(built.code, ErrorCode::kUnprocessable);
+  EXPECT_NE(built.message.find("photo"), std::string::npos);
 }
 
 TEST_F(BadInput, PhotosOfTwoFarPlacesDoNotMakeAWorldWideMap) {
@@ -133,10 +130,9 @@ TEST_F(BadInput, WhatLiesInAZoneOfUtmIsRefusedBeyondUtm) {
   utm.write_utm = true;
   heights.heights = MapHeights::kSurface;
   for (const MosaicOptions& options : {utm, heights}) {
-    const auto refused = Build(options);
-    ASSERT_FALSE(refused.ok());
-    EXPECT_EQ(refused.error().code, ErrorCode::kUnprocessable);
-    EXPECT_NE(refused.error().message.find("beyond UTM"), std::string::npos) << refused.error().message;
+    const Error refused = test::ErrorOf(Build(options));
+    EXPECT_EQ(refused.code, ErrorCode::kUnprocessable);
+    EXPECT_NE(refused.message.find("beyond UTM"), std::string::npos) << refused.message;
     EXPECT_TRUE(map_.tiles.empty());
   }
   EXPECT_TRUE(Build().ok());

@@ -8,6 +8,7 @@
 #include "core/simulate/simulate_flight.h"
 #include "tests/support/map_truth.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -49,15 +50,13 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
   SilentProgress progress;
   const auto flight = simulate::SimulateFlight(simulated, folder.path(), progress);
   ASSERT_TRUE(flight.ok()) << flight.error().message;
-  const auto files = flight::ListInputFiles({folder / "photos"});
-  ASSERT_TRUE(files.ok());
+  const auto files = test::ValueOf(flight::ListInputFiles({folder / "photos"}));
 
   test::MemorySink map;
   const flight::FilePhotoSource photos;
-  const auto built = BuildMosaic(*files, PoseOnly(2, c.readout_s), photos, map, progress);
-  ASSERT_TRUE(built.ok()) << built.error().message;
-  EXPECT_EQ(built->report.photos_pose_only, 6);
-  EXPECT_EQ(built->report.photos_left_out, 0);
+  const auto built = test::ValueOf(BuildMosaic(files, PoseOnly(2, c.readout_s), photos, map, progress));
+  EXPECT_EQ(built.report.photos_pose_only, 6);
+  EXPECT_EQ(built.report.photos_left_out, 0);
 
   const test::MapError error = test::MeasureMapError(map, flight->world, flight->frame);
   EXPECT_GT(error.patches, 50);
@@ -66,8 +65,8 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
   EXPECT_LT(std::abs(error.mean_south_px), 0.1);
 
   // Every camera stands over the map.
-  const auto& bounds = built->report.bounds;
-  for (const auto& photo : built->flight.photos) {
+  const auto& bounds = built.report.bounds;
+  for (const auto& photo : built.flight.photos) {
     // East of the date line the bounds go on beyond 180 degrees.
     const double lon_deg =
         bounds.west_deg + std::remainder(photo.photo.position->position.lon_deg - bounds.west_deg, 360.0);
@@ -79,7 +78,7 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
 
   // The same bytes in the same order from one thread.
   test::MemorySink again;
-  ASSERT_TRUE(BuildMosaic(*files, PoseOnly(1, c.readout_s), photos, again, progress).ok());
+  ASSERT_TRUE(BuildMosaic(files, PoseOnly(1, c.readout_s), photos, again, progress).ok());
   EXPECT_EQ(map.order, again.order);
   EXPECT_TRUE(map.tiles == again.tiles);
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/core/pipeline/full_reports.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -52,34 +53,33 @@ FlightFacts SomeFacts() {
 
 TEST(FlightFacts, AreReadAgainExactly) {
   const FlightFacts facts = SomeFacts();
-  const Result<FlightFacts> read = ParseFacts(WriteFacts(facts));
-  ASSERT_TRUE(read.ok());
-  EXPECT_EQ(read->options, facts.options);
-  EXPECT_EQ(read->asked, facts.asked);
-  ASSERT_EQ(read->inputs.size(), 2U);
-  EXPECT_EQ(read->inputs[1].file.name, "n\xff.csv");
-  EXPECT_EQ(read->inputs[0].digest, facts.inputs[0].digest);
-  EXPECT_EQ(read->flight.left_out.front().code, ErrorCode::kCorrupt);
-  const alignment::AlignedPhoto &now = read->flight.photos.front(), &was = facts.flight.photos.front();
+  const auto read = test::ValueOf(ParseFacts(WriteFacts(facts)));
+  EXPECT_EQ(read.options, facts.options);
+  EXPECT_EQ(read.asked, facts.asked);
+  ASSERT_EQ(read.inputs.size(), 2U);
+  EXPECT_EQ(read.inputs[1].file.name, "n\xff.csv");
+  EXPECT_EQ(read.inputs[0].digest, facts.inputs[0].digest);
+  EXPECT_EQ(read.flight.left_out.front().code, ErrorCode::kCorrupt);
+  const alignment::AlignedPhoto &now = read.flight.photos.front(), &was = facts.flight.photos.front();
   EXPECT_EQ(now.intrinsics, was.intrinsics);
   EXPECT_EQ(now.cam_from_enu.rotation.coeffs(), was.cam_from_enu.rotation.coeffs());
   EXPECT_EQ(now.cam_from_enu.translation, was.cam_from_enu.translation);
   EXPECT_EQ(now.height_above_ground_m, was.height_above_ground_m);
   EXPECT_EQ(now.readout_motion, was.readout_motion);
-  EXPECT_EQ(read->ground.Heights(), facts.ground.Heights());
-  EXPECT_EQ(read->thumbnails.front().jpeg, facts.thumbnails.front().jpeg);
-  EXPECT_EQ(read->poses_report, facts.poses_report);
-  EXPECT_EQ(read->ground_report, facts.ground_report);
-  EXPECT_EQ(read->ground_choice, facts.ground_choice);
-  EXPECT_EQ(read->align_report, facts.align_report);
-  ASSERT_TRUE(read->appearance);
-  EXPECT_TRUE(read->appearance->is_gsd_asked);
-  EXPECT_EQ(read->appearance->exposure.photos, facts.appearance->exposure.photos);
-  EXPECT_EQ(read->appearance->exposure.light, facts.appearance->exposure.light);
-  EXPECT_EQ(read->appearance->grid.first_column, facts.appearance->grid.first_column);
+  EXPECT_EQ(read.ground.Heights(), facts.ground.Heights());
+  EXPECT_EQ(read.thumbnails.front().jpeg, facts.thumbnails.front().jpeg);
+  EXPECT_EQ(read.poses_report, facts.poses_report);
+  EXPECT_EQ(read.ground_report, facts.ground_report);
+  EXPECT_EQ(read.ground_choice, facts.ground_choice);
+  EXPECT_EQ(read.align_report, facts.align_report);
+  ASSERT_TRUE(read.appearance);
+  EXPECT_TRUE(read.appearance->is_gsd_asked);
+  EXPECT_EQ(read.appearance->exposure.photos, facts.appearance->exposure.photos);
+  EXPECT_EQ(read.appearance->exposure.light, facts.appearance->exposure.light);
+  EXPECT_EQ(read.appearance->grid.first_column, facts.appearance->grid.first_column);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 70; ++column) {
-      EXPECT_EQ(read->appearance->labels.At(column, row), facts.appearance->labels.At(column, row));
+      EXPECT_EQ(read.appearance->labels.At(column, row), facts.appearance->labels.At(column, row));
     }
   }
 }
@@ -94,17 +94,15 @@ TEST(FlightFacts, CutOffAnywhereAreRefusedAndNeverBelieved) {
 TEST(FlightFacts, OfPosesAloneHaveNoFiguresOfAnAlignment) {
   FlightFacts facts = SomeFacts();
   facts.align_report.reset();
-  const Result<FlightFacts> read = ParseFacts(WriteFacts(facts));
-  ASSERT_TRUE(read.ok());
-  EXPECT_FALSE(read->align_report);
+  const auto read = test::ValueOf(ParseFacts(WriteFacts(facts)));
+  EXPECT_FALSE(read.align_report);
 }
 
 TEST(FlightFacts, WithNamesThatAreNoTextAreReadAgain) {
   FlightFacts facts = SomeFacts();
   facts.align_report->photo_reports[0].name = "n\xff.jpg";
-  const Result<FlightFacts> read = ParseFacts(WriteFacts(facts));
-  ASSERT_TRUE(read.ok());
-  EXPECT_EQ(read->align_report->photo_reports[0].name, "n\xEF\xBF\xBD.jpg");
+  const auto read = test::ValueOf(ParseFacts(WriteFacts(facts)));
+  EXPECT_EQ(read.align_report->photo_reports[0].name, "n\xEF\xBF\xBD.jpg");
 }
 
 // The facts with the text of one of their reports changed.

@@ -5,6 +5,7 @@
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/render/seams/seam_grid.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -35,16 +36,16 @@ TEST(MemoryBudget, WhatIsDividedIsNoMoreThanThereIs) {
       options.max_memory_bytes = memory;
       options.threads = 8;
       const auto flight = FlightAt({height_m, height_m, height_m});
-      const auto plan = render::PlanMosaic(flight, ground::GroundSurface::Plane(0.0), PlanWithin(options));
-      ASSERT_TRUE(plan.ok()) << plan.error().message;
-      const RenderBudget budget = BudgetFor(options, *plan);
+      const auto plan =
+          test::ValueOf(render::PlanMosaic(flight, ground::GroundSurface::Plane(0.0), PlanWithin(options)));
+      const RenderBudget budget = BudgetFor(options, plan);
       EXPECT_GE(budget.threads, 1);
       EXPECT_GT(budget.cache_bytes, 0);
-      EXPECT_LE(budget.threads * render::BlockBytes(plan->BlockSizePx()) + budget.cache_bytes, memory)
-          << height_m << " m, " << plan->tile_size_px << " px";
-      const render::SeamGrid grid = render::MakeSeamGrid(*plan, 4000.0, 0.68);
+      EXPECT_LE(budget.threads * render::BlockBytes(plan.BlockSizePx()) + budget.cache_bytes, memory)
+          << height_m << " m, " << plan.tile_size_px << " px";
+      const render::SeamGrid grid = render::MakeSeamGrid(plan, 4000.0, 0.68);
       double cells = 0.0;
-      for (const geo::Bounds2& seen : plan->seen_in_merc)
+      for (const geo::Bounds2& seen : plan.seen_in_merc)
         cells += seen.Width() * seen.Height() / (grid.CellInMercM() * grid.CellInMercM());
       EXPECT_LE(cells * static_cast<double>(render::kSeamCellBytes), static_cast<double>(memory));
     }
@@ -55,17 +56,16 @@ TEST(MemoryBudget, WhatIsDividedIsNoMoreThanThereIs) {
 TEST(MemoryBudget, TilesDoNotGrowBeyondIt) {
   MosaicOptions options;
   const auto flight = FlightAt({0.001, 0.001, 0.002});
-  const auto plan = render::PlanMosaic(flight, ground::GroundSurface::Plane(0.0), PlanWithin(options));
-  ASSERT_TRUE(plan.ok()) << plan.error().message;
-  EXPECT_LE(plan->tile_size_px, 4096);
+  const auto plan =
+      test::ValueOf(render::PlanMosaic(flight, ground::GroundSurface::Plane(0.0), PlanWithin(options)));
+  EXPECT_LE(plan.tile_size_px, 4096);
 }
 
 TEST(PlanMosaic, RefusesPixelsFarFinerThanThePhotos) {
   const auto flight = FlightAt({60.0, 60.0});  // 2 cm
   const auto ground = ground::GroundSurface::Plane(0.0);
-  const auto plan = render::PlanMosaic(flight, ground, {.gsd_m = 0.001});
-  ASSERT_FALSE(plan.ok());
-  EXPECT_NE(plan.error().message.find("--gsd"), std::string::npos);
+  EXPECT_NE(test::ErrorOf(render::PlanMosaic(flight, ground, {.gsd_m = 0.001})).message.find("--gsd"),
+            std::string::npos);
   EXPECT_TRUE(render::PlanMosaic(flight, ground, {.gsd_m = 0.005}).ok());
 }
 
@@ -84,15 +84,13 @@ TEST(PlanMosaic, IsNotFinerThanThePhotosWhereThatIsAskedFor) {
   const auto flight = FlightAt({60.0, 60.0});  // 2 cm
   const auto ground = ground::GroundSurface::Plane(0.0);
   MosaicOptions options;
-  const auto own = render::PlanMosaic(flight, ground, PlanWithin(options));
-  ASSERT_TRUE(own.ok()) << own.error().message;
+  const auto own = test::ValueOf(render::PlanMosaic(flight, ground, PlanWithin(options)));
   options.not_finer_than_photos = true;
   for (const double gsd_m : {0.001, 0.005, 0.2}) {
     options.gsd_m = gsd_m;
-    const auto plan = render::PlanMosaic(flight, ground, PlanWithin(options));
-    ASSERT_TRUE(plan.ok()) << plan.error().message;
-    EXPECT_EQ(plan->base_zoom<own->base_zoom, gsd_m> 0.1) << gsd_m;
-    EXPECT_LE(plan->base_zoom, own->base_zoom) << gsd_m;
+    const auto plan = test::ValueOf(render::PlanMosaic(flight, ground, PlanWithin(options)));
+    EXPECT_EQ(plan.base_zoom<own.base_zoom, gsd_m> 0.1) << gsd_m;
+    EXPECT_LE(plan.base_zoom, own.base_zoom) << gsd_m;
     EXPECT_DOUBLE_EQ(options.OutputGsdM(0.02), std::max(gsd_m, 0.02));
   }
 }

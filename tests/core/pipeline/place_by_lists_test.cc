@@ -22,9 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 flight::GcpList Read(std::string_view text) {
-  const auto list = flight::ParseGcpList("gcp_list.txt", flight::BytesOf(text));
-  EXPECT_TRUE(list.ok());
-  return *list;
+  return ValueOf(flight::ParseGcpList("gcp_list.txt", flight::BytesOf(text)));
 }
 
 TEST(ControlPoints, HaveNoHeightsWhereAllAreZero) {
@@ -301,20 +299,19 @@ TEST(TellMarks, SaysHowFarTheSurveyCountsItsHeightsFromTheRecordsZero) {
   for (const std::size_t points : {1u, 3u, 5u}) {
     std::vector<flight::GcpList> lists = flight.Survey(points);
     for (auto& point : lists.front().points) *point.height_m -= kGeoidM;
-    Result<FlightFacts> placed = PlaceByLists(flight.known, lists);
-    ASSERT_TRUE(placed) << placed.error().message;
-    TellMarks(lists, *placed);
-    const std::optional<double>& above_m = placed->align_report->survey_above_records_m;
+    auto placed = ValueOf(PlaceByLists(flight.known, lists));
+    TellMarks(lists, placed);
+    const std::optional<double>& above_m = placed.align_report->survey_above_records_m;
     ASSERT_TRUE(above_m) << points;
     const auto height_m = [](const geo::LocalFrame& frame, const geo::Rigid3& cam_from_enu) {
       return frame.Wgs84FromEnu(cam_from_enu.TargetOriginInSource()).height_ellipsoid_m;
     };
-    EXPECT_NEAR(height_m(placed->flight.frame, placed->flight.photos[0].cam_from_enu) + *above_m,
+    EXPECT_NEAR(height_m(placed.flight.frame, placed.flight.photos[0].cam_from_enu) + *above_m,
                 height_m(flight.truth.frame, flight.truth.photos[0].pose.cam_from_enu) - kGeoidM, 1.0)
         << points;
 
     for (auto& point : lists.front().points) point.height_m.reset();
-    TellMarks(lists, *placed);
+    TellMarks(lists, placed);
     EXPECT_FALSE(above_m) << points;
   }
 }
@@ -323,18 +320,17 @@ TEST(TellMarks, ComparesCheckPointsWithTheMapWhichTheyDoNotMove) {
   const Shifted flight;
   std::vector<flight::GcpList> lists = flight.Survey(5, {0.5, 0.0, 0.0});
   lists[0].points[0].name = "point0_check";
-  Result<FlightFacts> placed = PlaceByLists(flight.known, lists);
-  ASSERT_TRUE(placed);
-  EXPECT_LT(flight.WorstCameraM(*placed), 0.05);
+  auto placed = ValueOf(PlaceByLists(flight.known, lists));
+  EXPECT_LT(flight.WorstCameraM(placed), 0.05);
   for (int again = 0; again < 2; ++again) {
-    TellMarks(lists, *placed);
-    const auto& told = placed->align_report->control;
+    TellMarks(lists, placed);
+    const auto& told = placed.align_report->control;
     ASSERT_EQ(told.size(), 5u);
     EXPECT_TRUE(told.back().is_check);
     EXPECT_NEAR(told.back().miss_east_m, -0.5, 0.05);
     EXPECT_GE(told.back().marks.size(), 2u);
     EXPECT_FALSE(told.front().is_check);
-    const auto& warnings = placed->flight.warnings;
+    const auto& warnings = placed.flight.warnings;
     EXPECT_EQ(std::count_if(
                   warnings.begin(), warnings.end(),
                   [](const flight::Remark& said) { return said.code == flight::RemarkCode::kCheckFarOff; }),
@@ -349,11 +345,10 @@ TEST(TellMarks, SaysFirstThatPointsContradictThePositions) {
     ASSERT_TRUE(photo.photo.position);
     photo.photo.position->position.lat_deg += 60.0 / 111'200.0;
   }
-  Result<FlightFacts> placed = PlaceByLists(flight.known, lists);
-  ASSERT_TRUE(placed);
+  auto placed = ValueOf(PlaceByLists(flight.known, lists));
   for (int again = 0; again < 2; ++again) {
-    TellMarks(lists, *placed);
-    const auto& warnings = placed->flight.warnings;
+    TellMarks(lists, placed);
+    const auto& warnings = placed.flight.warnings;
     ASSERT_FALSE(warnings.empty());
     EXPECT_EQ(warnings.front().code, flight::RemarkCode::kControlContradictsRecords);
     EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),

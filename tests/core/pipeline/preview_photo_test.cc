@@ -5,6 +5,7 @@
 #include "tests/support/map_truth.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/simulated_map.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -36,9 +37,8 @@ TEST(PreviewPhoto, SaysWhenThePhotoShowsNoGround) {
       map.flight.photos[0].cam_from_enu.rotation;
   map.flight.photos[0].cam_from_enu.translation = -map.flight.photos[0].cam_from_enu.translation;
   test::MemorySink tiles;
-  const auto preview = PreviewPhoto(map.flight, 0, *map.photos, {}, tiles);
-  ASSERT_FALSE(preview.ok());
-  EXPECT_EQ(preview.error().code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(test::ErrorOf(PreviewPhoto(map.flight, 0, *map.photos, {}, tiles)).code,
+            ErrorCode::kUnprocessable);
   EXPECT_TRUE(tiles.tiles.empty());
 }
 

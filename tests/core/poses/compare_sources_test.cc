@@ -138,15 +138,12 @@ TEST(CompareSources, LetsNoStaleFixOutvoteAList) {
   for (const LatLon& fix : {Beside(kDuluth, 2'500.0, 0.0), kZurich}) {
     Flight flight = FlightAt(kDuluth);
     for (flight::Photo& photo : flight.photos) photo.position->position = fix;
-    flight.logs = {ListOf(kDuluth, 18, AsDegrees, "EPSG:4326")};
-    ASSERT_TRUE(CompareSources(flight).ok());
-    ExpectTaken(flight, kDuluth, "over a stale fix");
+    ExpectTaken(Compared(flight, ListOf(kDuluth, 18, AsDegrees, "EPSG:4326")), kDuluth, "over a stale fix");
   }
   Flight swapped = FlightAt(kZurich);
   for (flight::Photo& photo : swapped.photos) photo.position->position = Beside(kZurich, 800.0, 300.0);
-  swapped.logs = {ListOf(kZurich, 18, AsLatLon, "EPSG:4326")};
-  ASSERT_TRUE(CompareSources(swapped).ok());
-  ExpectTaken(swapped, kZurich, "it still says roughly where");
+  ExpectTaken(Compared(swapped, ListOf(kZurich, 18, AsLatLon, "EPSG:4326")), kZurich,
+              "it still says roughly where");
 }
 
 TEST(CompareSources, TakesTheDocumentedOrderAloneAndSaysWhereTheOtherWouldLie) {
@@ -186,9 +183,7 @@ Flight ComparedDaysLater(int days, bool has_positions, bool has_receiver = true)
     flight.photos[k].captured_at = noon + std::chrono::seconds(k);
     if (has_receiver) flight.photos[k].receiver_time = flight.photos[k].captured_at;
   }
-  flight.logs = {std::move(list)};
-  EXPECT_TRUE(CompareSources(flight).ok());
-  return flight;
+  return Compared(std::move(flight), std::move(list));
 }
 
 TEST(CompareSources, RefusesTheListOfAnotherDay) {
@@ -210,11 +205,9 @@ TEST(CompareSources, TakesNoClocksErrorForAnotherDay) {
 TEST(CompareSources, JudgesHalfAListAndNamesOneThatNamesNoPhoto) {
   const Flight flight = Compared(kDuluth, ListOf(kDuluth, 9, AsDegrees, "EPSG:4326"));
   ExpectTaken(flight, kDuluth, "nine of eighteen");
-  Flight other = FlightAt(kDuluth);
-  other.logs = {ListOf(kDuluth, 3, AsDegrees, "EPSG:4326")};
-  for (flight::CameraEvent& event : other.logs[0].events) event.image_name = "x" + *event.image_name;
-  ASSERT_TRUE(CompareSources(other).ok());
-  EXPECT_EQ(other.list_uses[0].fault, ListFault::kNamesNoPhoto);
+  FlightLog other = ListOf(kDuluth, 3, AsDegrees, "EPSG:4326");
+  for (flight::CameraEvent& event : other.events) event.image_name = "x" + *event.image_name;
+  EXPECT_EQ(Compared(kDuluth, other).list_uses[0].fault, ListFault::kNamesNoPhoto);
 }
 
 // Of two cards the photo of one could not be read, so that both rows fall on the other's.
@@ -244,7 +237,6 @@ TEST(CompareSources, NeverBelievesAReadingThatIsWrong) {
   for (int round = 0; round < kLists; ++round) {
     const LatLon place{lat(random), lon(random)};
     const int zone = geo::UtmCodeOf(place);
-    Flight flight = FlightAt(place, 12);
     const auto as_metres = In(zone);
     const std::string system = "EPSG:" + std::to_string(zone);
     const auto west_positive = [](const LatLon& at) { return flight::WrittenPlace{-at.lon_deg, at.lat_deg}; };
@@ -252,8 +244,7 @@ TEST(CompareSources, NeverBelievesAReadingThatIsWrong) {
         ListOf(place, 12, AsLatLon, "EPSG:4326"),         ListOf(place, 12, AsLatLon, system),
         ListOf(place, 12, NorthFirst(as_metres), system), ListOf(place, 12, as_metres, "EPSG:4326"),
         ListOf(place, 12, NorthFirst(as_metres)),         ListOf(place, 12, west_positive)};
-    flight.logs = {lists[pick(random)]};
-    ASSERT_TRUE(CompareSources(flight).ok());
+    const Flight flight = Compared(FlightAt(place, 12), lists[pick(random)]);
     if (flight.list_uses[0].fault != ListFault::kNone) continue;
     ++taken;
     for (int k = 0; k < 12; ++k) {

@@ -158,14 +158,12 @@ TEST(EstimatePoses, TakesAListWithARowTooManyAndOneBesideATrack) {
 TEST(MatchPhotosToLog, RefusesToGuessWhichOfEqualIntervalsIsMissing) {
   const std::vector<double> times_s = Regular(18, 7.0);
   const std::vector<Photo> photos = Exposed(times_s);
-  const auto list = AsEventList(ListOf(Without(times_s, 17), "raw_events.pos"), photos);
-  ASSERT_TRUE(list);
-  EXPECT_THAT(ErrorOf(MatchPhotosToLog(photos, *list)).message,
+  const auto list = ValueOf(AsEventList(ListOf(Without(times_s, 17), "raw_events.pos"), photos));
+  EXPECT_THAT(ErrorOf(MatchPhotosToLog(photos, list)).message,
               AllOf(HasSubstr("18 photos"), HasSubstr("17 camera events"), HasSubstr("7.0 s")));
   // A hole in the middle is as good as an interval of its own.
-  const auto holed = AsEventList(ListOf(Without(times_s, 9), "raw_events.pos"), photos);
-  ASSERT_TRUE(holed);
-  const auto found = ValueOf(MatchPhotosToLog(photos, *holed));
+  const auto holed = ValueOf(AsEventList(ListOf(Without(times_s, 9), "raw_events.pos"), photos));
+  const auto found = ValueOf(MatchPhotosToLog(photos, holed));
   EXPECT_FALSE(found.photos.at(9)->event);
   EXPECT_EQ(found.photos.at(10)->event, 9u);
 }
@@ -179,9 +177,8 @@ TEST(MatchPhotosToLog, LetsThePhotosOwnPositionsDecideBetweenShifts) {
       photos[i].position->position = PlaceAt(times_s[i]);
       photos[i].position->position.lon_deg += i % 2 == 0 ? 3e-5 : -2e-5;  // a few metres off
     }
-    const auto list = AsEventList(ListOf(Without(times_s, missing), "raw_events.pos"), photos);
-    ASSERT_TRUE(list);
-    const auto sync = ValueOf(MatchPhotosToLog(photos, *list));
+    const auto list = ValueOf(AsEventList(ListOf(Without(times_s, missing), "raw_events.pos"), photos));
+    const auto sync = ValueOf(MatchPhotosToLog(photos, list));
     EXPECT_FALSE(sync.photos.at(missing)->event);
     EXPECT_EQ(sync.photos.at(5)->event, missing == 0 ? 4u : 5u);
     EXPECT_LT(sync.sigma_s, 0.5);

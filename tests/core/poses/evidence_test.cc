@@ -14,6 +14,7 @@
 #include "core/poses/evidence/common_error.h"
 #include "core/poses/evidence/position_jump.h"
 #include "core/poses/evidence/repeated_positions.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -74,9 +75,8 @@ std::vector<flight::Photo> RepeatingPhotos(int count, int group) {
 // Nine photos of three fixes: what each third photo says is true, the others go on from it.
 TEST(RepeatedPositions, CountOnceAndMoveOnToTheNext) {
   std::vector<flight::Photo> photos = RepeatingPhotos(9, 3);
-  const auto remark = MoveRepeatedPositions(photos);
-  ASSERT_TRUE(remark);
-  EXPECT_THAT(flight::InWords(*remark), HasSubstr("6 of 9 photos repeat the position"));
+  const auto remark = test::ValueOf(MoveRepeatedPositions(photos));
+  EXPECT_THAT(flight::InWords(remark), HasSubstr("6 of 9 photos repeat the position"));
   for (int k = 0; k < 9; ++k) {
     const flight::RecordedPosition& position = *photos[static_cast<std::size_t>(k)].position;
     EXPECT_EQ(position.is_repeated, k % 3 != 0) << k;
@@ -159,10 +159,9 @@ std::vector<Eigen::Vector2d> MissesAround(double jump_m, double noise_m) {
 }
 
 TEST(JumpOf, FindsWhereCorrectedPositionsBeginToLieElsewhere) {
-  const auto jump = JumpOf(MissesAround(0.5, 0.005), 0.02);
-  ASSERT_TRUE(jump);
-  EXPECT_EQ(jump->last_before, 19u);
-  EXPECT_NEAR(jump->by_m, 0.35, 0.05);
+  const auto jump = test::ValueOf(JumpOf(MissesAround(0.5, 0.005), 0.02));
+  EXPECT_EQ(jump.last_before, 19u);
+  EXPECT_NEAR(jump.by_m, 0.35, 0.05);
   EXPECT_FALSE(JumpOf(MissesAround(0.0, 0.005), 0.02));
   EXPECT_FALSE(JumpOf(MissesAround(0.5, 0.1), 0.02)) << "no more than they scatter";
   EXPECT_FALSE(JumpOf(MissesAround(0.5, 0.005), 1.5)) << "a receiver that claims no more";

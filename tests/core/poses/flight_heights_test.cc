@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
 #include "core/poses/estimate_poses.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -12,12 +15,15 @@ namespace {
 constexpr double kDegPerM = 1.0 / 111'320.0;
 
 // Photos 20 m apart towards north.
-std::vector<flight::Photo> Photos(int count) {
+std::vector<flight::Photo> Photos(int count, std::optional<double> above_takeoff_m = {},
+                                  std::optional<double> ellipsoid_m = {}) {
   std::vector<flight::Photo> photos(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < photos.size(); ++i) {
     photos[i].intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
     photos[i].position.emplace();
     photos[i].position->position = {50.8 + 20.0 * kDegPerM * static_cast<double>(i), -0.1};
+    photos[i].position->height_above_takeoff_m = above_takeoff_m;
+    photos[i].position->height_ellipsoid_m = ellipsoid_m;
   }
   return photos;
 }
@@ -32,11 +38,7 @@ class FlatDem final : public geo::DemSource {
 };
 
 TEST(ChooseHeights, TakesHeightsAboveTakeoffAsRecorded) {
-  std::vector<flight::Photo> photos = Photos(3);
-  for (flight::Photo& photo : photos) {
-    photo.position->height_above_takeoff_m = 60.0;
-    photo.position->height_ellipsoid_m = 145.0;
-  }
+  std::vector<flight::Photo> photos = Photos(3, 60.0, 145.0);
   const FlightHeights heights = ChooseHeights(photos, nullptr);
   EXPECT_EQ(heights.rule, HeightRule::kAboveTakeoff);
   for (const auto& height_m : heights.above_ground_m) EXPECT_EQ(height_m, 60.0);
@@ -45,11 +47,7 @@ TEST(ChooseHeights, TakesHeightsAboveTakeoffAsRecorded) {
 }
 
 TEST(ChooseHeights, TiesAPhotoWithoutRelativeHeightToTheOthersThroughItsAbsoluteOne) {
-  std::vector<flight::Photo> photos = Photos(4);
-  for (flight::Photo& photo : photos) {
-    photo.position->height_above_takeoff_m = 60.0;
-    photo.position->height_ellipsoid_m = 145.0;
-  }
+  std::vector<flight::Photo> photos = Photos(4, 60.0, 145.0);
   photos[2].position->height_above_takeoff_m.reset();
   photos[2].position->height_ellipsoid_m = 150.0;
   photos[3].position->height_above_takeoff_m = 0.0;  // a field that is never filled
@@ -92,15 +90,13 @@ TEST(ChooseHeights, PhotosBelowTheTakeoffLieOverAnElevationModel) {
   }
   const FallingDem dem;
   EstimatePosesOptions options;
-  const auto without = EstimatePoses(flight, options);
-  ASSERT_TRUE(without.ok()) << without.error().message;
-  ASSERT_FALSE(without->left_out.empty());
-  EXPECT_NE(InWords(without->left_out.back().reason).find("--dem"), std::string::npos);
+  const auto without = test::ValueOf(EstimatePoses(flight, options));
+  ASSERT_FALSE(without.left_out.empty());
+  EXPECT_NE(InWords(without.left_out.back().reason).find("--dem"), std::string::npos);
   options.dem = &dem;
-  const auto over_model = EstimatePoses(flight, options);
-  ASSERT_TRUE(over_model.ok()) << over_model.error().message;
-  ASSERT_EQ(over_model->photos.size(), 5u);
-  for (const PosedPhoto& photo : over_model->photos) EXPECT_NEAR(photo.height_above_ground_m, 30.0, 2.0);
+  const auto over_model = test::ValueOf(EstimatePoses(flight, options));
+  ASSERT_EQ(over_model.photos.size(), 5u);
+  for (const PosedPhoto& photo : over_model.photos) EXPECT_NEAR(photo.height_above_ground_m, 30.0, 2.0);
 }
 
 TEST(ChooseHeights, LetsSurveyedHeightsDifferAsTheyWereMeasured) {
@@ -154,11 +150,7 @@ TEST(ChooseHeights, TakesPhotosWithoutAnyPosition) {
 }
 
 TEST(ChooseHeights, CountsFromAGivenTakeoffInsteadOfWhatIsRecordedOfIt) {
-  std::vector<flight::Photo> photos = Photos(4);
-  for (flight::Photo& photo : photos) {
-    photo.position->height_above_takeoff_m = 60.0;
-    photo.position->height_ellipsoid_m = 245.0;  // a hundred metres too high
-  }
+  std::vector<flight::Photo> photos = Photos(4, 60.0, 245.0);  // a hundred metres too high
   photos[3].position->height_above_takeoff_m.reset();
   photos[3].position->height_ellipsoid_m = 250.0;
   const FlightHeights heights = ChooseHeights(photos, nullptr, 85.0);
@@ -169,8 +161,7 @@ TEST(ChooseHeights, CountsFromAGivenTakeoffInsteadOfWhatIsRecordedOfIt) {
 }
 
 TEST(ChooseHeights, PutsAbsoluteHeightsOverAGivenTakeoff) {
-  std::vector<flight::Photo> photos = Photos(3);
-  for (flight::Photo& photo : photos) photo.position->height_ellipsoid_m = 145.0;
+  const std::vector<flight::Photo> photos = Photos(3, std::nullopt, 145.0);
   const FlightHeights heights = ChooseHeights(photos, nullptr, 85.0);
   EXPECT_EQ(heights.rule, HeightRule::kAboveTakeoff);
   EXPECT_FALSE(heights.assumption.has_value());

@@ -10,6 +10,7 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/poses/estimate_poses.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -224,15 +225,14 @@ flight::Flight PhotosWithoutPositions(int count) {
 TEST(EstimatePoses, PlacesPhotosByATrackAndATableOfExposures) {
   flight::Flight flight = PhotosWithoutPositions(10);
   flight.logs = {Gnss(1000.0), Triggers(1000.0)};
-  const auto posed = EstimatePoses(flight, {});
-  ASSERT_TRUE(posed.ok()) << posed.error().message;
-  ASSERT_EQ(posed->photos.size(), 10u);
-  EXPECT_TRUE(posed->is_placed);
-  const Eigen::Vector3d first = posed->photos[0].cam_from_enu.TargetOriginInSource();
+  const auto posed = test::ValueOf(EstimatePoses(flight, {}));
+  ASSERT_EQ(posed.photos.size(), 10u);
+  EXPECT_TRUE(posed.is_placed);
+  const Eigen::Vector3d first = posed.photos[0].cam_from_enu.TargetOriginInSource();
   for (std::size_t k = 1; k < 10; ++k) {
-    const Eigen::Vector3d at = posed->photos[k].cam_from_enu.TargetOriginInSource();
+    const Eigen::Vector3d at = posed.photos[k].cam_from_enu.TargetOriginInSource();
     EXPECT_NEAR(at.y() - first.y(), 16.0 * static_cast<double>(k), 1.0);
-    EXPECT_NEAR(posed->photos[k].height_above_ground_m, 60.0, 5.0);
+    EXPECT_NEAR(posed.photos[k].height_above_ground_m, 60.0, 5.0);
   }
 }
 
@@ -263,11 +263,10 @@ TEST(EstimatePoses, SaysWhichFilesPlacedNothing) {
     earlier.events.push_back(event);
   }
   flight.logs = {rows, empty, earlier};
-  const auto posed = EstimatePoses(flight, {});
-  ASSERT_TRUE(posed.ok()) << posed.error().message;
-  EXPECT_THAT(InWords(posed->warnings), Contains(HasSubstr("geo.txt is not used: its rows name 1 photo ")));
-  EXPECT_THAT(InWords(posed->warnings), Contains(HasSubstr("empty.csv is not used")));
-  EXPECT_THAT(InWords(posed->warnings),
+  const auto posed = test::ValueOf(EstimatePoses(flight, {}));
+  EXPECT_THAT(InWords(posed.warnings), Contains(HasSubstr("geo.txt is not used: its rows name 1 photo ")));
+  EXPECT_THAT(InWords(posed.warnings), Contains(HasSubstr("empty.csv is not used")));
+  EXPECT_THAT(InWords(posed.warnings),
               Contains(HasSubstr("earlier.csv is not used: none of the photos was taken")));
 }
 

@@ -91,12 +91,14 @@ auto NorthFirst(const Write& write) {
   };
 }
 
-// A flight after a list of its 18 photos was held against it.
-inline Flight Compared(const LatLon& place, FlightLog list, bool has_positions = true) {
-  Flight flight = FlightAt(place, 18, has_positions);
+// A flight after a list was held against it.
+inline Flight Compared(Flight flight, FlightLog list) {
   flight.logs = {std::move(list)};
   EXPECT_TRUE(CompareSources(flight).ok());
   return flight;
+}
+inline Flight Compared(const LatLon& place, FlightLog list, bool has_positions = true) {
+  return Compared(FlightAt(place, 18, has_positions), std::move(list));
 }
 
 // Every row 4 m east of the photos, whatever was written.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/geo/lat_lon.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -39,10 +40,9 @@ flight::FlightLog SteadyFlight() {
 }
 
 TEST(Reckon, StaysOnACourseThatIsMeasuredWell) {
-  const auto drifts = DriftsOfReckoning(SteadyFlight());
-  ASSERT_TRUE(drifts.ok()) << drifts.error().message;
-  ASSERT_EQ(drifts->size(), 3u);
-  for (const ReckonedDrift& drift : *drifts) {
+  const auto drifts = test::ValueOf(DriftsOfReckoning(SteadyFlight()));
+  ASSERT_EQ(drifts.size(), 3u);
+  for (const ReckonedDrift& drift : drifts) {
     EXPECT_GT(drift.windows, 0);
     EXPECT_LT(drift.trapezoid_rms_m, 0.05 * drift.length_s);
     EXPECT_LT(drift.simpson_rms_m, 0.05 * drift.length_s);
@@ -59,11 +59,10 @@ TEST(Reckon, DriftsByTheAccelerometersBias) {
     sample.specific_force_mps2.x() += kBiasMps2;
   }
   for (flight::AttitudeSample& sample : log.attitude) sample.ned_from_body.setIdentity();
-  const auto drifts = DriftsOfReckoning(log);
-  ASSERT_TRUE(drifts.ok());
-  ASSERT_EQ(drifts->size(), 3u);
-  EXPECT_NEAR((*drifts)[0].trapezoid_rms_m, 0.5 * kBiasMps2 * 100.0, 0.5);
-  EXPECT_NEAR((*drifts)[1].simpson_rms_m, 0.5 * kBiasMps2 * 900.0, 2.0);
+  const auto drifts = test::ValueOf(DriftsOfReckoning(log));
+  ASSERT_EQ(drifts.size(), 3u);
+  EXPECT_NEAR(drifts[0].trapezoid_rms_m, 0.5 * kBiasMps2 * 100.0, 0.5);
+  EXPECT_NEAR(drifts[1].simpson_rms_m, 0.5 * kBiasMps2 * 900.0, 2.0);
 }
 
 TEST(Reckon, PassesOverWindowsWithoutSamples) {
@@ -79,10 +78,9 @@ TEST(Reckon, PassesOverWindowsWithoutSamples) {
 TEST(Reckon, SaysWhatTheLogLacks) {
   flight::FlightLog log = SteadyFlight();
   log.attitude.clear();
-  const auto drifts = DriftsOfReckoning(log);
-  ASSERT_FALSE(drifts.ok());
-  EXPECT_EQ(drifts.error().code, ErrorCode::kUnprocessable);
-  EXPECT_NE(drifts.error().message.find("attitudes"), std::string::npos);
+  const Error drifts = test::ErrorOf(DriftsOfReckoning(log));
+  EXPECT_EQ(drifts.code, ErrorCode::kUnprocessable);
+  EXPECT_NE(drifts.message.find("attitudes"), std::string::npos);
 }
 
 }  // namespace

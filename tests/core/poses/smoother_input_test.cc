@@ -79,6 +79,9 @@ struct Recorded {
     attitude.pitch_rad = -1.047;
     return CamFromEnu(attitude);
   }
+  Quaterniond TrueFixed(std::size_t k) const {  // to the airframe
+    return CamFromBody() * flight.At(flight.photo_times_s()[k]).enu_from_body.conjugate();
+  }
   FlightSources Sources(bool with_log) const {
     FlightSources sources;
     for (std::size_t k = 0; k < photos.size(); ++k) {
@@ -97,14 +100,15 @@ struct Errors {
   double stated_rotation_rad = 0.0;
 };
 
-template <typename TrueCam>
-Errors Compare(const Recorded& recorded, const std::vector<PosedPhoto>& cameras, const TrueCam& true_cam) {
+Errors Compare(const Recorded& recorded, const std::vector<PosedPhoto>& cameras,
+               Quaterniond (Recorded::*true_cam)(std::size_t) const) {
   Errors errors;
   const double n = static_cast<double>(cameras.size());
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     const Vector3d truth = recorded.flight.At(recorded.flight.photo_times_s()[k]).position;
     errors.position_m += (cameras[k].cam_from_enu.TargetOriginInSource() - truth).head<2>().squaredNorm() / n;
-    errors.rotation_rad += std::pow(cameras[k].cam_from_enu.rotation.angularDistance(true_cam(k)), 2) / n;
+    errors.rotation_rad +=
+        std::pow(cameras[k].cam_from_enu.rotation.angularDistance((recorded.*true_cam)(k)), 2) / n;
     errors.stated_position_m += cameras[k].covariance.diagonal().segment<2>(3).sum() / n;
     errors.stated_rotation_rad += cameras[k].covariance.diagonal().head<3>().sum() / n;
   }
@@ -124,7 +128,7 @@ TEST(SmootherInput, PlacesPhotosByTheirXmpAlone) {
   EXPECT_TRUE(prepared.is_placed);
   const std::vector<PosedPhoto> cameras = Place(prepared);
   ASSERT_EQ(cameras.size(), recorded.photos.size());
-  const Errors errors = Compare(recorded, cameras, [&](std::size_t k) { return recorded.TrueGimbal(k); });
+  const Errors errors = Compare(recorded, cameras, &Recorded::TrueGimbal);
   EXPECT_LT(errors.position_m, 4.0);
   EXPECT_LT(errors.rotation_rad, 0.12);
   EXPECT_LT(errors.position_m, 3.0 * errors.stated_position_m);
@@ -142,10 +146,7 @@ TEST(SmootherInput, TurnsPhotosWithoutAnglesAlongTheirCourse) {
   EXPECT_TRUE(prepared.input.options.yaw_from_course);
   const std::vector<PosedPhoto> cameras = Place(prepared);
   EXPECT_EQ(cameras[0].attitude_origin, AttitudeOrigin::kCourse);
-  const auto truth = [&](std::size_t k) {
-    return CamFromBody() * recorded.flight.At(recorded.flight.photo_times_s()[k]).enu_from_body.conjugate();
-  };
-  const Errors errors = Compare(recorded, cameras, truth);
+  const Errors errors = Compare(recorded, cameras, &Recorded::TrueFixed);
   EXPECT_LT(errors.rotation_rad, 0.5);
   EXPECT_LT(errors.rotation_rad, 3.0 * errors.stated_rotation_rad);
 }
@@ -155,10 +156,7 @@ TEST(SmootherInput, UsesALogForACameraFixedToTheAirframe) {
   PreparedSmoothing prepared = MakeSmootherInput(recorded.Sources(true), Frame());
   EXPECT_GT(prepared.input.options.boresight_sigma_rad, 0.04);
   const std::vector<PosedPhoto> cameras = Place(prepared);
-  const auto truth = [&](std::size_t k) {
-    return CamFromBody() * recorded.flight.At(recorded.flight.photo_times_s()[k]).enu_from_body.conjugate();
-  };
-  const Errors errors = Compare(recorded, cameras, truth);
+  const Errors errors = Compare(recorded, cameras, &Recorded::TrueFixed);
   EXPECT_LT(errors.position_m, 4.0);
   EXPECT_LT(errors.rotation_rad, 0.01);
   // The mount is not known to better than its prior, and the errors say so.
@@ -170,13 +168,13 @@ TEST(SmootherInput, TakesTheSlowErrorOfTheAirframeOutOfTheGimbal) {
   const PreparedSmoothing prepared = MakeSmootherInput(recorded.Sources(true), Frame());
   ASSERT_TRUE(prepared.recorded_enu_from_cam[0].has_value());
   const std::vector<PosedPhoto> cameras = Place(prepared);
-  const auto truth = [&](std::size_t k) { return recorded.TrueGimbal(k); };
   double recorded_error = 0.0;
   for (std::size_t k = 0; k < cameras.size(); ++k) {
-    recorded_error += std::pow(CamFromEnu(*recorded.photos[k].attitude).angularDistance(truth(k)), 2);
+    recorded_error +=
+        std::pow(CamFromEnu(*recorded.photos[k].attitude).angularDistance(recorded.TrueGimbal(k)), 2);
   }
   recorded_error = std::sqrt(recorded_error / static_cast<double>(cameras.size()));
-  const Errors errors = Compare(recorded, cameras, truth);
+  const Errors errors = Compare(recorded, cameras, &Recorded::TrueGimbal);
   EXPECT_LT(errors.rotation_rad, 0.7 * recorded_error);
 }
 
@@ -198,10 +196,7 @@ TEST(SmootherInput, ReckonsFromTheStartPointWithoutAnyPosition) {
   ASSERT_FALSE(prepared.input.still.empty());
   EXPECT_NEAR(prepared.input.still.front().begin_s, 0.0, 1.1);
   const std::vector<PosedPhoto> cameras = Place(prepared);
-  const auto truth = [&](std::size_t k) {
-    return CamFromBody() * recorded.flight.At(recorded.flight.photo_times_s()[k]).enu_from_body.conjugate();
-  };
-  const Errors errors = Compare(recorded, cameras, truth);
+  const Errors errors = Compare(recorded, cameras, &Recorded::TrueFixed);
   EXPECT_LT(errors.position_m, 60.0);
   EXPECT_LT(errors.position_m, 3.0 * errors.stated_position_m);
   EXPECT_GT(cameras.back().error_radius_m, cameras.front().error_radius_m);
@@ -214,18 +209,15 @@ TEST(SmootherInput, StandingAfterTheLandingTakesDriftAway) {
     Recorded recorded(seed);
     for (flight::Photo& p : recorded.photos) p.velocity.reset();
     const FlightSources sources = WithoutPositions(recorded);
-    const auto truth = [&](std::size_t k) {
-      return CamFromBody() * recorded.flight.At(recorded.flight.photo_times_s()[k]).enu_from_body.conjugate();
-    };
     const PreparedSmoothing landed = MakeSmootherInput(sources, Frame());
     ASSERT_EQ(landed.input.still.size(), 2u);
     EXPECT_GT(landed.input.still[1].begin_s, recorded.flight.landed_s());
-    const Errors better = Compare(recorded, Place(landed), truth);
+    const Errors better = Compare(recorded, Place(landed), &Recorded::TrueFixed);
     std::erase_if(recorded.log.imu,
                   [&](const flight::ImuSample& s) { return s.t_s > recorded.flight.landed_s(); });
     const PreparedSmoothing cut = MakeSmootherInput(sources, Frame());
     ASSERT_EQ(cut.input.still.size(), 1u);
-    const Errors worse = Compare(recorded, Place(cut), truth);
+    const Errors worse = Compare(recorded, Place(cut), &Recorded::TrueFixed);
     EXPECT_LT(better.stated_position_m, 0.8 * worse.stated_position_m);
     with_rest_m += better.position_m;
     without_rest_m += worse.position_m;

@@ -6,6 +6,7 @@
 
 #include "tests/bench/poses/input_mixes.h"
 #include "tests/bench/poses/pose_metrics.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -33,10 +34,9 @@ TEST(SmoothChain, StatesErrorsThatAreTrueForEveryMixOfInputs) {
     constexpr int kFlights = 6;
     for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
       const AnalyticFlight flight(ShortPlan(), seed);
-      const auto output = SmoothChain(Input(mix, seed, flight));
-      ASSERT_TRUE(output.ok()) << output.error().message;
-      EXPECT_TRUE(output->report.converged);
-      const bench::PoseMetrics metrics = bench::Measure(flight, *output);
+      const auto output = test::ValueOf(SmoothChain(Input(mix, seed, flight)));
+      EXPECT_TRUE(output.report.converged);
+      const bench::PoseMetrics metrics = bench::Measure(flight, output);
       position += metrics.nees_position / kFlights;
       rotation += metrics.nees_rotation / kFlights;
     }
@@ -65,10 +65,9 @@ TEST(SmoothChain, BridgesAHoleInTheInertialSamplesByTheMotionPrior) {
   const AnalyticFlight flight(ShortPlan(), 4);
   SmootherInput input = Input(InputMix::kGnssImuAttitudeBaro, 4, flight);
   std::erase_if(input.imu, [](const flight::ImuSample& s) { return s.t_s > 60.0 && s.t_s < 67.0; });
-  const auto output = SmoothChain(input);
-  ASSERT_TRUE(output.ok());
-  EXPECT_GT(output->report.used.at("motion prior"), 10);
-  const bench::PoseMetrics metrics = bench::Measure(flight, *output);
+  const auto output = test::ValueOf(SmoothChain(input));
+  EXPECT_GT(output.report.used.at("motion prior"), 10);
+  const bench::PoseMetrics metrics = bench::Measure(flight, output);
   EXPECT_LT(metrics.position_2d_m, 4.0);
   EXPECT_LT(metrics.nees_position, 4.0);
 }
@@ -80,10 +79,9 @@ TEST(SmoothChain, WeighsDownAJumpOfTheGnss) {
   for (PositionFix& f : input.positions) {
     if (f.t_s > 55.0 && f.t_s < 58.0) f.position_in_enu_m += Vector3d(30.0, -20.0, 5.0);
   }
-  const auto output = SmoothChain(input);
-  ASSERT_TRUE(output.ok());
-  EXPECT_GE(output->report.down_weighted.at("gnss position"), 14);
-  EXPECT_LT(bench::Measure(flight, *output).worst_position_m, clean.worst_position_m + 1.5);
+  const auto output = test::ValueOf(SmoothChain(input));
+  EXPECT_GE(output.report.down_weighted.at("gnss position"), 14);
+  EXPECT_LT(bench::Measure(flight, output).worst_position_m, clean.worst_position_m + 1.5);
 }
 
 TEST(SmoothChain, FindsALateGnssClockAndItsAntenna) {
@@ -98,12 +96,11 @@ TEST(SmoothChain, FindsALateGnssClockAndItsAntenna) {
   }
   input.options.tau_gnss_sigma_s = 0.2;
   input.options.lever_gnss_sigma_m = 0.5;
-  const auto output = SmoothChain(input);
-  ASSERT_TRUE(output.ok());
-  EXPECT_NEAR(output->border.TauGnss(), -0.12, 0.01);
-  EXPECT_LT((output->border.LeverGnss() - lever).head<2>().norm(), 0.05);
-  EXPECT_LT(output->border_sigma(kAtTauGnss), 0.01);
-  EXPECT_LT(bench::Measure(flight, *output).tilt_deg, 0.2);
+  const auto output = test::ValueOf(SmoothChain(input));
+  EXPECT_NEAR(output.border.TauGnss(), -0.12, 0.01);
+  EXPECT_LT((output.border.LeverGnss() - lever).head<2>().norm(), 0.05);
+  EXPECT_LT(output.border_sigma(kAtTauGnss), 0.01);
+  EXPECT_LT(bench::Measure(flight, output).tilt_deg, 0.2);
 }
 
 TEST(SmoothChain, CarriesTheCameraClockAndMountIntoTheErrors) {
@@ -148,10 +145,9 @@ TEST(SmoothChain, DropsBadSamplesAndSaysSo) {
   input.positions[10].position_in_enu_m.y() = INFINITY;
   input.attitudes[20].enu_from_body.coeffs().setZero();
   input.heights[5].sigma_m = -1.0;
-  const auto output = SmoothChain(input);
-  ASSERT_TRUE(output.ok()) << output.error().message;
-  EXPECT_EQ(output->report.warnings.size(), 4u);
-  EXPECT_LT(bench::Measure(flight, *output).position_2d_m, 4.0);
+  const auto output = test::ValueOf(SmoothChain(input));
+  EXPECT_EQ(output.report.warnings.size(), 4u);
+  EXPECT_LT(bench::Measure(flight, output).position_2d_m, 4.0);
 }
 
 TEST(SmoothChain, RefusesWhatCannotBePlaced) {
@@ -174,11 +170,10 @@ TEST(SmoothChain, PlacesASinglePhoto) {
   input.photo_times_s = {12.0};
   input.positions = {{12.0, Vector3d(5.0, 6.0, 70.0), Vector3d(0.5, 0.5, 1.0)}};
   input.attitudes = {{12.0, Eigen::Quaterniond(Eigen::AngleAxisd(3.0, Vector3d::UnitX())), 0.002, true}};
-  const auto output = SmoothChain(input);
-  ASSERT_TRUE(output.ok()) << output.error().message;
+  const auto output = test::ValueOf(SmoothChain(input));
   const Vector3d expected(5.0, 6.0, 70.0);
-  EXPECT_LT((output->poses[0].position_in_enu_m - expected).norm(), 0.01);
-  EXPECT_NEAR(output->poses[0].covariance(3, 3), 1.25, 0.01);
+  EXPECT_LT((output.poses[0].position_in_enu_m - expected).norm(), 0.01);
+  EXPECT_NEAR(output.poses[0].covariance(3, 3), 1.25, 0.01);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "core/image/fringe_encoder.h"
 #include "core/image/picture_codec.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pyramid {
 namespace {
@@ -107,16 +108,14 @@ TEST(EncodeTile, GivesWebpStraightAlpha) {
   RgbaImage tile = WithHole(64);
   for (int x = 0; x < 64; ++x)
     std::fill_n(tile.Pixel(x, 0), 4, std::uint8_t{100});  // white, seen at 100 of 255
-  const auto encoded = EncodeTile(tile, {.encoding = TileEncoding::kWebp, .quality = 95});
-  ASSERT_TRUE(encoded);
-  EXPECT_EQ(encoded->format, PictureFormat::kWebp);
-  const auto decoded =
-      image::DecodePicture({reinterpret_cast<const char*>(encoded->bytes.data()), encoded->bytes.size()});
-  ASSERT_TRUE(decoded);
-  EXPECT_EQ(decoded->Pixel(30, 0)[3], 100);
-  EXPECT_EQ(decoded->Pixel(63, 63)[3], 0);
-  EXPECT_EQ(decoded->Pixel(10, 10)[3], 255);
-  EXPECT_NEAR(decoded->Pixel(10, 10)[0], tile.Pixel(10, 10)[0], 12);
+  const auto encoded = test::ValueOf(EncodeTile(tile, {.encoding = TileEncoding::kWebp, .quality = 95}));
+  EXPECT_EQ(encoded.format, PictureFormat::kWebp);
+  const auto decoded = test::ValueOf(
+      image::DecodePicture({reinterpret_cast<const char*>(encoded.bytes.data()), encoded.bytes.size()}));
+  EXPECT_EQ(decoded.Pixel(30, 0)[3], 100);
+  EXPECT_EQ(decoded.Pixel(63, 63)[3], 0);
+  EXPECT_EQ(decoded.Pixel(10, 10)[3], 255);
+  EXPECT_NEAR(decoded.Pixel(10, 10)[0], tile.Pixel(10, 10)[0], 12);
 }
 
 }  // namespace

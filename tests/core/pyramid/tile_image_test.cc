@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/pyramid/encode_tile.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pyramid {
 namespace {
@@ -76,26 +77,23 @@ double MeanDifference(const RgbaImage& a, const RgbaImage& b) {
 TEST(HalfOfTile, IsWhatThePixelsGiveButForWhatTheEncodingLost) {
   for (const TileEncoding encoding : {TileEncoding::kJpegWebp, TileEncoding::kJpegPng, TileEncoding::kWebp}) {
     for (const RgbaImage& tile : {Edge(), Inside()}) {
-      const auto encoded = EncodeTile(tile, {.encoding = encoding, .quality = 90});
-      ASSERT_TRUE(encoded);
-      const auto half = HalfOfTile(encoded->bytes, kSidePx);
-      ASSERT_TRUE(half);
+      const auto encoded = test::ValueOf(EncodeTile(tile, {.encoding = encoding, .quality = 90}));
+      const auto half = test::ValueOf(HalfOfTile(encoded.bytes, kSidePx));
       const RgbaImage exact = Halve(tile);
-      ASSERT_EQ(half->width_px, exact.width_px);
-      EXPECT_LT(MeanDifference(*half, exact), 3.0);
+      ASSERT_EQ(half.width_px, exact.width_px);
+      EXPECT_LT(MeanDifference(half, exact), 3.0);
       for (int y = 0; y < exact.height_px; ++y) {
-        for (int x = 0; x < exact.width_px; ++x) EXPECT_EQ(half->Pixel(x, y)[3], exact.Pixel(x, y)[3]);
+        for (int x = 0; x < exact.width_px; ++x) EXPECT_EQ(half.Pixel(x, y)[3], exact.Pixel(x, y)[3]);
       }
     }
   }
 }
 
 TEST(HalfOfTile, RefusesWhatIsDamagedOrOfAnotherSize) {
-  const auto encoded = EncodeTile(Inside(), {});
-  ASSERT_TRUE(encoded);
-  EXPECT_EQ(HalfOfTile(encoded->bytes, 2 * kSidePx).error().code, ErrorCode::kCorrupt);
+  const auto encoded = test::ValueOf(EncodeTile(Inside(), {}));
+  EXPECT_EQ(HalfOfTile(encoded.bytes, 2 * kSidePx).error().code, ErrorCode::kCorrupt);
   EXPECT_EQ(HalfOfTile({}, kSidePx).error().code, ErrorCode::kCorrupt);
-  EXPECT_FALSE(HalfOfTile(std::span(encoded->bytes).first(30), kSidePx));
+  EXPECT_FALSE(HalfOfTile(std::span(encoded.bytes).first(30), kSidePx));
 }
 
 }  // namespace

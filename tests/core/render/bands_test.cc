@@ -18,6 +18,7 @@
 #include "core/render/bands/render_bands.h"
 #include "core/render/exposure/estimate_exposure.h"
 #include "core/render/plan_mosaic.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::render {
 namespace {
@@ -179,10 +180,8 @@ RigFlight Fly(std::size_t captures) {
 
 BandCameras Register(const RigFlight& flown, const RigSource& source, int threads = 2) {
   SilentProgress progress;
-  auto cameras = RegisterBands(flown.references, ground::GroundSurface::Plane(0.0), flown.captures, source,
-                               {threads}, progress);
-  EXPECT_TRUE(cameras.ok());
-  return *std::move(cameras);
+  return test::ValueOf(RegisterBands(flown.references, ground::GroundSurface::Plane(0.0), flown.captures,
+                                     source, {threads}, progress));
 }
 
 // Root mean square of how far off a band's camera shows the ground, pixels.

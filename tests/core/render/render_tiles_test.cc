@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "core/geo/tile_id.h"
 #include "core/render/blocks/block_geometry.h"
 #include "tests/support/map_truth.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/simulated_map.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::render {
 namespace {
@@ -143,14 +143,7 @@ TEST(RenderTiles, DoesNotAlias) {
           whole.at<cv::Vec3b>(y, x) = {value, value, value};
         }
       }
-      if (denominator == 1) return image;
-      image::DecodedImage small{(image.width_px + denominator - 1) / denominator,
-                                (image.height_px + denominator - 1) / denominator,
-                                {}};
-      small.rgb.resize(static_cast<std::size_t>(small.width_px) * small.height_px * 3);
-      cv::Mat out(small.height_px, small.width_px, CV_8UC3, small.rgb.data());
-      cv::resize(whole, out, out.size(), 0, 0, cv::INTER_AREA);
-      return small;
+      return test::AtSize(image, denominator);
     }
   };
   simulate::SimulateOptions options;
@@ -166,9 +159,8 @@ TEST(RenderTiles, DoesNotAlias) {
     double worst = 0.0;
     int looked_at = 0;
     for (const RenderBlock& block : map.plan.blocks) {
-      const auto image =
-          RenderBlockPixels({map.flight, map.ground, map.exposure, seams, map.plan, cache}, block);
-      ASSERT_TRUE(image);
+      const auto image = test::ValueOf(
+          RenderBlockPixels({map.flight, map.ground, map.exposure, seams, map.plan, cache}, block));
       const BlockGeometry geometry =
           MakeBlockGeometry(block.tile, map.plan.BlockSizePx(), map.flight.frame, map.ground);
       const PhotoView view = ViewBlock(map.flight.photos[0], geometry);
@@ -185,7 +177,7 @@ TEST(RenderTiles, DoesNotAlias) {
         double sum = 0.0, squares = 0.0;
         for (int y = 0; y < kNodeStepPx; ++y) {
           for (int x = 0; x < kNodeStepPx; ++x) {
-            const double value = image->Pixel(column * kNodeStepPx + x, row * kNodeStepPx + y)[0];
+            const double value = image.Pixel(column * kNodeStepPx + x, row * kNodeStepPx + y)[0];
             sum += value, squares += value * value;
           }
         }
@@ -256,10 +248,9 @@ TEST(RenderTiles, ABoundaryElsewhereIsRefusedWithTheFlightsPlace) {
   const geo::Boundary far = TriangleOver(map, 20'000.0);
   PlanOptions options;
   options.boundary = &far;
-  const Result<MosaicPlan> plan = PlanMosaic(map.flight, map.ground, options);
-  ASSERT_FALSE(plan.ok());
-  EXPECT_EQ(plan.error().code, ErrorCode::kUnprocessable);
-  EXPECT_NE(plan.error().message.find("46.80000, 7.10000"), std::string::npos) << plan.error().message;
+  const Error plan = test::ErrorOf(PlanMosaic(map.flight, map.ground, options));
+  EXPECT_EQ(plan.code, ErrorCode::kUnprocessable);
+  EXPECT_NE(plan.message.find("46.80000, 7.10000"), std::string::npos) << plan.message;
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "core/simulate/simulate_flight.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -34,9 +35,7 @@ SimulateOptions SmallRig() {
 
 SimulatedFlight Simulate(const SimulateOptions& options, const std::filesystem::path& folder) {
   SilentProgress progress;
-  auto flight = SimulateFlight(options, folder, progress);
-  EXPECT_TRUE(flight.ok());
-  return *std::move(flight);
+  return test::ValueOf(SimulateFlight(options, folder, progress));
 }
 
 TEST(BandRigTest, LevelsAreReadAsReflectance) {
@@ -49,13 +48,11 @@ TEST(BandRigTest, LevelsAreReadAsReflectance) {
                                                        std::to_string(band.index + 1) + ".TIF"));
       const std::vector<std::uint8_t> bytes(file.begin(), file.end());
       flight::MemoryBytes source(bytes);
-      const auto facts = bands::ReadBandFacts(source);
-      ASSERT_TRUE(facts.ok());
-      EXPECT_EQ(facts->radiometry.calibration, bands::Calibration::kReflectance);
-      EXPECT_DOUBLE_EQ(*facts->wavelength_nm, band.wavelength_nm);
-      const auto levels = flight::DecodeSampleBytes(bytes, kWidth, kHeight);
-      ASSERT_TRUE(levels.ok());
-      const image::FloatImage values = bands::ValuesOf(*levels, facts->radiometry);
+      const auto facts = test::ValueOf(bands::ReadBandFacts(source));
+      EXPECT_EQ(facts.radiometry.calibration, bands::Calibration::kReflectance);
+      EXPECT_DOUBLE_EQ(*facts.wavelength_nm, band.wavelength_nm);
+      const auto levels = test::ValueOf(flight::DecodeSampleBytes(bytes, kWidth, kHeight));
+      const image::FloatImage values = bands::ValuesOf(levels, facts.radiometry);
       Eigen::Vector4f of_color = band.reflectance_of_color.cast<float>();
       of_color.tail<3>() /= 255.0F;
       const image::FloatImage truth =
@@ -93,16 +90,14 @@ TEST(BandRigTest, IsReadAsCapturesOfFiveBands) {
   const test::TemporaryFolder folder;
   Simulate(SmallRig(), folder.path());
   SilentProgress progress;
-  auto files = flight::ListInputFiles({folder / "photos"});
-  ASSERT_TRUE(files.ok());
-  auto flight = flight::ReadFlight(*files, 2, progress);
-  ASSERT_TRUE(flight.ok());
-  const bands::Captures apart = bands::SetBandsApart(*flight, 2);
+  auto files = test::ValueOf(flight::ListInputFiles({folder / "photos"}));
+  auto flight = test::ValueOf(flight::ReadFlight(files, 2, progress));
+  const bands::Captures apart = bands::SetBandsApart(flight, 2);
   ASSERT_EQ(apart.captures.size(), 2U);
   EXPECT_EQ(apart.reference_band, "green");
   EXPECT_EQ(apart.captures[0].photos.size(), 5U);
-  ASSERT_EQ(flight->photos.size(), 2U);
-  EXPECT_EQ(flight->photos[0].name, "SIM_0001_2.TIF");
+  ASSERT_EQ(flight.photos.size(), 2U);
+  EXPECT_EQ(flight.photos[0].name, "SIM_0001_2.TIF");
 }
 
 TEST(BandRigTest, TheSameSeedGivesTheSameFilesOnAnyNumberOfThreads) {

@@ -93,6 +93,17 @@ TEST(RenderPhoto, GivesTheSameBytesOnAnyNumberOfThreads) {
   EXPECT_EQ(one.rgb, RenderPhoto(world, lens, pose, options).rgb);
 }
 
+World BareWorld() {
+  WorldOptions bare;
+  bare.texture = TextureLevel::kBare;
+  return World(bare);
+}
+
+geo::Rigid3 LookingDown(double height_m) {
+  return geo::Rigid3::FromRotationAndTargetOrigin(CamFromEnuOfGimbal({0.0, -0.5 * geo::kPi, 0.0}),
+                                                  Eigen::Vector3d(0.0, 0.0, height_m));
+}
+
 double MeanGreen(const image::DecodedImage& image, int x0, int y0, int side) {
   double sum = 0.0;
   for (int y = y0; y < y0 + side; ++y) {
@@ -102,12 +113,9 @@ double MeanGreen(const image::DecodedImage& image, int x0, int y0, int side) {
 }
 
 TEST(RenderPhoto, VignettingAndExposureDarkenAsAsked) {
-  WorldOptions bare;
-  bare.texture = TextureLevel::kBare;
-  const World world(bare);
+  const World world = BareWorld();
   const camera::Intrinsics lens = camera::Intrinsics::Centered(640, 480, 500.0);
-  const auto pose = geo::Rigid3::FromRotationAndTargetOrigin(CamFromEnuOfGimbal({0.0, -0.5 * geo::kPi, 0.0}),
-                                                             Eigen::Vector3d(0.0, 0.0, 50.0));
+  const geo::Rigid3 pose = LookingDown(50.0);
   RenderPhotoOptions options;
   const auto plain = RenderPhoto(world, lens, pose, options);
   options.vignetting = 0.4;
@@ -118,12 +126,9 @@ TEST(RenderPhoto, VignettingAndExposureDarkenAsAsked) {
 }
 
 TEST(RenderPhoto, AHotSpotIsHalfAtItsWidth) {
-  WorldOptions bare;
-  bare.texture = TextureLevel::kBare;
-  const World world(bare);
+  const World world = BareWorld();
   const camera::Intrinsics lens = camera::Intrinsics::Centered(641, 481, 500.0);
-  const auto pose = geo::Rigid3::FromRotationAndTargetOrigin(CamFromEnuOfGimbal({0.0, -0.5 * geo::kPi, 0.0}),
-                                                             Eigen::Vector3d(0.0, 0.0, 50.0));
+  const geo::Rigid3 pose = LookingDown(50.0);
   RenderPhotoOptions options;
   options.noise_counts = 0.0;
   options.exposure_gain = 0.7;
@@ -138,8 +143,7 @@ TEST(RenderPhoto, AHotSpotIsHalfAtItsWidth) {
 TEST(RenderPhoto, MotionBlurSmearsAlongTheFlight) {
   const World world(WorldOptions{});
   const camera::Intrinsics lens = camera::Intrinsics::Centered(320, 240, 400.0);
-  const auto pose = geo::Rigid3::FromRotationAndTargetOrigin(CamFromEnuOfGimbal({0.0, -0.5 * geo::kPi, 0.0}),
-                                                             Eigen::Vector3d(0.0, 0.0, 20.0));
+  const geo::Rigid3 pose = LookingDown(20.0);
   RenderPhotoOptions options;
   options.noise_counts = 0.0;
   const auto contrast = [](const image::DecodedImage& image, int dx, int dy) {

@@ -15,6 +15,7 @@
 #include "tests/support/bytes_of.h"
 #include "tests/support/output_of.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -89,13 +90,12 @@ TEST_F(SimulateFlightTest, ExactPhotosReadBackToAHundredthOfAPixel) {
     const auto flight = SimulateFlight(options, folder_.path(), progress);
     ASSERT_TRUE(flight.ok());
     for (const SimulatedPhoto& truth : flight->photos) {
-      const auto photo = flight::ReadPhoto({truth.photo.name, truth.photo.path});
-      ASSERT_TRUE(photo.ok()) << photo.error().message;
-      ASSERT_TRUE(photo->position && photo->attitude && photo->position->height_above_takeoff_m);
-      EXPECT_LT(RecordedAgainstTruePx(*flight, *photo, truth), 0.01);
-      EXPECT_EQ(photo->captured_at, truth.recorded.captured_at);
-      EXPECT_FALSE(photo->captured_at_is_local);
-      EXPECT_EQ(photo->focal_source, flight::FocalSource::kDewarpData);
+      const auto photo = test::ValueOf(flight::ReadPhoto({truth.photo.name, truth.photo.path}));
+      ASSERT_TRUE(photo.position && photo.attitude && photo.position->height_above_takeoff_m);
+      EXPECT_LT(RecordedAgainstTruePx(*flight, photo, truth), 0.01);
+      EXPECT_EQ(photo.captured_at, truth.recorded.captured_at);
+      EXPECT_FALSE(photo.captured_at_is_local);
+      EXPECT_EQ(photo.focal_source, flight::FocalSource::kDewarpData);
       EXPECT_LT(RecordedAgainstTruePx(*flight, truth.photo, truth), 0.01) << "the photo made without a file";
     }
   }
@@ -135,9 +135,8 @@ TEST_F(SimulateFlightTest, ExiftoolReadsTheTags) {
   options.origin = {-33.25, -70.5};
   options.write_world = false;
   SilentProgress progress;
-  const auto flight = SimulateFlight(options, folder_.path(), progress);
-  ASSERT_TRUE(flight.ok());
-  const SimulatedPhoto& truth = flight->photos[1];
+  const auto flight = test::ValueOf(SimulateFlight(options, folder_.path(), progress));
+  const SimulatedPhoto& truth = flight.photos[1];
   const std::string lines = test::OutputOf(
       "exiftool -n -s3 -GPSLatitude -GPSLongitude -RelativeAltitude -GimbalPitchDegree "
       "-Model -SubSecDateTimeOriginal -warning " +
@@ -160,13 +159,12 @@ TEST_F(SimulateFlightTest, GdalFindsSurveyMarksOfTheTruthMapAtTheirPlaces) {
   options.world.mark_spacing_m = 8.0;
   options.world.mark_radius_m = 0.5;
   SilentProgress progress;
-  const auto flight = SimulateFlight(options, folder_.path(), progress);
-  ASSERT_TRUE(flight.ok());
+  const auto flight = test::ValueOf(SimulateFlight(options, folder_.path(), progress));
   for (const Eigen::Vector2d& mark :
        {Eigen::Vector2d(0, 0), Eigen::Vector2d(16, -8), Eigen::Vector2d(-8, 8)}) {
     for (const Eigen::Vector2d& off : {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.3, 0),
                                        Eigen::Vector2d(0.75, 0), Eigen::Vector2d(0, -0.75)}) {
-      const geo::Wgs84 at = flight->frame.Wgs84FromEnu({mark.x() + off.x(), mark.y() + off.y(), 0.0});
+      const geo::Wgs84 at = flight.frame.Wgs84FromEnu({mark.x() + off.x(), mark.y() + off.y(), 0.0});
       char place[80];
       std::snprintf(place, sizeof place, "%.10f %.10f", at.lon_deg, at.lat_deg);
       const std::string value = test::OutputOf("gdallocationinfo -valonly -b 2 -wgs84 " +
@@ -180,7 +178,7 @@ TEST_F(SimulateFlightTest, GdalFindsSurveyMarksOfTheTruthMapAtTheirPlaces) {
     }
   }
   // The grid is that of the tiles: the corner is a whole number of pixels from the square's corner.
-  const geo::RasterFrame raster = flight->WorldRaster();
+  const geo::RasterFrame raster = flight.WorldRaster();
   const double columns =
       (raster.north_west_in_merc.x() + geo::kMercHalfWidthM) / raster.pixel_size_in_merc_m / kWorldTilePx;
   EXPECT_NEAR(columns, std::round(columns), 1e-6);
@@ -224,13 +222,12 @@ TEST_F(SimulateFlightTest, FlownWithARecorderItWritesLogsAndPhotosOfOneClock) {
   for (std::size_t i = 0; i < flight->photos.size(); ++i) {
     const SimulatedPhoto& truth = flight->photos[i];
     EXPECT_NEAR(flight->log->events[i].t_s, truth.pose.t_s, 0.003);
-    const auto photo = flight::ReadPhoto({truth.photo.name, truth.photo.path});
-    ASSERT_TRUE(photo.ok());
-    EXPECT_FALSE(photo->position.has_value());
-    EXPECT_TRUE(photo->captured_at_is_local);
-    ASSERT_TRUE(photo->captured_at.has_value());
+    const auto photo = test::ValueOf(flight::ReadPhoto({truth.photo.name, truth.photo.path}));
+    EXPECT_FALSE(photo.position.has_value());
+    EXPECT_TRUE(photo.captured_at_is_local);
+    ASSERT_TRUE(photo.captured_at.has_value());
     const double behind_s =
-        std::chrono::duration<double>(options.start - *photo->captured_at).count() + 3607.3 + truth.pose.t_s;
+        std::chrono::duration<double>(options.start - *photo.captured_at).count() + 3607.3 + truth.pose.t_s;
     EXPECT_GE(behind_s, -1e-6);
     EXPECT_LT(behind_s, 1.0) << "truncated to whole seconds";
   }

@@ -7,6 +7,7 @@
 #include "core/camera/footprint.h"
 #include "core/geo/lat_lon.h"
 #include "core/simulate/world/random.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -54,22 +55,21 @@ TEST(PlanLawnmower, KeepsTheOverlapsAskedFor) {
   options.front_overlap = 0.8;
   options.side_overlap = 0.6;
   options.heading_rad = DegToRad(30.0);
-  const auto poses = PlanLawnmower(options, kLens);
-  ASSERT_TRUE(poses.ok());
-  ASSERT_EQ(poses->size(), 24u);
+  const auto poses = test::ValueOf(PlanLawnmower(options, kLens));
+  ASSERT_EQ(poses.size(), 24u);
   const double along_m = options.height_m * 600.0 / 600.0;
   const double across_m = options.height_m * 800.0 / 600.0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int line_changes = 0;
-  for (std::size_t i = 0; i < poses->size(); ++i) {
-    const Eigen::Vector3d center = (*poses)[i].cam_from_enu.TargetOriginInSource();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Eigen::Vector3d center = poses[i].cam_from_enu.TargetOriginInSource();
     sum += center;
     EXPECT_NEAR(center.z(), 60.0, 1e-9);
     if (i == 0) continue;
-    const double step_m = (center - (*poses)[i - 1].cam_from_enu.TargetOriginInSource()).norm();
-    const bool new_line = (*poses)[i].line != (*poses)[i - 1].line;
+    const double step_m = (center - poses[i - 1].cam_from_enu.TargetOriginInSource()).norm();
+    const bool new_line = poses[i].line != poses[i - 1].line;
     EXPECT_NEAR(step_m, new_line ? 0.4 * across_m : 0.2 * along_m, 1e-9);
-    EXPECT_GT((*poses)[i].t_s, (*poses)[i - 1].t_s);
+    EXPECT_GT(poses[i].t_s, poses[i - 1].t_s);
     line_changes += new_line ? 1 : 0;
   }
   EXPECT_GE(line_changes, 2);
@@ -81,10 +81,9 @@ TEST(PlanLawnmower, LeansNoMoreThanAskedAndUsesTheRange) {
   options.photos = 300;
   options.max_tilt_rad = DegToRad(15.0);
   options.yaw_rule = YawRule::kAnywhere;
-  const auto poses = PlanLawnmower(options, kLens);
-  ASSERT_TRUE(poses.ok());
+  const auto poses = test::ValueOf(PlanLawnmower(options, kLens));
   double largest = 0.0;
-  for (const TruePose& pose : *poses) {
+  for (const TruePose& pose : poses) {
     const Eigen::Vector3d axis = pose.cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
     largest = std::max(largest, std::acos(-axis.z()));
   }

@@ -9,6 +9,7 @@
 #include "core/flight/logs/formats.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/simulate/surveys.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -85,42 +86,37 @@ void ExpectSame(const flight::FlightLog& read, const flight::FlightLog& truth, c
 }
 
 TEST(WriteDataflash, IsReadBackByTheParser) {
-  const auto read = flight::ParseDataflash("flight.BIN", DataflashBytes(Log()));
-  ASSERT_TRUE(read.ok()) << read.error().message;
+  const auto read = test::ValueOf(flight::ParseDataflash("flight.BIN", DataflashBytes(Log())));
   Tolerance tolerance;
   tolerance.angle_rad = 3e-4;
   tolerance.degrees = 6e-8;
   tolerance.height_m = 0.006;
   tolerance.has_ellipsoid = false;
-  ExpectSame(*read, Log(), tolerance);
+  ExpectSame(read, Log(), tolerance);
 }
 
 TEST(WriteUlog, IsReadBackByTheParser) {
-  const auto read = flight::ParseUlog("flight.ulg", UlogBytes(Log()));
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  ExpectSame(*read, Log(), {});
+  const auto read = test::ValueOf(flight::ParseUlog("flight.ulg", UlogBytes(Log())));
+  ExpectSame(read, Log(), {});
 }
 
 TEST(WriteCsv, IsReadBackByTheParser) {
   const std::string text = FlightCsv(Log());
-  const auto read = flight::ParseFlightCsv("flight.csv", flight::BytesOf(text));
-  ASSERT_TRUE(read.ok()) << read.error().message;
+  const auto read = test::ValueOf(flight::ParseFlightCsv("flight.csv", flight::BytesOf(text)));
   flight::FlightLog from_zero = Log();
-  ExpectSame(*read, from_zero, {});
+  ExpectSame(read, from_zero, {});
 }
 
 TEST(WriteDataflash, WithoutFeedbackTheEventsAreCommands) {
   flight::FlightLog log = Log();
   log.imu.clear();
   for (flight::CameraEvent& event : log.events) event.is_feedback = false;
-  const auto read = flight::ParseDataflash("flight.BIN", DataflashBytes(log));
-  ASSERT_TRUE(read.ok());
-  ASSERT_EQ(read->events.size(), log.events.size());
-  EXPECT_FALSE(read->events[3].is_feedback);
-  const auto ulog = flight::ParseUlog("flight.ulg", UlogBytes(log));
-  ASSERT_TRUE(ulog.ok());
-  ASSERT_EQ(ulog->events.size(), log.events.size());
-  EXPECT_FALSE(ulog->events[3].is_feedback);
+  const auto read = test::ValueOf(flight::ParseDataflash("flight.BIN", DataflashBytes(log)));
+  ASSERT_EQ(read.events.size(), log.events.size());
+  EXPECT_FALSE(read.events[3].is_feedback);
+  const auto ulog = test::ValueOf(flight::ParseUlog("flight.ulg", UlogBytes(log)));
+  ASSERT_EQ(ulog.events.size(), log.events.size());
+  EXPECT_FALSE(ulog.events[3].is_feedback);
 }
 
 }  // namespace

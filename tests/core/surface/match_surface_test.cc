@@ -7,6 +7,7 @@
 
 #include "core/base/median.h"
 #include "tests/core/surface/synthetic_scene.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::surface {
 namespace {
@@ -83,9 +84,8 @@ void ExpectNothingKnown(const Result<DenseSurface>& surface, bool is_seen) {
 
 TEST(MatchSurface, FindsASlope) {
   const SyntheticScene scene = Scene(3, 3);
-  const auto surface = Match(scene, Around(-12, -10, 12, 10));
-  ASSERT_TRUE(surface);
-  const Off off = OffIn(*surface, scene, kAll);
+  const auto surface = test::ValueOf(Match(scene, Around(-12, -10, 12, 10)));
+  const Off off = OffIn(surface, scene, kAll);
   EXPECT_LT(off.median_m, 0.3 * kGsdM);
   EXPECT_LT(off.most_m, 1.0 * kGsdM);
   EXPECT_GT(off.share_known, 0.98);
@@ -95,26 +95,25 @@ TEST(MatchSurface, RaisesABoxAndKeepsTheGroundBesideIt) {
   SyntheticScene scene = Scene(3, 3);
   const geo::Bounds2 outline = Around(-4.1, -3.3, 4.3, 5.2);
   scene.boxes.push_back({outline, 6.0});
-  const auto surface = Match(scene, Around(-14, -12, 14, 12));
-  ASSERT_TRUE(surface);
+  const auto surface = test::ValueOf(Match(scene, Around(-14, -12, 14, 12)));
   const auto within = [&](const Eigen::Vector2d& place, double margin_m) {
     return (place.array() > outline.min.array() + margin_m).all() &&
            (place.array() < outline.max.array() - margin_m).all();
   };
-  const Off roof = OffIn(*surface, scene, [&](const auto& place) { return within(place, 5 * kCellM); });
+  const Off roof = OffIn(surface, scene, [&](const auto& place) { return within(place, 5 * kCellM); });
   EXPECT_LT(roof.median_m, 0.5 * kGsdM);
   EXPECT_LT(roof.most_m, 2.0 * kGsdM);
-  const Off beside = OffIn(*surface, scene, [&](const auto& place) { return !within(place, -5 * kCellM); });
+  const Off beside = OffIn(surface, scene, [&](const auto& place) { return !within(place, -5 * kCellM); });
   EXPECT_LT(beside.median_m, 0.5 * kGsdM);
   EXPECT_LT(beside.most_m, 2.0 * kGsdM);
   // The volume above the ground: the outline, of 42 cells a side, is off by less than a cell.
   double volume_m3 = 0.0, true_m3 = 0.0;
-  for (int row = 0; row < surface->grid.rows; ++row) {
-    for (int column = 0; column < surface->grid.columns; ++column) {
-      const Eigen::Vector2d place = surface->grid.south_west_in_enu + kCellM * Eigen::Vector2d(column, row);
+  for (int row = 0; row < surface.grid.rows; ++row) {
+    for (int column = 0; column < surface.grid.columns; ++column) {
+      const Eigen::Vector2d place = surface.grid.south_west_in_enu + kCellM * Eigen::Vector2d(column, row);
       const double ground_m = scene.slope.dot(place);
-      const std::size_t cell = static_cast<std::size_t>(row) * surface->grid.columns + column;
-      volume_m3 += kCellM * kCellM * (surface->cells.heights_m[cell] - ground_m);
+      const std::size_t cell = static_cast<std::size_t>(row) * surface.grid.columns + column;
+      volume_m3 += kCellM * kCellM * (surface.cells.heights_m[cell] - ground_m);
       true_m3 += kCellM * kCellM * (scene.HeightAt(place) - ground_m);
     }
   }
@@ -126,9 +125,8 @@ TEST(MatchSurface, RaisesATower) {
   SyntheticScene scene = Scene(4, 4);
   constexpr double kHalfM = 5.6;
   scene.boxes.push_back({Around(-kHalfM, -kHalfM, kHalfM, kHalfM), 14.0});
-  const auto surface = Match(scene, Around(-12, -12, 12, 12));
-  ASSERT_TRUE(surface);
-  const Off roof = OffIn(*surface, scene, [&](const Eigen::Vector2d& place) {
+  const auto surface = test::ValueOf(Match(scene, Around(-12, -12, 12, 12)));
+  const Off roof = OffIn(surface, scene, [&](const Eigen::Vector2d& place) {
     return place.cwiseAbs().maxCoeff() < kHalfM - 5 * kCellM;
   });
   EXPECT_LT(roof.median_m, 0.5 * kGsdM);
@@ -139,14 +137,13 @@ TEST(MatchSurface, RaisesATower) {
 TEST(MatchSurface, FillsWaterAndSaysSo) {
   SyntheticScene scene = Scene(3, 3);
   scene.even = Around(-6, -5, 6, 5);
-  const auto surface = Match(scene, Around(-12, -10, 12, 10));
-  ASSERT_TRUE(surface);
-  const Off water = OffIn(*surface, scene, [](const Eigen::Vector2d& place) {
+  const auto surface = test::ValueOf(Match(scene, Around(-12, -10, 12, 10)));
+  const Off water = OffIn(surface, scene, [](const Eigen::Vector2d& place) {
     return std::abs(place.x()) < 4.5 && std::abs(place.y()) < 3.5;
   });
   EXPECT_LT(water.share_known, 0.1);
   EXPECT_LT(water.most_m, 1.0);  // from around it
-  const Off shore = OffIn(*surface, scene, [](const Eigen::Vector2d& place) {
+  const Off shore = OffIn(surface, scene, [](const Eigen::Vector2d& place) {
     return std::abs(place.x()) > 8.0 || std::abs(place.y()) > 7.0;
   });
   EXPECT_GT(shore.share_known, 0.97);
@@ -155,9 +152,8 @@ TEST(MatchSurface, FillsWaterAndSaysSo) {
 TEST(MatchSurface, NeedsTwoPhotos) {
   ExpectNothingKnown(Match(Scene(1, 1), Around(-5, -5, 5, 5)), true);
   const SyntheticScene two = Scene(2, 1);
-  const auto surface = Match(two, Around(-5, -5, 5, 5));
-  ASSERT_TRUE(surface);
-  const Off off = OffIn(*surface, two, kAll);
+  const auto surface = test::ValueOf(Match(two, Around(-5, -5, 5, 5)));
+  const Off off = OffIn(surface, two, kAll);
   EXPECT_LT(off.median_m, 1.0 * kGsdM);
   EXPECT_GT(off.share_known, 0.9);
 }
@@ -175,9 +171,8 @@ TEST(MatchSurface, TakesNoPhotosThatAreNotAligned) {
 TEST(MatchSurface, DoesWithoutADamagedPhoto) {
   SyntheticScene scene = Scene(3, 3);
   scene.flight.photos[4].photo.name = "damaged";
-  const auto surface = Match(scene, Around(-5, -5, 5, 5));
-  ASSERT_TRUE(surface);
-  EXPECT_LT(OffIn(*surface, scene, kAll).median_m, 0.5 * kGsdM);
+  const auto surface = test::ValueOf(Match(scene, Around(-5, -5, 5, 5)));
+  EXPECT_LT(OffIn(surface, scene, kAll).median_m, 0.5 * kGsdM);
 }
 
 TEST(MatchSurface, IsTheSameWithAnyNumberOfThreads) {
@@ -201,10 +196,10 @@ class CancelledAtOnce final : public Progress {
 TEST(MatchSurface, StopsWhenCancelled) {
   const SyntheticScene scene = Scene(2, 1);
   CancelledAtOnce progress;
-  const auto surface = MatchSurface(scene.flight, scene, ground::GroundSurface::Plane(0.0),
-                                    GridOver(Around(-5, -5, 5, 5), kCellM), Options(), progress);
-  ASSERT_FALSE(surface);
-  EXPECT_EQ(surface.error().code, ErrorCode::kCancelled);
+  const Error surface =
+      test::ErrorOf(MatchSurface(scene.flight, scene, ground::GroundSurface::Plane(0.0),
+                                 GridOver(Around(-5, -5, 5, 5), kCellM), Options(), progress));
+  EXPECT_EQ(surface.code, ErrorCode::kCancelled);
 }
 
 TEST(MatchSurface, HandsOnTheErrorOfWhoTakesBlocks) {
@@ -227,10 +222,9 @@ TEST(MatchSurface, HandsOnTheErrorOfWhoTakesBlocks) {
 TEST(MatchSurface, RefusesAGridWithoutCells) {
   const SyntheticScene scene = Scene(1, 1);
   SilentProgress progress;
-  const auto surface =
-      MatchSurface(scene.flight, scene, ground::GroundSurface::Plane(0.0), {}, Options(), progress);
-  ASSERT_FALSE(surface);
-  EXPECT_EQ(surface.error().code, ErrorCode::kInvalidArgument);
+  const Error surface = test::ErrorOf(
+      MatchSurface(scene.flight, scene, ground::GroundSurface::Plane(0.0), {}, Options(), progress));
+  EXPECT_EQ(surface.code, ErrorCode::kInvalidArgument);
 }
 
 TEST(GridOver, HasTheSameCellsForAllMapsOfAFlight) {

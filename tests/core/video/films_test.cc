@@ -7,13 +7,15 @@
 #include <chrono>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <set>
 #include <vector>
 
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/video/moving_film.h"
+#include "tests/support/bytes_of.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::video {
 namespace {
@@ -32,14 +34,9 @@ std::string Subtitles(int seconds) {
 
 constexpr flight::UtcTime kFilmedAt{std::chrono::seconds(1'695'038'303)};  // 2023-09-18 11:58:23
 
-std::string BytesOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // As a camera writes it, into the header of the film (ISO/IEC 14496-12, 8.2.2: seconds since 1904).
 void SetCreation(const std::filesystem::path& path, flight::UtcTime time) {
-  std::string bytes = BytesOf(path);
+  std::string bytes = test::BytesOf(path);
   const std::size_t header = bytes.find("mvhd");
   ASSERT_NE(header, std::string::npos);
   const auto since_1904 = static_cast<std::uint32_t>(
@@ -53,7 +50,7 @@ std::vector<flight::Photo> PhotosOf(const FlightFiles& given) {
   std::vector<flight::Photo> photos;
   for (const flight::InputFile& file : given.files) {
     if (!file.name.ends_with(".jpg")) continue;
-    const std::string bytes = BytesOf(file.path);
+    const std::string bytes = test::BytesOf(file.path);
     const auto photo = flight::ReadPhotoFromBytes(
         file.name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
     EXPECT_TRUE(photo) << file.name;
@@ -70,7 +67,7 @@ class FilmsTest : public testing::Test {
     std::filesystem::create_directories(folder_.path() / "frames");
     return WithFramesOfFilms(files, FilmsAmong(files), folder_.path() / "frames", {}, progress);
   }
-  FilmFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(FilmsTest, BecomePhotosWithATableOfTheirPlaces) {
@@ -89,8 +86,7 @@ TEST_F(FilmsTest, BecomePhotosWithATableOfTheirPlaces) {
   EXPECT_EQ(std::count(names.begin(), names.end(), "dji_0001.srt"), 0);
   ASSERT_EQ(given->sources.size(), 2U);
   EXPECT_EQ(given->sources[1].name, "dji_0001.srt");
-  std::ifstream table(given->files.back().path);
-  const std::string text{std::istreambuf_iterator<char>(table), {}};
+  const std::string text = test::BytesOf(given->files.back().path);
   EXPECT_NE(text.find("\"DJI_0001_000000.jpg\",47.0000"), std::string::npos) << text;
   EXPECT_NE(text.find(",50.000,"), std::string::npos) << text;
 }
@@ -120,16 +116,14 @@ TEST_F(FilmsTest, NameSubtitlesThatBelongToNoneOfThemWhereOneHasNone) {
   folder_.Write("DJI_0001.SRT", Subtitles(2));
   folder_.Write("flight.SRT", Subtitles(2));
   const std::vector<flight::InputFile> files{File("DJI_0001.MP4"), File("DJI_0001.SRT"), File("flight.SRT")};
-  const auto whole = Replace(files);
-  ASSERT_TRUE(whole);
-  EXPECT_TRUE(whole->warnings.empty());
+  const auto whole = test::ValueOf(Replace(files));
+  EXPECT_TRUE(whole.warnings.empty());
   std::vector<flight::InputFile> more = files;
   more.push_back(File("DJI_0002.MP4"));
-  const auto given = Replace(more);
-  ASSERT_TRUE(given);
-  ASSERT_EQ(given->warnings.size(), 1U);
-  EXPECT_EQ(given->warnings[0].code, flight::RemarkCode::kSubtitlesOfNoFilm);
-  EXPECT_EQ(flight::InWords(given->warnings[0]),
+  const auto given = test::ValueOf(Replace(more));
+  ASSERT_EQ(given.warnings.size(), 1U);
+  EXPECT_EQ(given.warnings[0].code, flight::RemarkCode::kSubtitlesOfNoFilm);
+  EXPECT_EQ(flight::InWords(given.warnings[0]),
             "flight.SRT says nothing of DJI_0002.MP4: subtitles are those of the film of their name. If they "
             "are its own, name them DJI_0002.SRT.");
 }
@@ -139,20 +133,18 @@ TEST_F(FilmsTest, SayThatTheirSubtitlesLastLonger) {
   if (!WriteFilm(folder_.path() / "DJI_0001.MP4", 60, [](int k) { return 6 * k; }))
     GTEST_SKIP() << "no MPEG-4 encoder";
   folder_.Write("DJI_0001.SRT", Subtitles(40));
-  const auto given = Replace({File("DJI_0001.MP4"), File("DJI_0001.SRT")});
-  ASSERT_TRUE(given);
-  ASSERT_EQ(given->warnings.size(), 1U);
-  EXPECT_EQ(given->warnings[0].code, flight::RemarkCode::kSubtitlesOfOtherLength);
+  const auto given = test::ValueOf(Replace({File("DJI_0001.MP4"), File("DJI_0001.SRT")}));
+  ASSERT_EQ(given.warnings.size(), 1U);
+  EXPECT_EQ(given.warnings[0].code, flight::RemarkCode::kSubtitlesOfOtherLength);
 }
 
 TEST_F(FilmsTest, GiveTheirFramesTheTimeOfTheirCreation) {
   const std::filesystem::path film = folder_.path() / "film.MP4";
   if (!WriteFilm(film, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
   ASSERT_NO_FATAL_FAILURE(SetCreation(film, kFilmedAt));
-  const auto alone = Replace({File("film.MP4")});
-  ASSERT_TRUE(alone);
-  EXPECT_TRUE(alone->warnings.empty());
-  const std::vector<flight::Photo> photos = PhotosOf(*alone);
+  const auto alone = test::ValueOf(Replace({File("film.MP4")}));
+  EXPECT_TRUE(alone.warnings.empty());
+  const std::vector<flight::Photo> photos = PhotosOf(alone);
   ASSERT_GE(photos.size(), 2U);
   EXPECT_EQ(photos.front().captured_at, kFilmedAt);
   EXPECT_TRUE(photos.front().captured_at_is_local);
@@ -165,21 +157,19 @@ TEST_F(FilmsTest, GiveTheirFramesTheTimeOfTheirCreation) {
                 "<trkpt lat=\"47\" lon=\"8\"><time>2023-09-18T11:58:20Z</time></trkpt>"
                 "<trkpt lat=\"47.001\" lon=\"8\"><time>2023-09-18T11:58:30Z</time></trkpt>"
                 "</trkseg></trk></gpx>\n");
-  const auto beside = Replace({File("film.MP4"), File("way.gpx")});
-  ASSERT_TRUE(beside);
-  ASSERT_EQ(beside->warnings.size(), 1U);
-  EXPECT_EQ(beside->warnings[0].code, flight::RemarkCode::kFilmTimedByCreation);
-  EXPECT_EQ(beside->warnings[0].values.at("at"), flight::RemarkValue("2023-09-18 11:58:23"));
-  EXPECT_EQ(beside->warnings[0].values.at("name"), flight::RemarkValue("20230918_115821.MP4"));
+  const auto beside = test::ValueOf(Replace({File("film.MP4"), File("way.gpx")}));
+  ASSERT_EQ(beside.warnings.size(), 1U);
+  EXPECT_EQ(beside.warnings[0].code, flight::RemarkCode::kFilmTimedByCreation);
+  EXPECT_EQ(beside.warnings[0].values.at("at"), flight::RemarkValue("2023-09-18 11:58:23"));
+  EXPECT_EQ(beside.warnings[0].values.at("name"), flight::RemarkValue("20230918_115821.MP4"));
 }
 
 TEST_F(FilmsTest, BeganWhenTheirNameSays) {
   const std::filesystem::path film = folder_.path() / "DJI_20230918115823_0001_D.MP4";
   if (!WriteFilm(film, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
   ASSERT_NO_FATAL_FAILURE(SetCreation(film, kFilmedAt - std::chrono::hours(2) + std::chrono::seconds(2)));
-  const auto given = Replace({File("DJI_20230918115823_0001_D.MP4")});
-  ASSERT_TRUE(given);
-  const std::vector<flight::Photo> photos = PhotosOf(*given);
+  const auto given = test::ValueOf(Replace({File("DJI_20230918115823_0001_D.MP4")}));
+  const std::vector<flight::Photo> photos = PhotosOf(given);
   ASSERT_FALSE(photos.empty());
   EXPECT_EQ(photos.front().captured_at, kFilmedAt);
 }
@@ -193,9 +183,8 @@ TEST_F(FilmsTest, BeganWhenTheyWereCreatedWhereNotAllNamesSayIt) {
     ASSERT_NO_FATAL_FAILURE(SetCreation(film.path, created));
     created += std::chrono::minutes(1);
   }
-  const auto given = Replace(films);
-  ASSERT_TRUE(given);
-  const std::vector<flight::Photo> photos = PhotosOf(*given);
+  const auto given = test::ValueOf(Replace(films));
+  const std::vector<flight::Photo> photos = PhotosOf(given);
   const auto second = std::find_if(photos.begin(), photos.end(), [](const flight::Photo& photo) {
     return photo.name.starts_with("second");
   });
@@ -210,9 +199,8 @@ TEST_F(FilmsTest, HaveNoTimesWhereOneBeganWhileAnotherWasTaken) {
     if (!WriteFilm(film.path, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
     ASSERT_NO_FATAL_FAILURE(SetCreation(film.path, kFilmedAt));
   }
-  const auto given = Replace(films);
-  ASSERT_TRUE(given);
-  const std::vector<flight::Photo> photos = PhotosOf(*given);
+  const auto given = test::ValueOf(Replace(films));
+  const std::vector<flight::Photo> photos = PhotosOf(given);
   EXPECT_FALSE(photos.empty());
   EXPECT_TRUE(std::none_of(photos.begin(), photos.end(),
                            [](const flight::Photo& photo) { return photo.captured_at.has_value(); }));
@@ -230,12 +218,11 @@ TEST_F(FilmsTest, NamesAFilmThatCannotBeReadAndGoesOn) {
                                           12) +
                                   std::string(400, 'x'));
   folder_.Write("photo.jpg", "\xff\xd8\xff");
-  const auto given = Replace({File("broken.mp4"), File("photo.jpg")});
-  ASSERT_TRUE(given);
-  ASSERT_EQ(given->warnings.size(), 1U);
-  EXPECT_NE(flight::InWords(given->warnings[0]).find("broken.mp4"), std::string::npos);
-  ASSERT_EQ(given->files.size(), 1U);
-  EXPECT_EQ(given->files[0].name, "photo.jpg");
+  const auto given = test::ValueOf(Replace({File("broken.mp4"), File("photo.jpg")}));
+  ASSERT_EQ(given.warnings.size(), 1U);
+  EXPECT_NE(flight::InWords(given.warnings[0]).find("broken.mp4"), std::string::npos);
+  ASSERT_EQ(given.files.size(), 1U);
+  EXPECT_EQ(given.files[0].name, "photo.jpg");
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "tests/core/video/moving_film.h"
 
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -18,11 +17,6 @@ cv::Mat Ground(int width_px) {
 }
 
 }  // namespace
-
-std::filesystem::path FilmFolder::Write(const std::string& name, const std::string& bytes) const {
-  std::ofstream(path() / name, std::ios::binary) << bytes;
-  return path() / name;
-}
 
 bool WriteFilm(const std::filesystem::path& path, int frames, const std::function<int(int)>& left_px) {
   int right = 0;

@@ -6,6 +6,7 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/video/moving_film.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::video {
 namespace {
@@ -19,7 +20,7 @@ int NumberOf(const flight::InputFile& photo) {
 }
 
 struct Taken {
-  FilmFolder folder;
+  test::TemporaryFolder folder;
   Result<TakenFrames> frames = Error{ErrorCode::kNotFound, "", ""};
   bool is_filmed = false;
 

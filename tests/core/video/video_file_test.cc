@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "tests/core/video/moving_film.h"
+#include "tests/support/bytes_of.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::video {
 namespace {
@@ -17,11 +17,8 @@ class VideoFileTest : public testing::Test {
     if (!WriteFilm(path_, 60, [](int k) { return 4 * k; }))
       GTEST_SKIP() << "no MPEG-4 encoder on this machine";
   }
-  std::string Bytes() const {
-    std::ifstream file(path_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  FilmFolder folder_;
+  std::string Bytes() const { return test::BytesOf(path_); }
+  test::TemporaryFolder folder_;
   std::filesystem::path path_;
 };
 
@@ -49,13 +46,12 @@ TEST_F(VideoFileTest, KeepsAFrameWhileOthersPass) {
   const GrayFrame later = *film->Gray(320);
   EXPECT_EQ(later.width_px, 320);
   EXPECT_EQ(later.height_px, 240);
-  const auto kept = film->Kept();
-  ASSERT_TRUE(kept);
-  ASSERT_EQ(kept->width_px, kFilmWidthPx);
+  const auto kept = test::ValueOf(film->Kept());
+  ASSERT_EQ(kept.width_px, kFilmWidthPx);
   double off = 0.0;
   for (int y = 0; y < kFilmHeightPx; y += 7) {
     for (int x = 0; x < kFilmWidthPx; x += 7) {
-      const std::uint8_t* rgb = kept->Row(y) + 3 * x;
+      const std::uint8_t* rgb = kept.Row(y) + 3 * x;
       off += std::abs(0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2] -
                       first.gray[static_cast<std::size_t>(y * kFilmWidthPx + x)]);
     }
@@ -91,9 +87,8 @@ TEST_F(VideoFileTest, EndsWhereAFilmIsDamaged) {
 }
 
 TEST_F(VideoFileTest, HasNoSubtitlesUnlessTheCameraWroteThem) {
-  const auto text = VideoFile::Subtitles(path_);
-  ASSERT_TRUE(text);
-  EXPECT_EQ(*text, "");
+  const auto text = test::ValueOf(VideoFile::Subtitles(path_));
+  EXPECT_EQ(text, "");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "core/alignment/estimators/sampler.h"
 #include "tests/core/alignment/registration/uniform.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -46,11 +47,10 @@ TEST(Similarity, ThreePlacesThatAreRightGiveItExactly) {
        {Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 0, 1), Eigen::Vector3d(0, 5, 2)}) {
     pairs.push_back({source, Truth() * source, Eigen::Vector3d::Ones()});
   }
-  const auto found = FitSimilarity3(pairs);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->scale, 2.5, 1e-9);
-  EXPECT_LT(found->rotation.angularDistance(Truth().rotation), 1e-9);
-  EXPECT_LT((found->shift - Truth().shift).norm(), 1e-7);
+  const auto found = test::ValueOf(FitSimilarity3(pairs));
+  EXPECT_NEAR(found.scale, 2.5, 1e-9);
+  EXPECT_LT(found.rotation.angularDistance(Truth().rotation), 1e-9);
+  EXPECT_LT((found.shift - Truth().shift).norm(), 1e-7);
 }
 
 TEST(Similarity, AThirdOfThePlacesMayBeFiftyMetresOff) {
@@ -58,21 +58,19 @@ TEST(Similarity, AThirdOfThePlacesMayBeFiftyMetresOff) {
   const UpDirection up{Truth().rotation.conjugate() * Eigen::Vector3d::UnitZ(), 0.05};
   for (const std::optional<UpDirection>& given :
        {std::optional<UpDirection>(), std::optional<UpDirection>(up)}) {
-    const auto found = FitRobustly(pairs, given);
-    ASSERT_TRUE(found);
-    EXPECT_NEAR(found->target_from_source.scale, 2.5, 0.03);
-    EXPECT_LT(found->target_from_source.rotation.angularDistance(Truth().rotation), 0.04);
-    EXPECT_LT(found->median_residual, 0.6);
-    EXPECT_LT(found->held, 36);
+    const auto found = test::ValueOf(FitRobustly(pairs, given));
+    EXPECT_NEAR(found.target_from_source.scale, 2.5, 0.03);
+    EXPECT_LT(found.target_from_source.rotation.angularDistance(Truth().rotation), 0.04);
+    EXPECT_LT(found.median_residual, 0.6);
+    EXPECT_LT(found.held, 36);
   }
 }
 
 TEST(Similarity, TheVerticalDecidesWhatPlacesOnALineLeaveOpen) {
   const std::vector<PlacePair> pairs = Places(12, true, 0.0, 0.0);
   const UpDirection up{Truth().rotation.conjugate() * Eigen::Vector3d::UnitZ(), 0.05};
-  const auto found = FitRobustly(pairs, up);
-  ASSERT_TRUE(found);
-  EXPECT_LT(found->target_from_source.rotation.angularDistance(Truth().rotation), 0.03);
+  const auto found = test::ValueOf(FitRobustly(pairs, up));
+  EXPECT_LT(found.target_from_source.rotation.angularDistance(Truth().rotation), 0.03);
 }
 
 TEST(Similarity, PlacesWithoutHeightsAreEnoughWithTheVertical) {
@@ -82,10 +80,9 @@ TEST(Similarity, PlacesWithoutHeightsAreEnoughWithTheVertical) {
     pair.sigma.z() = std::numeric_limits<double>::infinity();
   }
   const UpDirection up{Truth().rotation.conjugate() * Eigen::Vector3d::UnitZ(), 0.01};
-  const auto found = FitRobustly(pairs, up);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->target_from_source.scale, 2.5, 0.05);
-  EXPECT_LT(found->median_residual, 0.6);
+  const auto found = test::ValueOf(FitRobustly(pairs, up));
+  EXPECT_NEAR(found.target_from_source.scale, 2.5, 0.05);
+  EXPECT_LT(found.median_residual, 0.6);
 }
 
 TEST(Similarity, PlacesThatAgreeOnNothingGiveNothing) {

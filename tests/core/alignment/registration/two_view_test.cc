@@ -5,6 +5,7 @@
 #include "core/alignment/matching/match_descriptors.h"
 #include "core/alignment/scene/matches.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -31,16 +32,14 @@ TEST(TwoView, FlatGroundIsToldFromReliefAndTheTurnIsFoundInBoth) {
   options.any_yaw = true;
   options.relief_m = 0.0;
   const SyntheticScene flat = MakeScene(options);
-  const auto of_flat = View(flat, 0, 1);
-  ASSERT_TRUE(of_flat);
-  EXPECT_EQ(of_flat->scene, Scene::kFlat);
-  EXPECT_LT(TurnError(flat, 0, 1, *of_flat), 0.02);
+  const auto of_flat = test::ValueOf(View(flat, 0, 1));
+  EXPECT_EQ(of_flat.scene, Scene::kFlat);
+  EXPECT_LT(TurnError(flat, 0, 1, of_flat), 0.02);
   options.relief_m = 15.0;
   const SyntheticScene hills = MakeScene(options);
-  const auto of_hills = View(hills, 0, 1);
-  ASSERT_TRUE(of_hills);
-  EXPECT_EQ(of_hills->scene, Scene::kRelief);
-  EXPECT_LT(TurnError(hills, 0, 1, *of_hills), 0.01);
+  const auto of_hills = test::ValueOf(View(hills, 0, 1));
+  EXPECT_EQ(of_hills.scene, Scene::kRelief);
+  EXPECT_LT(TurnError(hills, 0, 1, of_hills), 0.01);
 }
 
 // A camera far to the side sees level ground as one that turned sees ground along its edge.
@@ -77,9 +76,8 @@ TEST(TwoView, ACameraThatOnlyTurnedHasNoParallax) {
     keypoint.y_px = 2999.0F - keypoint.y_px;
     keypoint.angle_rad += 3.14159265F;
   }
-  const auto view = View(scene, 0, 1);
-  ASSERT_TRUE(view);
-  EXPECT_EQ(view->scene, Scene::kNoParallax);
+  const auto view = test::ValueOf(View(scene, 0, 1));
+  EXPECT_EQ(view.scene, Scene::kNoParallax);
 }
 
 TEST(TwoView, PhotosOfDifferentPlacesAreNotTied) {

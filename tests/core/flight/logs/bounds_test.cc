@@ -42,9 +42,8 @@ TEST(UlogTypes, EachMemberIsLookedAtOnce) {
   EXPECT_LE(types.steps(), 7 * 101 + 1);
   UlogTypes sized = Nested(3, 10);
   EXPECT_EQ(sized.SizeOf("t3"), 8U * 111U);
-  const auto field = sized.Find("t3", "timestamp");
-  ASSERT_TRUE(field);
-  EXPECT_EQ(field->offset, 8U * 110U);
+  const auto field = ValueOf(sized.Find("t3", "timestamp"));
+  EXPECT_EQ(field.offset, 8U * 110U);
 }
 
 TEST(UlogTypes, QuestionsBetweenDefinitionsEnd) {

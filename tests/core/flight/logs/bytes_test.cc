@@ -1,7 +1,6 @@
 // Clocks, times as they are written, and texts in UTF-16.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <string>
 
 #include "core/flight/bytes/gps_time.h"
@@ -11,6 +10,7 @@
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -141,10 +141,9 @@ TEST(LogText, DecodesBothOrdersWithAndWithoutMark) {
   for (const bool is_big_endian : {false, true}) {
     for (const bool has_mark : {false, true}) {
       const std::string bytes = Utf16(u"image;latitude;longitude\r\n", is_big_endian, has_mark);
-      const auto text = LogText::Of("a.csv", BytesOf(bytes));
-      ASSERT_TRUE(text.ok());
-      EXPECT_TRUE(text->is_decoded());
-      EXPECT_EQ(TextOf(text->bytes()), "image;latitude;longitude\r\n");
+      const auto text = test::ValueOf(LogText::Of("a.csv", BytesOf(bytes)));
+      EXPECT_TRUE(text.is_decoded());
+      EXPECT_EQ(TextOf(text.bytes()), "image;latitude;longitude\r\n");
     }
   }
   const std::string signs = Utf16(u"46\u00B050\u2032 \U0001F681 \xD800 end", false, true);
@@ -157,10 +156,9 @@ TEST(LogText, LeavesOtherBytesAsTheyAre) {
   for (const std::string& bytes :
        {std::string("image,lat\n"), std::string("\xFF\xFE\0\0a\0\0\0", 8),
         std::string("\xFF\xD8\xFF\xE0 jpeg"), std::string("a\0b\0", 4), std::string()}) {
-    const auto text = LogText::Of("a", BytesOf(bytes));
-    ASSERT_TRUE(text.ok());
-    EXPECT_FALSE(text->is_decoded());
-    EXPECT_EQ(TextOf(text->bytes()), bytes);
+    const auto text = test::ValueOf(LogText::Of("a", BytesOf(bytes)));
+    EXPECT_FALSE(text.is_decoded());
+    EXPECT_EQ(TextOf(text.bytes()), bytes);
   }
   const std::string marked = "\xEF\xBB\xBFimage";
   EXPECT_EQ(TextOf(LogText::Of("a", BytesOf(marked))->bytes()), "image");
@@ -171,10 +169,9 @@ TEST(LogText, RefusesWhatWouldNotFit) {
   bytes[0] = '\xFF';
   bytes[1] = '\xFE';
   bytes[2] = 'a';
-  const auto text = LogText::Of("big.csv", BytesOf(bytes));
-  ASSERT_FALSE(text.ok());
-  EXPECT_NE(text.error().message.find("big.csv"), std::string::npos);
-  EXPECT_NE(text.error().message.find("save it as UTF-8"), std::string::npos);
+  const Error text = test::ErrorOf(LogText::Of("big.csv", BytesOf(bytes)));
+  EXPECT_NE(text.message.find("big.csv"), std::string::npos);
+  EXPECT_NE(text.message.find("save it as UTF-8"), std::string::npos);
 }
 
 TEST(ReadLog, ReadsAnySortOfTextInUtf16) {
@@ -195,9 +192,8 @@ TEST(ReadLog, ReadsAnySortOfTextInUtf16) {
 
 TEST(ReadGcpList, ReadsUtf16) {
   const test::TemporaryFolder folder;
-  const auto path = folder.path() / "gcp_list.txt";
-  std::ofstream(path, std::ios::binary)
-      << Utf16(u"EPSG:32615\n576667.1 5188164.6 198.3 100 200 a.jpg gcp1\n", false, true);
+  const auto path = folder.Write(
+      "gcp_list.txt", Utf16(u"EPSG:32615\n576667.1 5188164.6 198.3 100 200 a.jpg gcp1\n", false, true));
   for (const auto& list : {ReadGcpList({"gcp_list.txt", path}), ReadWrittenGcpList({"gcp_list.txt", path})}) {
     ASSERT_TRUE(list.ok()) << list.error().message;
     EXPECT_EQ(list->sightings.size(), 1u);

@@ -8,6 +8,7 @@
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/list_rows.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -222,18 +223,16 @@ TEST(ReadListTop, KeepsSystemsAndNamesOfColumnsApart) {
                                         "wgs84 utm zone 32 north", "+proj=utm +zone=32 +datum=WGS84"}) {
     const std::string text =
         std::string(system) + "\nbild rechtswert hochwert höhe\nDJI_1.JPG 400000 5200000 500\n";
-    const auto top = ReadListTop(text, IsImageAndTwoNumbers);
-    ASSERT_TRUE(top);
-    EXPECT_EQ(top->system, system);
-    ASSERT_EQ(top->columns.size(), 4u) << system;
-    EXPECT_TRUE(top->skipped_lines.empty());
+    const auto top = test::ValueOf(ReadListTop(text, IsImageAndTwoNumbers));
+    EXPECT_EQ(top.system, system);
+    ASSERT_EQ(top.columns.size(), 4u) << system;
+    EXPECT_TRUE(top.skipped_lines.empty());
   }
   std::string long_line(200'000, 'n');
   for (std::size_t i = 1; i < long_line.size(); i += 2) long_line[i] = ' ';
   const std::string odd = long_line + "\nDJI_1.JPG 400000 5200000 500\n";
-  const auto top = ReadListTop(odd, IsImageAndTwoNumbers);
-  ASSERT_TRUE(top);
-  EXPECT_TRUE(top->columns.empty()) << "nobody names columns so";
+  const auto top = test::ValueOf(ReadListTop(odd, IsImageAndTwoNumbers));
+  EXPECT_TRUE(top.columns.empty()) << "nobody names columns so";
 }
 
 TEST(NamedLists, TakeTheOrderOfColumnsInOtherLanguages) {

@@ -1,8 +1,6 @@
 // Whatever happens to a file, a parser answers: with what is readable, or with an error.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <random>
 
 #include "core/flight/logs/log_builder.h"
@@ -11,6 +9,7 @@
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -209,19 +208,13 @@ TEST(YawPitchRoll, RoundTripsThroughTheQuaternion) {
 }
 
 TEST(ReadLog, ReadsFilesAndSaysWhatIsMissing) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("skyquilt_logs_" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder folder;
   for (const Named& file : SmallFiles()) {
     if (file.name == "gcp_list.txt") continue;
-    std::ofstream(folder / file.name, std::ios::binary)
-        .write(reinterpret_cast<const char*>(file.bytes.data()),
-               static_cast<std::streamsize>(file.bytes.size()));
-    EXPECT_TRUE(ReadLog({file.name, folder / file.name}).ok()) << file.name;
+    EXPECT_TRUE(ReadLog({file.name, folder.Write(file.name, file.bytes)}).ok()) << file.name;
   }
   EXPECT_EQ(ReadLog({"none", folder / "none"}).error().code, ErrorCode::kIo);
-  EXPECT_EQ(ReadLog({"folder", folder}).error().code, ErrorCode::kIo);
-  std::filesystem::remove_all(folder);
+  EXPECT_EQ(ReadLog({"folder", folder.path()}).error().code, ErrorCode::kIo);
 }
 
 }  // namespace

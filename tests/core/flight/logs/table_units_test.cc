@@ -8,6 +8,7 @@
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
 #include "core/geo/lat_lon.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -16,15 +17,11 @@ using geo::DegToRad;
 using ::testing::HasSubstr;
 
 FlightLog LogOfTable(std::string_view text) {
-  const auto log = ParseTolerantCsv("table.csv", BytesOf(text));
-  EXPECT_TRUE(log.ok()) << log.error().message;
-  return log.ok() ? *log : FlightLog();
+  return test::ValueOf(ParseTolerantCsv("table.csv", BytesOf(text)));
 }
 
 std::string WhyNoTable(std::string_view text) {
-  const auto log = ParseTolerantCsv("table.csv", BytesOf(text));
-  EXPECT_FALSE(log.ok());
-  return log.ok() ? "" : log.error().message;
+  return test::ErrorOf(ParseTolerantCsv("table.csv", BytesOf(text))).message;
 }
 
 constexpr int kRows = 40;
@@ -195,14 +192,14 @@ TEST(TableUnits, ListsOfSurveysCountHeightsFromTheEllipsoid) {
 }
 
 TEST(TableUnits, ListsThatSayWhatTheirHeightsAreAreNoneOfPix4ds) {
-  const auto heights = ParseLog("list.csv", BytesOf("image,latitude,longitude,height_above_takeoff\n"
-                                                    "a.jpg,47.1,8.1,60\nb.jpg,47.1002,8.1,61\n"));
-  ASSERT_TRUE(heights.ok()) << heights.error().message;
-  EXPECT_EQ(heights->events.at(0).height_above_takeoff_m, 60.0);
-  const auto above_sea = ParseLog("list.csv", BytesOf("image,latitude,longitude,altitude AMSL (m)\n"
-                                                      "a.jpg,47.1,8.1,560\nb.jpg,47.1002,8.1,561\n"));
-  ASSERT_TRUE(above_sea.ok()) << above_sea.error().message;
-  EXPECT_EQ(above_sea->events.at(0).height_amsl_m, 560.0);
+  const auto heights =
+      test::ValueOf(ParseLog("list.csv", BytesOf("image,latitude,longitude,height_above_takeoff\n"
+                                                 "a.jpg,47.1,8.1,60\nb.jpg,47.1002,8.1,61\n")));
+  EXPECT_EQ(heights.events.at(0).height_above_takeoff_m, 60.0);
+  const auto above_sea =
+      test::ValueOf(ParseLog("list.csv", BytesOf("image,latitude,longitude,altitude AMSL (m)\n"
+                                                 "a.jpg,47.1,8.1,560\nb.jpg,47.1002,8.1,561\n")));
+  EXPECT_EQ(above_sea.events.at(0).height_amsl_m, 560.0);
 }
 
 }  // namespace

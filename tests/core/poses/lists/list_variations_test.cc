@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 #include <map>
 
 #include "core/flight/read_flight.h"
@@ -46,10 +45,8 @@ void TakePoses(const flight::Flight& flight, Outcome& outcome) {
 }
 
 Outcome ReadAndPlace(const GeneratedList& list, bool is_control, const test::TemporaryFolder& folder) {
-  const std::filesystem::path path = folder / list.file_name;
-  std::ofstream(path, std::ios::binary) << list.bytes;
   SilentProgress progress;
-  auto flight = flight::ReadFlight({{list.file_name, path}}, 1, progress);
+  auto flight = flight::ReadFlight({{list.file_name, folder.Write(list.file_name, list.bytes)}}, 1, progress);
   Outcome outcome;
   if (!flight) {
     outcome.words.push_back(flight.error().message);
