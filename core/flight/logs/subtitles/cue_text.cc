@@ -113,19 +113,20 @@ std::optional<std::array<Part, 3>> CallParts(std::string_view text, std::string_
   return std::nullopt;
 }
 
-bool IsOneOf(char letter, char a, char b) { return letter == a || letter == b; }
+bool IsEither(char letter, char a, char b) { return letter == a || letter == b; }
 
 // South and west count down, whether or not a sign says so once more.
 double Signed(const Part& part) {
-  return IsOneOf(part.letter, 's', 'w') ? -std::abs(part.number.value) : part.number.value;
+  return IsEither(part.letter, 's', 'w') ? -std::abs(part.number.value) : part.number.value;
 }
 
 void TakePlace(std::string_view text, CueFacts& facts) {
   if (const auto gps = CallParts(text, "gps")) {
     const auto& [first, second, third] = *gps;
     facts.decimals = first.number.decimals;
-    const bool first_is_lat = IsOneOf(first.letter, 'n', 's') || IsOneOf(second.letter, 'e', 'w');
-    const bool is_named = first_is_lat || IsOneOf(first.letter, 'e', 'w') || IsOneOf(second.letter, 'n', 's');
+    const bool first_is_lat = IsEither(first.letter, 'n', 's') || IsEither(second.letter, 'e', 'w');
+    const bool is_named =
+        first_is_lat || IsEither(first.letter, 'e', 'w') || IsEither(second.letter, 'n', 's');
     // Without letters longitude comes first, but latitude where the third value is a height in metres.
     double lat = Signed(second);
     double lon = Signed(first);
