@@ -55,6 +55,8 @@ Result<std::vector<UnpackedFile>> Parse(const std::string& answer) {
       if (entry.contains("error")) {
         file.error = ErrorOfJson(entry.at("error"));
         if (!file.error) return NotTaken("an error is none");
+        // A file that cannot be taken is the only kind of error that a file can have.
+        file.error->code = ErrorCode::kUnprocessable;
       }
       if (!file.error && !storage::IsId(file.file.stored_name))
         return NotTaken("a stored name is none of ours");

@@ -86,6 +86,7 @@ class Archives(ServerTestCase):
         taken = {file["name"] for file in told["files"] if "error" not in file}
         self.assertEqual(taken, {"good.jpg"})
         self.assertEqual(len(told["files"]), len(entries))
+        self.assertEqual({file["code"] for file in told["files"] if "error" in file}, {"unprocessable"})
         status, told = self.put("links.tar", tar_of((link("a.jpg", "/etc/passwd"), b""), ("good2.jpg", b"x")))
         self.assertEqual({file["name"] for file in told["files"] if "error" not in file}, {"good2.jpg"})
         self.assertEqual(self.listed(), {"good.jpg": 1, "good2.jpg": 1})
