@@ -74,7 +74,7 @@ Result<void> TryLate() {
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  if (why.empty() && WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
   if (why.empty()) why = "The libraries that Skyquilt needs cannot be loaded. Install them again.";
   return Error{ErrorCode::kUnavailable, why, ""};
 }
