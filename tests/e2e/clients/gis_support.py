@@ -159,8 +159,10 @@ class MapFileTestCase(GdalTestCase):
                 mbtiles.RasterXSize, mbtiles.RasterYSize)
 
     def in_qgis(self, script, *words):
-        """What a script printed in a QGIS without a window, whose settings and cache are this test's alone."""
-        done = subprocess.run([sys.executable, "-c", script, *words], capture_output=True, text=True, timeout=300,
+        """What a script printed in a QGIS without a window, whose settings and cache are this test's alone. QGIS' own end, where it
+        crashes now and then, is not what is looked at."""
+        ended = "\nimport os, sys\nsys.stdout.flush()\nos._exit(0)\n"
+        done = subprocess.run([sys.executable, "-c", script + ended, *words], capture_output=True, text=True, timeout=300,
                               env={**os.environ, "QT_QPA_PLATFORM": "offscreen", "QGIS_CUSTOM_CONFIG_PATH": self.scratch, "XDG_CACHE_HOME": self.scratch})
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
