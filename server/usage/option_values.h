@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -28,8 +29,9 @@ std::vector<std::string> WordsOf(CLI::Option& option);
 
 template <typename Value>
 auto OneOf(const std::vector<std::pair<std::string, Value>>& values) {
-  std::vector<std::pair<std::string, long>> numbers;
-  for (const auto& [word, value] : values) numbers.emplace_back(word, static_cast<long>(value));
+  using Number = std::enable_if_t<std::is_enum_v<Value> || std::is_integral_v<Value>, long>;
+  std::vector<std::pair<std::string, Number>> numbers;
+  for (const auto& [word, value] : values) numbers.emplace_back(word, static_cast<Number>(value));
   return OneOfNumbers(numbers);
 }
 

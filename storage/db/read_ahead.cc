@@ -57,9 +57,9 @@ int ReadAhead(sqlite3_file* file, void* out, int size, sqlite3_int64 offset) {
   return SQLITE_OK;
 }
 
-template <auto method, typename... Arguments>
+template <auto kMethod, typename... Arguments>
 int Pass(sqlite3_file* file, Arguments... arguments) {
-  return (Own(file)->pMethods->*method)(Own(file), arguments...);
+  return (Own(file)->pMethods->*kMethod)(Own(file), arguments...);
 }
 
 int Open(sqlite3_vfs* /*vfs*/, const char* name, sqlite3_file* file, int flags, int* out_flags) {

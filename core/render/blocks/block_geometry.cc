@@ -130,9 +130,10 @@ SKYQUILT_VECTOR_CLONES void ProjectPlaces(const camera::Intrinsics& lens,
                                           double widest_tangent, const Eigen::Vector3d* places, int count,
                                           Eigen::Vector2f* __restrict pixels,
                                           float* __restrict nadir_distances_m) {
+  // Of one's own they need not be read again after each pixel written.
   const camera::Intrinsics own = lens;
-  const Eigen::Matrix3d r = cam_from_enu_rotation;
-  const Eigen::Vector3d center = center_in_enu;
+  const Eigen::Matrix3d r = cam_from_enu_rotation;  // NOLINT(performance-unnecessary-copy-initialization)
+  const Eigen::Vector3d center = center_in_enu;     // NOLINT(performance-unnecessary-copy-initialization)
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < count; ++i) {
     const double east = places[i].x() - center.x(), north = places[i].y() - center.y(),

@@ -64,8 +64,9 @@ class Comparison {
     std::vector<double> differences_m;
     const auto across = static_cast<std::size_t>(now_.columns);
     for (const std::size_t i : sampled_) {
-      const double before_m = Between(then_, static_cast<double>(i % across) - shift_cells.x(),
-                                      static_cast<double>(i / across) - shift_cells.y());
+      const std::size_t row = i / across, column = i % across;
+      const double before_m = Between(then_, static_cast<double>(column) - shift_cells.x(),
+                                      static_cast<double>(row) - shift_cells.y());
       if (std::isfinite(before_m)) differences_m.push_back(now_.heights_m[i] - before_m);
     }
     return differences_m;
