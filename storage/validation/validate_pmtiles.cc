@@ -87,8 +87,8 @@ class PmtilesCheck {
     }
     if (!CheckSections(fields)) return {};
     const TilesetClaims claims = ReadClaims(fields);
-    constexpr int kGzip = 2;
-    if (fields.ByteAt(97) != kGzip) {
+    constexpr int kGzipped = 2;
+    if (fields.ByteAt(97) != kGzipped) {
       verdict_.Add(Severity::kNote, "its directories are not packed by gzip; they are not looked at");
       return {};
     }

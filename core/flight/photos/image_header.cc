@@ -128,7 +128,7 @@ Result<ImageHeader> ReadTiff(ByteSource& source) {
 
 Result<ImageHeader> ReadPng(ByteSource& source) {
   constexpr int kMaxChunks = 100000;
-  constexpr std::uint32_t kMaxExif = 1u << 16, kMaxText = 1u << 20;
+  constexpr std::uint32_t kMaxExif = 1u << 16, kMaxTextChunk = 1u << 20;
   constexpr std::size_t kMaxPackets = 4;
   ImageHeader header;
   std::uint64_t offset = 8;
@@ -150,7 +150,7 @@ Result<ImageHeader> ReadPng(ByteSource& source) {
     } else if (type == "eXIf" && length <= kMaxExif && !has_exif) {
       has_exif = true;
       header.exif = ReadExifSegment(source.ReadUpTo(body, length));
-    } else if ((type == "zTXt" || type == "tEXt") && length <= kMaxText) {
+    } else if ((type == "zTXt" || type == "tEXt") && length <= kMaxTextChunk) {
       if (profiles < kMaxPackets && IsPngProfile(source.ReadUpTo(body, kPngProfileKeyBytes))) {
         ++profiles;
         const PngProfile profile = ReadPngProfile(source.ReadUpTo(body, length), type == "zTXt");
@@ -161,7 +161,7 @@ Result<ImageHeader> ReadPng(ByteSource& source) {
         if (!profile.xmp.empty() && header.xmp_packets.size() < kMaxPackets)
           header.xmp_packets.push_back(profile.xmp);
       }
-    } else if (type == "iTXt" && length <= kMaxText) {
+    } else if (type == "iTXt" && length <= kMaxTextChunk) {
       constexpr std::string_view kKey("XML:com.adobe.xmp\0\0\0\0\0", 22);  // uncompressed, no language
       if (header.xmp_packets.size() >= kMaxPackets || !Has(source.ReadUpTo(body, kKey.size()), 0, kKey)) {
         offset = body + length + 4;

@@ -16,7 +16,7 @@ constexpr double kSameTimeS = 1.0e-4;
 constexpr double kStraightRadps = 0.087;  // 5 deg/s
 constexpr double kBestSigmaRad = 0.035;   // no nose is known to keep to its course better: 2 deg
 constexpr double kWorstSigmaRad = 0.26;   // beyond 15 deg it does not keep to it
-constexpr std::size_t kFewest = 10;
+constexpr std::size_t kFewestApart = 10;
 
 double Heading(const Eigen::Vector3d& direction) { return std::atan2(direction.x(), direction.y()); }
 
@@ -85,7 +85,7 @@ std::optional<CourseEvidence> JudgeCourse(const std::vector<KnotState>& knots,
                                 std::abs(geo::WrapRad(course[k + 1] - course[k - 1])) < most;
     if (evidence.runs_straight[k]) apart.push_back(std::abs(geo::WrapRad(nose[k] - course[k])));
   }
-  if (apart.size() < kFewest) return std::nullopt;
+  if (apart.size() < kFewestApart) return std::nullopt;
   evidence.sigma_rad = std::max(kBestSigmaRad, kSigmaOfMedian * Median(std::move(apart)));
   if (evidence.sigma_rad > kWorstSigmaRad) return std::nullopt;
   return evidence;

@@ -382,7 +382,7 @@ TEST(Exposure, IsTimeBySensitivityAndOpening) {
 // Times in file names: the patterns of makers and phones, what is no time, and that a flight's names are
 // believed together or not at all.
 
-struct Case {
+struct NamedTime {
   const char* name;
   UtcTime time;
   bool is_local;
@@ -393,22 +393,22 @@ UtcTime At(int year, int month, int day, int hour, int minute, double second) {
 }
 
 TEST(TimeInName, ReadsThePatternsOfMakersAndPhones) {
-  const Case cases[] = {{"DJI_20230918115823_0001.JPG", At(2023, 9, 18, 11, 58, 23), true},
-                        {"DJI_20230918115823_0001_V.JPG", At(2023, 9, 18, 11, 58, 23), true},
-                        {"IMG_20190102_030405.jpg", At(2019, 1, 2, 3, 4, 5), true},
-                        {"IMG_20190102_030405_1.jpg", At(2019, 1, 2, 3, 4, 5), true},
-                        {"100MEDIA/IMG_20190102_030405123.jpg", At(2019, 1, 2, 3, 4, 5.123), true},
-                        {"PXL_20210506_070809123.jpg", At(2021, 5, 6, 7, 8, 9.123), false},
-                        {"2018080501004480Z.jpg", At(2018, 8, 5, 1, 0, 44.80), false},
-                        {"2018-08-05T01-00-44.250Z.png", At(2018, 8, 5, 1, 0, 44.25), false},
-                        {"2018-08-05 01.00.44.jpg", At(2018, 8, 5, 1, 0, 44), true},
-                        {"survey_20180805T010044Z_b.tif", At(2018, 8, 5, 1, 0, 44), false},
-                        {"20180805_010044.jpg (2)", At(2018, 8, 5, 1, 0, 44), true},
-                        {"1533430844.jpg", At(2018, 8, 5, 1, 0, 44), false},
-                        {"frame_1533430844.25.png", At(2018, 8, 5, 1, 0, 44.25), false},
-                        {"1533430844250.jpg", At(2018, 8, 5, 1, 0, 44.25), false},
-                        {"cam0_1533430844250000.jpg", At(2018, 8, 5, 1, 0, 44.25), false}};
-  for (const Case& c : cases) {
+  const NamedTime cases[] = {{"DJI_20230918115823_0001.JPG", At(2023, 9, 18, 11, 58, 23), true},
+                             {"DJI_20230918115823_0001_V.JPG", At(2023, 9, 18, 11, 58, 23), true},
+                             {"IMG_20190102_030405.jpg", At(2019, 1, 2, 3, 4, 5), true},
+                             {"IMG_20190102_030405_1.jpg", At(2019, 1, 2, 3, 4, 5), true},
+                             {"100MEDIA/IMG_20190102_030405123.jpg", At(2019, 1, 2, 3, 4, 5.123), true},
+                             {"PXL_20210506_070809123.jpg", At(2021, 5, 6, 7, 8, 9.123), false},
+                             {"2018080501004480Z.jpg", At(2018, 8, 5, 1, 0, 44.80), false},
+                             {"2018-08-05T01-00-44.250Z.png", At(2018, 8, 5, 1, 0, 44.25), false},
+                             {"2018-08-05 01.00.44.jpg", At(2018, 8, 5, 1, 0, 44), true},
+                             {"survey_20180805T010044Z_b.tif", At(2018, 8, 5, 1, 0, 44), false},
+                             {"20180805_010044.jpg (2)", At(2018, 8, 5, 1, 0, 44), true},
+                             {"1533430844.jpg", At(2018, 8, 5, 1, 0, 44), false},
+                             {"frame_1533430844.25.png", At(2018, 8, 5, 1, 0, 44.25), false},
+                             {"1533430844250.jpg", At(2018, 8, 5, 1, 0, 44.25), false},
+                             {"cam0_1533430844250000.jpg", At(2018, 8, 5, 1, 0, 44.25), false}};
+  for (const NamedTime& c : cases) {
     const auto found = TimeInName(c.name);
     ASSERT_TRUE(found) << c.name;
     EXPECT_EQ(found->time, c.time) << c.name;

@@ -67,7 +67,9 @@ TEST(ReferenceSystem, KnowsItsUnitsAndItsArea) {
 TEST(ReferenceSystem, TakesNoOtherDatumForWgs84) {
   for (const char* line : {"UTM 15N NAD27", "UTM zone 15N / NAD27"}) {
     const auto system = ReferenceSystem::Parse(line);
-    if (system) EXPECT_NE(system->definition(), "EPSG:32615") << line;
+    if (system) {
+      EXPECT_NE(system->definition(), "EPSG:32615") << line;
+    }
   }
   EXPECT_EQ(ReferenceSystem::Parse("UTM 15N WGS 84")->definition(), "EPSG:32615");
 }
@@ -161,12 +163,16 @@ TEST(ReferenceSystem, TellsOlderDatumsFromFramesThatStandForWgs84) {
     EXPECT_EQ(shift.has_value(), one.is_inexact) << one.code;
     const std::optional<double> near_m = system->InexactShiftM(one.position);
     EXPECT_EQ(near_m.has_value(), one.is_inexact) << one.code;
-    if (near_m && shift) EXPECT_EQ(*near_m, shift->error_m) << one.code;
+    if (near_m && shift) {
+      EXPECT_EQ(*near_m, shift->error_m) << one.code;
+    }
   }
   // Better where the grid of the Ordnance Survey is installed, and said where it is not.
   const auto place = MapProjection::OfEpsg(27700)->PlaceOf({51.5, -0.1});
   const auto shift = ReferenceSystem::Parse("EPSG:27700")->InexactShiftAt(place->x(), place->y());
-  if (shift) EXPECT_TRUE(shift->lacks_grid && shift->error_m > 1.0);
+  if (shift) {
+    EXPECT_TRUE(shift->lacks_grid && shift->error_m > 1.0);
+  }
 }
 
 TEST(MapProjection, WhatCannotBeIsRefusedOrAbsent) {

@@ -72,7 +72,9 @@ TEST(PictureFormat, EachOfTheTableIsWrittenReadAndRecognised) {
     EXPECT_TRUE(DecodePicture(Text(bytes))) << row.name;
     EXPECT_EQ(PictureFormatNamed(row.extension), row.format);
     EXPECT_EQ(PictureFormatNamed(row.name), row.format);
-    if (row.pmtiles_type > 0) EXPECT_EQ(PictureFormatOfPmtiles(row.pmtiles_type), row.format);
+    if (row.pmtiles_type > 0) {
+      EXPECT_EQ(PictureFormatOfPmtiles(row.pmtiles_type), row.format);
+    }
     EXPECT_EQ(PictureFormatOfMbtiles(MbtilesCodeOf(row.format)), row.format);
     EXPECT_TRUE(words.insert(row.extension).second && types.insert(row.content_type).second) << row.name;
     EXPECT_TRUE(row.pmtiles_type == 0 || of_pmtiles.insert(row.pmtiles_type).second) << row.name;
