@@ -1,14 +1,17 @@
 #include "core/pipeline/append_photos.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "core/alignment/align_flight.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/estimators/similarity.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/camera/footprint.h"
@@ -76,23 +79,32 @@ void Move(const alignment::Similarity3& known_from_posed, poses::PosedPhoto& pho
   }
 }
 
-// The new photos, in the frame of the finished flight and with the lenses found there.
-std::vector<poses::PosedPhoto> NewPhotos(const FlightFacts& known, const poses::PosedFlight& posed,
-                                         const alignment::Similarity3& known_from_posed) {
-  std::set<std::string> finished;
+// What is placed against the finished flight, with the lenses found there.
+struct AddedPhotos {
+  std::vector<poses::PosedPhoto> posed;  // in its frame
+  std::vector<flight::Photo> unplaced;   // no record says where
+};
+
+AddedPhotos PhotosAdded(const FlightFacts& known, const std::set<std::string>& finished,
+                        const poses::PosedFlight& posed, const alignment::Similarity3& known_from_posed) {
   std::map<std::string, camera::Intrinsics> lens_of_key;
-  for (const AlignedPhoto& photo : known.flight.photos) {
-    finished.insert(photo.photo.name);
+  for (const AlignedPhoto& photo : known.flight.photos)
     lens_of_key.try_emplace(photo.photo.camera_key, photo.intrinsics);
-  }
-  std::vector<poses::PosedPhoto> added;
+  const auto take_lens = [&](flight::Photo& photo) {
+    const auto lens = lens_of_key.find(photo.camera_key);
+    if (lens != lens_of_key.end()) photo.intrinsics = lens->second;
+  };
+  AddedPhotos added;
   for (poses::PosedPhoto photo : posed.photos) {
     if (finished.contains(photo.photo.name)) continue;
     Move(known_from_posed, photo);
-    if (const auto lens = lens_of_key.find(photo.photo.camera_key); lens != lens_of_key.end()) {
-      photo.photo.intrinsics = lens->second;
-    }
-    added.push_back(std::move(photo));
+    take_lens(photo.photo);
+    added.posed.push_back(std::move(photo));
+  }
+  for (flight::Photo photo : posed.unplaced) {
+    if (finished.contains(photo.name)) continue;
+    take_lens(photo);
+    added.unplaced.push_back(std::move(photo));
   }
   return added;
 }
@@ -115,6 +127,30 @@ void DropBeyondReach(const std::set<std::string>& left_out, std::vector<poses::P
              return (reach.middle_in_enu - middle).norm() < reach.radius_m;
            });
   });
+}
+
+// Whether records put one where neither the map reaches nor, from photo to photo, the other new ones.
+bool IsAnyApart(const FlightFacts& known, const std::vector<poses::PosedPhoto>& added) {
+  std::vector<Eigen::Vector2d> reached_in_enu;
+  for (const AlignedPhoto& photo : known.flight.photos)
+    reached_in_enu.emplace_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  std::vector<const poses::PosedPhoto*> rest;
+  for (const poses::PosedPhoto& photo : added) rest.push_back(&photo);
+  const auto is_reached = [&](const poses::PosedPhoto* photo) {
+    const Eigen::Vector2d middle = photo->cam_from_enu.TargetOriginInSource().head<2>();
+    const double reach_m = kReachWidths * WidthM(*photo);
+    const bool is_near =
+        std::any_of(reached_in_enu.begin(), reached_in_enu.end(),
+                    [&](const Eigen::Vector2d& other) { return (other - middle).norm() < reach_m; });
+    if (is_near) reached_in_enu.push_back(middle);
+    return is_near;
+  };
+  std::size_t left = 0;
+  do {
+    left = rest.size();
+    std::erase_if(rest, is_reached);
+  } while (rest.size() < left);
+  return !rest.empty();
 }
 
 // Finished photos near the new ones, by number.
@@ -145,6 +181,33 @@ poses::PosedPhoto AsPosed(const AlignedPhoto& finished) {
   photo.error_radius_m = finished.error_radius_m;
   photo.readout_motion = finished.readout_motion;
   return photo;
+}
+
+// What is aligned: the finished photos around, then those that are placed against them.
+poses::PosedFlight PartOf(const FlightFacts& known, const std::set<std::size_t>& around, AddedPhotos added) {
+  poses::PosedFlight part;
+  part.frame = known.flight.frame;
+  part.ground_z_in_enu_m = known.flight.ground_z_in_enu_m;
+  for (const std::size_t i : around) part.photos.push_back(AsPosed(known.flight.photos[i]));
+  part.photos.insert(part.photos.end(), added.posed.begin(), added.posed.end());
+  part.unplaced = std::move(added.unplaced);
+  return part;
+}
+
+// Which photos of `part` stay, of which the first `finished` do, in the order of its alignment: as they are,
+// or of capture where some have no place.
+alignment::PhotoSet FixedOf(const poses::PosedFlight& part, std::size_t finished) {
+  std::vector<std::pair<const flight::Photo*, bool>> order;
+  for (std::size_t i = 0; i < part.photos.size(); ++i)
+    order.emplace_back(&part.photos[i].photo, i < finished);
+  for (const flight::Photo& photo : part.unplaced) order.emplace_back(&photo, false);
+  if (!part.unplaced.empty()) {
+    std::stable_sort(order.begin(), order.end(),
+                     [](const auto& a, const auto& b) { return flight::ComesBefore(*a.first, *b.first); });
+  }
+  alignment::PhotoSet fixed;
+  for (const auto& one : order) fixed.Append(one.second);
+  return fixed;
 }
 
 geo::Bounds2 SeenBy(const std::vector<AlignedPhoto>& photos, double ground_z_m) {
@@ -180,6 +243,20 @@ void AddFigures(const alignment::AlignReport& report, const std::set<std::string
   }
 }
 
+// Photos that came at several times are told of together.
+void TellAdded(std::size_t photos, std::vector<flight::Remark>& warnings) {
+  auto all = static_cast<std::int64_t>(photos);
+  std::erase_if(warnings, [&](const flight::Remark& said) {
+    if (said.code != flight::RemarkCode::kPhotosAdded) return false;
+    const auto before = said.values.find("photos");
+    const std::int64_t* count =
+        before == said.values.end() ? nullptr : std::get_if<std::int64_t>(&before->second.is);
+    if (count != nullptr) all += *count;
+    return true;
+  });
+  warnings.push_back({flight::RemarkCode::kPhotosAdded, {{"photos", all}}});
+}
+
 }  // namespace
 
 AlignedFlight AddedAndAround(const AlignedFlight& flight, std::size_t finished) {
@@ -204,35 +281,44 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
                                                 const flight::PhotoSource& source, Progress& progress) {
   const std::optional<alignment::Similarity3> known_from_posed = KnownFromPosed(known, posed);
   if (!known_from_posed) return std::optional<FlightFacts>();
-  std::set<std::string> left_out;
+  std::set<std::string> finished, left_out;
+  for (const AlignedPhoto& photo : known.flight.photos) finished.insert(photo.photo.name);
   for (const flight::LeftOutPhoto& photo : known.flight.left_out) left_out.insert(photo.name);
-  std::vector<poses::PosedPhoto> added = NewPhotos(known, posed, *known_from_posed);
-  DropBeyondReach(left_out, added);
-  const std::set<std::size_t> around = Around(known, added);
-  poses::PosedFlight part;
-  part.frame = known.flight.frame;
-  part.ground_z_in_enu_m = known.flight.ground_z_in_enu_m;
-  alignment::AlignOptions align_options;
-  align_options.threads = options.threads;
-  for (const std::size_t i : around) {
-    part.photos.push_back(AsPosed(known.flight.photos[i]));
-    align_options.fixed.Append(true);
-  }
-  std::map<std::string, const poses::PosedPhoto*> recorded;
-  std::set<std::string> names;
-  for (const poses::PosedPhoto& photo : added) {
-    part.photos.push_back(photo);
-    align_options.fixed.Append(false);
+  AddedPhotos added = PhotosAdded(known, finished, posed, *known_from_posed);
+  DropBeyondReach(left_out, added.posed);
+  std::map<std::string, const flight::Photo*> recorded;
+  for (const poses::PosedPhoto& photo : posed.photos) recorded[photo.photo.name] = &photo.photo;
+  for (const flight::Photo& photo : posed.unplaced) recorded[photo.name] = &photo;
+  std::set<std::string> names, unplaced;  // of the new ones
+  for (const poses::PosedPhoto& photo : added.posed) {
     if (!left_out.contains(photo.photo.name)) names.insert(photo.photo.name);
   }
-  for (const poses::PosedPhoto& photo : posed.photos) recorded[photo.photo.name] = &photo;
+  for (const flight::Photo& photo : added.unplaced) {
+    if (!left_out.contains(photo.name)) unplaced.insert(photo.name);
+  }
+  for (const flight::LeftOutPhoto& photo : posed.left_out) {
+    if (!finished.contains(photo.name) && !left_out.contains(photo.name)) names.insert(photo.name);
+  }
+  // Without any that is new nothing bridges to those that were left out.
+  if (added.posed.empty() && unplaced.empty()) added.unplaced.clear();
+  const bool is_by_records = options.method == AlignMethod::kImu;
+  // What no record places, or records put far off, may be anywhere on the map.
+  std::set<std::size_t> around = Around(known, added.posed);
+  if (!is_by_records && (!unplaced.empty() || IsAnyApart(known, added.posed))) {
+    for (std::size_t i = 0; i < known.flight.photos.size(); ++i) around.insert(i);
+  }
+  poses::PosedFlight part = PartOf(known, around, std::move(added));
+  part.left_out = posed.left_out;
+  const bool is_compared = !is_by_records && !part.photos.empty();
+  alignment::AlignOptions align_options;
+  align_options.threads = options.threads;
+  align_options.fixed = FixedOf(part, around.size());
 
   FlightFacts grown = known;
   alignment::AlignReport report;
   SKYQUILT_TRY_ASSIGN(AlignedFlight aligned,
-                      options.method == AlignMethod::kImu
-                          ? Result<AlignedFlight>(alignment::AlignByPoseOnly(part))
-                          : alignment::AlignFlight(part, source, align_options, report, progress));
+                      is_compared ? alignment::AlignFlight(part, source, align_options, report, progress)
+                                  : Result<AlignedFlight>(alignment::AlignByPoseOnly(part)));
   // What nothing ties now either stays left out, for the reason that was given.
   std::erase_if(aligned.photos, [&](const AlignedPhoto& photo) {
     return left_out.contains(photo.photo.name) && photo.placement != alignment::Placement::kAligned;
@@ -245,11 +331,14 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
     if (!names.contains(photo.photo.name)) continue;
     if (!was_left_out) ++looked_at;
     if (!was_left_out && photo.placement == alignment::Placement::kAligned) ++tied;
-    photo.photo = recorded.at(photo.photo.name)->photo;  // with the lens as recorded
+    photo.photo = *recorded.at(photo.photo.name);  // with the lens as recorded
     placed.push_back(std::move(photo));
   }
-  const bool is_compared = options.method != AlignMethod::kImu && !around.empty();
-  if (is_compared && 2 * tied < looked_at) return std::optional<FlightFacts>();
+  // Photos that share nothing with the map may share it with each other.
+  const auto lost =
+      std::count_if(aligned.left_out.begin(), aligned.left_out.end(),
+                    [&](const flight::LeftOutPhoto& photo) { return unplaced.contains(photo.name); });
+  if (is_compared && (2 * tied < looked_at || lost > 1)) return std::optional<FlightFacts>();
 
   ground::ModelGroundReport ground_report;
   const ground::GroundSurface beyond = ground::ModelGround(aligned, ground_report);
@@ -261,8 +350,7 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   for (const flight::LeftOutPhoto& photo : aligned.left_out) {
     if (names.contains(photo.name)) grown.flight.left_out.push_back(photo);
   }
-  if (!placed.empty())
-    grown.flight.warnings.push_back({flight::RemarkCode::kPhotosAdded, {{"photos", placed.size()}}});
+  if (!placed.empty()) TellAdded(placed.size(), grown.flight.warnings);
   return std::optional<FlightFacts>(std::move(grown));
 }
 

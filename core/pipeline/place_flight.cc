@@ -47,7 +47,7 @@ constexpr std::size_t kManyFiles = 500;  // whose features are most of the memor
 constexpr double kUntiedLookRad = 55.0 * std::numbers::pi / 180.0;
 
 Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOptions& options,
-                                const geo::DemSource* dem, StageRunner& stages, bool keep_unplaced = false) {
+                                const geo::DemSource* dem, StageRunner& stages, bool keep_unplaced) {
   return stages.Run("pose", [&] {
     return poses::EstimatePoses(
         flight, {options.origin, options.landed_at_start, dem, keep_unplaced, options.takeoff_height_amsl_m});
@@ -235,12 +235,7 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
                    [](const flight::Photo& a, const flight::Photo& b) {
                      return a.captured_at != b.captured_at ? a.captured_at < b.captured_at : a.name < b.name;
                    });
-  SKYQUILT_TRY_ASSIGN(auto posed, Pose(whole, options, dem, stages));
-  // What no record places is found by what all photos show.
-  const bool is_any_unplaced =
-      std::any_of(posed.left_out.begin(), posed.left_out.end(),
-                  [&](const flight::LeftOutPhoto& photo) { return names.contains(photo.name); });
-  if (is_any_unplaced && MayGoByImages(options)) return std::optional<FlightFacts>();
+  SKYQUILT_TRY_ASSIGN(auto posed, Pose(whole, options, dem, stages, MayGoByImages(options)));
   auto grown = stages.Run("align", [&] { return AppendPhotos(known, posed, options, source, progress); });
   if (!grown || !*grown) return grown;
   // What is left out now may be of the finished flight: then its tones and labels count other photos.
@@ -255,8 +250,7 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
       if (!is_finished(i)) return std::optional<FlightFacts>();
     }
   }
-  for (const std::vector<flight::LeftOutPhoto>& list :
-       {read.left_out, checked.flight.left_out, posed.left_out}) {
+  for (const std::vector<flight::LeftOutPhoto>& list : {read.left_out, checked.flight.left_out}) {
     for (const flight::LeftOutPhoto& photo : list) {
       if (names.contains(photo.name)) (*grown)->flight.left_out.push_back(photo);
     }

@@ -24,7 +24,8 @@ struct AlignOptions {
   int observations_per_photo = 220;  // tie points a photo brings into the adjustment
 
   std::vector<ControlPoint> control;  // surveyed points marked in photos
-  // Placed for good, and their lenses known; the others are placed against them. Of no photos: none is.
+  // Placed for good, and their lenses known; the others are placed against them. Of no photos: none is. In
+  // the order of the flight, or of capture where some of it is unplaced.
   PhotoSet fixed;
   ByImages by_images = ByImages::kByEvidence;  // not asked with `fixed`
 

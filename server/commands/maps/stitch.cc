@@ -134,6 +134,7 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
          {ErrorCode::kNotFound,
           file.path.string() + " is gone; a map can only be added to where its photos still are", ""});
   }
+  std::size_t given_again = 0;
   for (flight::InputFile& file : files) {
     const auto same = finished.find(file.name);
     if (same == finished.end()) {
@@ -141,12 +142,15 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
       continue;
     }
     const Result<Digest> was = DigestOfFile(same->second), is = DigestOfFile(file.path);
-    if (was && is && *was == *is) continue;
-    Fail("skyquilt",
-         {ErrorCode::kConflict,
-          file.path.string() + " has the name of a file of the finished map and other content; rename it",
-          ""});
+    if (!was || !is || *was != *is) {
+      Fail("skyquilt",
+           {ErrorCode::kConflict,
+            file.path.string() + " has the name of a file of the finished map and other content; rename it",
+            ""});
+    }
+    ++given_again;
   }
+  if (given_again > 0) fmt::print("{} in the map already\n", Counted(given_again, "file"));
   files = std::move(all);
 }
 

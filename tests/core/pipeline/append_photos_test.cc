@@ -1,13 +1,17 @@
 // Photos of a recalled flight: what they are read as today, drawn in the range they were drawn in. Photos
-// that are added to a map lie where it lies, also where it was moved since, and may bring in what it left
-// out.
+// that are added to a map lie where it lies, also where it was moved since or nothing is recorded of them,
+// and may bring in what it left out.
 #include "core/pipeline/append_photos.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/flight/photos/photo_decoder.h"
 #include "core/pipeline/placing/recall_flight.h"
@@ -133,6 +137,21 @@ TEST(AppendPhotos, GoWhereTheyWereRecordedOnAMapThatErrsAsReceiversDo) {
   EXPECT_LT(near.WorstAddedM(near.OnMovedMap()), 0.1);
 }
 
+TEST(AppendPhotos, TellOfAllThatCameLaterTogether) {
+  Added map({0.0, 1.0, {0.0, 0.0}});
+  MosaicOptions options;
+  options.method = AlignMethod::kImu;
+  SilentProgress progress;
+  poses::PosedFlight posed = Posed(map.truth);
+  posed.photos.resize(Added::kFinished + 1);
+  const auto once = AppendPhotos(map.known, posed, options, flight::FilePhotoSource(), progress);
+  ASSERT_TRUE(once && *once);
+  map.known = **once;
+  const FlightFacts twice = map.Append();
+  ASSERT_EQ(twice.flight.warnings.size(), 1U);
+  EXPECT_TRUE(twice.flight.warnings[0] == flight::Remark(flight::RemarkCode::kPhotosAdded, {{"photos", 3}}));
+}
+
 // The last photo of a flight was left out of its map, and comes again with two that are new.
 struct LeftOut : Displaced {
   static constexpr std::size_t kFirst = 6, kFinished = 17;  // the map's photos: so few are rendered
@@ -152,16 +171,64 @@ struct LeftOut : Displaced {
     known.align_report = figures;
   }
 
-  FlightFacts Append(AlignMethod method) const {
+  FlightFacts Append(AlignMethod method) const { return Append(Posed(truth, kFirst), method); }
+
+  FlightFacts Append(const poses::PosedFlight& posed, AlignMethod method = AlignMethod::kAuto) const {
+    const std::optional<FlightFacts> grown = TryToAppend(posed, test::PhotosOf(truth), method);
+    EXPECT_TRUE(grown);
+    return grown.value_or(FlightFacts{});
+  }
+
+  std::optional<FlightFacts> TryToAppend(const poses::PosedFlight& posed, const flight::PhotoSource& source,
+                                         AlignMethod method = AlignMethod::kAuto) const {
     MosaicOptions options;
     options.method = method;
     options.threads = 2;
     SilentProgress progress;
-    auto grown = AppendPhotos(known, Posed(truth, kFirst), options, test::PhotosOf(truth), progress);
-    EXPECT_TRUE(grown && *grown);
-    return grown && *grown ? **grown : FlightFacts{};
+    auto grown = AppendPhotos(known, posed, options, source, progress);
+    EXPECT_TRUE(grown.ok());
+    return grown ? *std::move(grown) : std::nullopt;
+  }
+
+  // Takes one from amid the map's photos, so that it can come later. Its name.
+  std::string TakeOut(std::size_t number) {
+    std::vector<alignment::AlignedPhoto>& photos = known.flight.photos;
+    const std::string taken = photos[number].photo.name;
+    photos.erase(photos.begin() + static_cast<std::ptrdiff_t>(number));
+    return taken;
+  }
+
+  // As recorded, up to the last of the map's photos or some more.
+  poses::PosedFlight UpToMap(std::size_t more = 0) const {
+    poses::PosedFlight posed = Posed(truth, kFirst);
+    posed.photos.resize(kFinished - kFirst + more);
+    return posed;
+  }
+
+  // From the truth to where it was put.
+  double OffM(const alignment::AlignedPhoto& photo) const {
+    for (const simulate::SimulatedPhoto& real : truth.photos) {
+      if (real.photo.name == photo.photo.name) {
+        return (photo.cam_from_enu.TargetOriginInSource() - real.pose.cam_from_enu.TargetOriginInSource())
+            .norm();
+      }
+    }
+    return 1e9;
   }
 };
+
+// As if the photo had recorded nothing.
+void Forget(const std::string& name, poses::PosedFlight& posed) {
+  const auto found = std::find_if(posed.photos.begin(), posed.photos.end(),
+                                  [&](const poses::PosedPhoto& photo) { return photo.photo.name == name; });
+  ASSERT_NE(found, posed.photos.end());
+  flight::Photo bare = found->photo;
+  bare.position.reset();
+  bare.attitude.reset();
+  posed.unplaced.push_back(std::move(bare));
+  posed.left_out.push_back({name, ErrorCode::kNoPosition, flight::RemarkCode::kLeftWithoutPosition});
+  posed.photos.erase(found);
+}
 
 TEST(AppendPhotos, TakeInOneThatWasLeftOutWhereItTiesNow) {
   const LeftOut map;
@@ -194,33 +261,91 @@ TEST(AppendPhotos, CountOneThatComesInOnceThoughItWasAlignedBefore) {
       [&](const alignment::AlignPairReport& pair) { return pair.first == map.name && pair.second.empty(); }));
 }
 
-// One photo is a damaged file.
-class WithoutOne final : public flight::PhotoSource {
+// Some photos are damaged files.
+class Without final : public flight::PhotoSource {
  public:
-  WithoutOne(const simulate::SimulatedFlight& truth, std::string damaged)
+  Without(const simulate::SimulatedFlight& truth, std::set<std::string> damaged)
       : source_(test::PhotosOf(truth)), damaged_(std::move(damaged)) {}
   Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
-    if (photo.name == damaged_) return Error{ErrorCode::kCorrupt, "the file is cut off", ""};
+    if (damaged_.contains(photo.name)) return Error{ErrorCode::kCorrupt, "the file is cut off", ""};
     return source_.Decode(photo, denominator);
   }
 
  private:
   simulate::SimulatedPhotoSource source_;
-  std::string damaged_;
+  std::set<std::string> damaged_;
 };
 
 TEST(AppendPhotos, DoNotPassForTiedBecauseOneThatWasLeftOutIs) {
   LeftOut map;
   map.known.flight.left_out[0].name = map.truth.photos[LeftOut::kFinished].photo.name;
+  const poses::PosedFlight posed = map.UpToMap(2);
+  const Without source(map.truth, {posed.photos.back().photo.name});  // the one that is new
+  EXPECT_FALSE(map.TryToAppend(posed, source));
+}
+
+TEST(AppendPhotos, FindOneThatRecordsNothingAnywhereOnTheMap) {
+  LeftOut map;
+  const std::string bare = map.TakeOut(5);
+  poses::PosedFlight posed = map.UpToMap();
+  Forget(bare, posed);
+  const FlightFacts grown = map.Append(posed);
+  ASSERT_EQ(grown.flight.photos.size(), 11U);
+  EXPECT_EQ(grown.flight.photos.back().photo.name, bare);
+  EXPECT_EQ(grown.flight.photos.back().placement, alignment::Placement::kAligned);
+  EXPECT_FALSE(grown.flight.photos.back().photo.position) << "as recorded";
+  for (const alignment::AlignedPhoto& photo : grown.flight.photos)
+    EXPECT_LT(map.OffM(photo), photo.photo.name == bare ? 2.0 : 1e-9) << photo.photo.name;
+  EXPECT_EQ(grown.flight.left_out.size(), 1U) << "the one that it lacked before";
+}
+
+TEST(AppendPhotos, FindOneThatIsSaidToBeFarOff) {
+  LeftOut map;
+  const std::string far = map.TakeOut(5);
+  poses::PosedFlight posed = map.UpToMap();
+  for (poses::PosedPhoto& photo : posed.photos) {
+    if (photo.photo.name != far) continue;
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        photo.cam_from_enu.rotation,
+        photo.cam_from_enu.TargetOriginInSource() + Eigen::Vector3d(900.0, 400.0, 0.0));
+  }
+  const FlightFacts grown = map.Append(posed);
+  ASSERT_EQ(grown.flight.photos.size(), 11U);
+  EXPECT_EQ(grown.flight.photos.back().photo.name, far);
+  EXPECT_LT(map.OffM(grown.flight.photos.back()), 2.0);
+}
+
+TEST(AppendPhotos, TakeInOneThatRecordsNothingWhereNewOnesBridgeToIt) {
+  const LeftOut map;
   poses::PosedFlight posed = Posed(map.truth, LeftOut::kFirst);
-  posed.photos.pop_back();
-  MosaicOptions options;
-  options.threads = 2;
-  SilentProgress progress;
-  const WithoutOne source(map.truth, posed.photos.back().photo.name);  // the one that is new
-  const auto grown = AppendPhotos(map.known, posed, options, source, progress);
-  ASSERT_TRUE(grown.ok()) << grown.error().message;
-  EXPECT_FALSE(grown->has_value());
+  Forget(map.name, posed);
+  const FlightFacts grown = map.Append(posed);
+  ASSERT_EQ(grown.flight.photos.size(), 14U);
+  EXPECT_EQ(grown.flight.photos.back().photo.name, map.name);
+  EXPECT_LT(map.OffM(grown.flight.photos.back()), 2.0);
+  EXPECT_TRUE(grown.flight.left_out.empty());
+}
+
+TEST(AppendPhotos, LeaveOutOneThatNothingPlacesForThatReason) {
+  LeftOut map;
+  const std::string bare = map.TakeOut(5);
+  poses::PosedFlight posed = map.UpToMap(1);
+  Forget(bare, posed);
+  const auto grown = map.TryToAppend(posed, Without(map.truth, {bare}));
+  ASSERT_TRUE(grown);
+  EXPECT_EQ(grown->flight.photos.size(), 11U) << "the other one came";
+  ASSERT_EQ(grown->flight.left_out.size(), 2U);
+  EXPECT_EQ(grown->flight.left_out[1].name, bare);
+  EXPECT_EQ(grown->flight.left_out[1].reason.code, flight::RemarkCode::kLeftWithoutPosition);
+}
+
+TEST(AppendPhotos, LeaveSeveralThatNothingPlacesToTheWholeFlight) {
+  LeftOut map;
+  const std::string first = map.TakeOut(5), second = map.TakeOut(5);
+  poses::PosedFlight posed = map.UpToMap();
+  Forget(first, posed);
+  Forget(second, posed);
+  EXPECT_FALSE(map.TryToAppend(posed, Without(map.truth, {first, second})));
 }
 
 TEST(AppendPhotos, LeaveOutAgainWhatNothingTies) {
