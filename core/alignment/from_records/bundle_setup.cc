@@ -80,7 +80,7 @@ void ReweighAttitudes(const PhotoSet& tied, BundleProblem& problem) {
   std::map<int, std::vector<Eigen::Vector3d>> turns_of_line;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
     const BundlePhoto& photo = problem.photos[i];
-    if (!tied.Has(i)) continue;
+    if (!tied.Has(i) || photo.is_fixed) continue;
     turns_of_line[photo.line].push_back(geo::VectorFromRotation(
         (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized()));
   }
@@ -242,8 +242,9 @@ bool ReweighPositions(BundleProblem& problem) {
   const PhotoSet tied = ObservingPhotos(problem.photos.size(), problem.tracks);
   std::vector<double> horizontal, vertical, horizontal_sigmas, vertical_sigmas;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
-    if (!tied.Has(i) || !problem.photos[i].has_record) continue;
     const BundlePhoto& photo = problem.photos[i];
+    // Where one stays is no record that could turn out good.
+    if (!tied.Has(i) || !photo.has_record || photo.is_fixed) continue;
     const Eigen::Vector3d moved_m =
         (photo.cam_from_enu.TargetOriginInSource() - ExpectedCenter(problem, photo)).cwiseAbs();
     const Eigen::Vector3d sigmas = moved_m.cwiseQuotient(photo.sigma_position_m);
@@ -279,8 +280,10 @@ bool ReweighPositions(BundleProblem& problem) {
 bool ReweighPriors(BundleProblem& problem) {
   const PhotoSet tied = ObservingPhotos(problem.photos.size(), problem.tracks);
   std::size_t records = 0;
-  for (std::size_t i = 0; i < problem.photos.size(); ++i)
-    records += tied.Has(i) && problem.photos[i].has_record ? 1 : 0;
+  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
+    const BundlePhoto& photo = problem.photos[i];
+    records += tied.Has(i) && photo.has_record && !photo.is_fixed ? 1 : 0;
+  }
   if (records >= kFewestReweighed) ReweighAttitudes(tied, problem);
   return ReweighPositions(problem);
 }

@@ -41,5 +41,14 @@ TEST(ReweighPositions, HoldsTheErrorsOfPoorPositionsAgainstNoGoodOne) {
   EXPECT_DOUBLE_EQ(problem.photos[7].sigma_position_m.z(), 1.5);
 }
 
+TEST(ReweighPositions, TakesPhotosThatStayForNoGoodRecords) {
+  std::vector<std::pair<double, double>> two_are_new(10, {1.5, 0.0});
+  for (std::size_t i = 8; i < 10; ++i) two_are_new[i] = {1.5, 1.2};
+  BundleProblem problem = Missed(two_are_new);
+  for (std::size_t i = 0; i < 8; ++i) problem.photos[i].is_fixed = true;
+  EXPECT_FALSE(ReweighPositions(problem));
+  EXPECT_DOUBLE_EQ(problem.photos[9].sigma_position_m.x(), 1.5) << "two say nothing of each other";
+}
+
 }  // namespace
 }  // namespace skyquilt::alignment
