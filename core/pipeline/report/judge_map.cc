@@ -192,6 +192,12 @@ std::vector<flight::Remark> RemarksOnPositions(const JudgedMap& map) {
                         {"after", error.jump->after},
                         {"by_m", OfTwoDigits(error.jump->by_m)}}});
   }
+  if (error.height_jump) {
+    remarks.push_back({flight::RemarkCode::kHeightsJump,
+                       {{"before", error.height_jump->before},
+                        {"after", error.height_jump->after},
+                        {"by_m", OfTwoDigits(error.height_jump->by_m)}}});
+  }
   return remarks;
 }
 

@@ -35,7 +35,7 @@ struct JudgedMap {
 MapQuality JudgeMap(const JudgedMap& map);
 
 // That the map may lean about the one line of its positions, where this is most of its stated error; that the
-// positions jump.
+// positions, or their heights, jump.
 std::vector<flight::Remark> RemarksOnPositions(const JudgedMap& map);
 
 // How far the recorded positions lie from where surveyed points put the map. Nothing: no point places it, or

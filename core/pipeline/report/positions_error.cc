@@ -23,6 +23,7 @@ namespace {
 using alignment::AlignedPhoto;
 using alignment::Placement;
 using Eigen::Vector2d;
+using Eigen::Vector3d;
 
 constexpr double kFewPositionsShare = 0.1;
 // Of many photos: among four, one wrong position shows without being told from the others; five name it, and
@@ -35,6 +36,7 @@ constexpr double kAgreeingShare = 0.1;       // of all positions
 constexpr double kApartOfShift = 1.0 / 3.0;  // two shifts that are one, apart from the noise of receivers
 // Of what all photos may share that recorded no angles: a body's by its log, or any.
 constexpr double kAngleOfLogDeg = 2.0, kAngleOfNothingDeg = 5.0;
+constexpr double kUpOfSide = 2.0;  // what a receiver errs by in height, of what it does sideways
 
 // Where none is aligned each lies by its own record.
 bool IsJudged(const JudgedMap& map, const AlignedPhoto& photo) {
@@ -101,13 +103,31 @@ std::optional<JumpOfPositions> JumpIn(const SupportingPositions& positions, doub
   return JumpOfPositions{name(jump->last_before), name(jump->last_before + 1), jump->by_m};
 }
 
+std::optional<JumpOfPositions> HeightJumpIn(std::vector<SupportingHeight> heights, double claimed_m) {
+  std::stable_sort(heights.begin(), heights.end(), [](const SupportingHeight& a, const SupportingHeight& b) {
+    return a.photo->captured_at < b.photo->captured_at;
+  });
+  std::vector<Vector3d> cameras;
+  std::vector<double> misses_m, stated_m;
+  for (const SupportingHeight& height : heights) {
+    cameras.push_back(height.camera_in_enu);
+    misses_m.push_back(height.miss_m);
+    stated_m.push_back(height.photo->position->sigma_vertical_m.value_or(0.0));
+  }
+  const double up_m = std::max(kUpOfSide * claimed_m, MedianIfAny(std::move(stated_m)).value_or(0.0));
+  const std::optional<poses::PositionJump> jump = poses::HeightJumpOf(cameras, misses_m, up_m);
+  if (!jump) return std::nullopt;
+  const auto name = [&](std::size_t k) { return heights[k].photo->name; };
+  return JumpOfPositions{name(jump->last_before), name(jump->last_before + 1), jump->by_m};
+}
+
 PositionsError ErrorOfLog(const JudgedMap& map) {
   const double noise_m = map.alignment == nullptr ? 0.0 : map.alignment->position_residual_m / std::sqrt(2.0);
   const std::vector<Vector2d> cameras = JudgedCameras(map);
   const auto count = static_cast<double>(std::max<std::size_t>(1, std::min(CountByLog(map), cameras.size())));
   const double sigma_m = map.poses.log_position_sigma_m.value_or(0.0);
   PositionsError error{
-      std::hypot(sigma_m, noise_m * std::sqrt(2.0 / count)), map.poses.log_is_corrected, {}, {}};
+      std::hypot(sigma_m, noise_m * std::sqrt(2.0 / count)), map.poses.log_is_corrected, {}, {}, {}};
   if (OwnErrorM(map) <= 0.0)
     error.lean = OpenLeanOf(map.flight, cameras, map.is_forecast ? sigma_m : noise_m, kAngleOfLogDeg);
   return error;
@@ -223,7 +243,12 @@ SupportingPositions PositionsOf(const JudgedMap& map) {
     positions.places.emplace_back(camera.head<2>());
     positions.misses.emplace_back((recorded - camera).head<2>());
     positions.photos.push_back(&photo.photo);
-    positions.records.push_back(&*photo.photo.position);
+    const flight::RecordedPosition& record = *photo.photo.position;
+    positions.records.push_back(&record);
+    if (!record.is_rtk_fixed || !record.height_ellipsoid_m) continue;
+    const Vector3d at = map.flight.frame.EnuFromWgs84(
+        {record.position.lat_deg, record.position.lon_deg, *record.height_ellipsoid_m});
+    positions.heights.push_back({&photo.photo, camera, at.z() - camera.z()});
   }
   return positions;
 }
@@ -250,8 +275,11 @@ PositionsError ErrorOfPositions(const JudgedMap& map, const SupportingPositions&
   const bool is_false_claim = common.is_corrected && noise_m > poses::kFalseClaim * common.sigma_m;
   const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
   PositionsError error{
-      std::hypot(common.sigma_m, of_noise_m), common.is_corrected && !is_false_claim, {}, {}};
-  if (!map.is_forecast && !is_own) error.jump = JumpIn(positions, common.sigma_m);
+      std::hypot(common.sigma_m, of_noise_m), common.is_corrected && !is_false_claim, {}, {}, {}};
+  if (!map.is_forecast && !is_own) {
+    error.jump = JumpIn(positions, common.sigma_m);
+    error.height_jump = HeightJumpIn(positions.heights, common.sigma_m);
+  }
   // Either side may be the one that lies off.
   if (error.jump) error.common_m = std::hypot(error.common_m, error.jump->by_m / kCircleSigmas);
   const double apart_m = map.is_forecast ? common.sigma_m : noise_m;
@@ -270,9 +298,11 @@ bool IsByReceiver(const AbsoluteAccuracy& absolute) {
 }
 
 bool AreContradicted(const JudgedMap& map, const AbsoluteAccuracy& absolute) {
-  return IsByReceiver(absolute) &&
-         (ContradictionIn(map.flight.warnings) != nullptr || AreManyRefuted(PositionsOf(map)) ||
-          ErrorOfPositions(map, PositionsOf(map)).jump);
+  if (!IsByReceiver(absolute)) return false;
+  const SupportingPositions positions = PositionsOf(map);
+  const PositionsError error = ErrorOfPositions(map, positions);
+  return ContradictionIn(map.flight.warnings) != nullptr || AreManyRefuted(positions) || error.jump ||
+         error.height_jump;
 }
 
 }  // namespace skyquilt::pipeline

@@ -9,8 +9,9 @@
 // others: fewer than half of the photos, they place nothing. Positions that the pictures refute place nothing
 // either; but where many are refuted, or several by one shift, what the map misses all of them by counts
 // whole, where most are missed by far more than they claim, the radius is no less than that, nor less than
-// what positions jump by (core/poses/evidence/position_jump.h). All of these limit the map. Frame `enu` of
-// the flight, metres. Pure; any thread.
+// what positions jump by (core/poses/evidence/position_jump.h). All of these limit the map, as does a jump of
+// corrected heights alone, which leaves the radius as it is. Frame `enu` of the flight, metres. Pure; any
+// thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,12 +34,20 @@ inline constexpr std::size_t kFewestPositions = 3;  // for turn and scale, and a
 
 bool IsAnyAligned(const JudgedMap& map);
 
+// Of a receiver with corrections: barometers drift.
+struct SupportingHeight {
+  const flight::Photo* photo = nullptr;
+  Eigen::Vector3d camera_in_enu = Eigen::Vector3d::Zero();  // as the map has it
+  double miss_m = 0.0;                                      // recorded minus that
+};
+
 struct SupportingPositions {
   std::vector<Eigen::Vector2d> places;  // of the cameras, as the map has them
   std::vector<Eigen::Vector2d> misses;  // recorded minus that
   std::vector<const flight::Photo*> photos;
   std::vector<const flight::RecordedPosition*> records;
   std::vector<Eigen::Vector2d> refuted;  // as `misses`, of those that place nothing
+  std::vector<SupportingHeight> heights;
 };
 
 // Of photos that count; a position that the pictures refute places nothing.
@@ -58,7 +67,7 @@ struct PositionsError {
   double common_m = 0.0;  // with what their scatter and a jump leave
   bool is_corrected = false;
   OpenLean lean;  // beside it; photos that lie by their records count their angles already
-  std::optional<JumpOfPositions> jump;
+  std::optional<JumpOfPositions> jump, height_jump;
 };
 
 PositionsError ErrorOfPositions(const JudgedMap& map, const SupportingPositions& positions);

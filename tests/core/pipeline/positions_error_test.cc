@@ -6,6 +6,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <random>
 #include <utility>
 #include <vector>
@@ -54,6 +55,30 @@ TEST(PositionsError, IsNoLessThanWhatCorrectedPositionsJumpBy) {
   EXPECT_EQ(remarks[0].code, flight::RemarkCode::kPositionsJump);
   EXPECT_THAT(flight::InWords(remarks[0]),
               ::testing::HasSubstr("Between p18 and p17 the recorded positions jump by 0.3"));
+}
+
+TEST(PositionsError, SaysWhereCorrectedHeightsJump) {
+  JudgedFlight flight(60);
+  for (std::size_t i = 0; i < 60; ++i) {
+    alignment::AlignedPhoto& photo = flight.flight.photos[i];
+    const double to_jump = static_cast<double>(i) - 29.5;
+    const Vector3d at = photo.cam_from_enu.TargetOriginInSource() +
+                        std::copysign(0.25 * std::exp(-std::abs(to_jump) / 4.0), to_jump) * Vector3d::UnitZ();
+    flight::RecordedPosition& record = *photo.photo.position;
+    record.height_ellipsoid_m = flight.flight.frame.Wgs84FromEnu(at).height_ellipsoid_m;
+    record.is_rtk_fixed = true;
+    photo.photo.captured_at = flight::UtcTime(std::chrono::seconds(i));
+  }
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{0.03, AbsoluteSupport::kRtk, 60})) << "which is horizontal";
+  EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kPositionsContradicted}}));
+  const std::vector<flight::Remark> remarks = RemarksOnPositions(flight.Map());
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_EQ(remarks[0].code, flight::RemarkCode::kHeightsJump);
+  EXPECT_THAT(flight::InWords(remarks[0]),
+              ::testing::HasSubstr("Between p29 and p30 the recorded heights jump by 0.3"));
+  for (auto& photo : flight.flight.photos) photo.photo.position->is_rtk_fixed = false;
+  EXPECT_TRUE(RemarksOnPositions(flight.Map()).empty()) << "a barometer drifts";
 }
 
 TEST(PositionsError, ByRecordsAloneEachPhotoIsAsFarOffAsItSays) {

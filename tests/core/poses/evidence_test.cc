@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -173,6 +174,61 @@ TEST(JumpOf, TakesOneWrongPositionForNoJump) {
   EXPECT_FALSE(JumpOf(misses, 0.02));
   EXPECT_FALSE(JumpOf({}, 0.02));
   EXPECT_FALSE(JumpOf({misses[9], misses[10]}, 0.02));
+}
+
+// Lines flown to and fro, 60 m up.
+std::vector<Eigen::Vector3d> LinesOf(int lines, int photos_of_line) {
+  std::vector<Eigen::Vector3d> cameras;
+  for (int i = 0; i < lines * photos_of_line; ++i) {
+    const int line = i / photos_of_line, along = i % photos_of_line;
+    cameras.emplace_back(10.0 * (line % 2 == 0 ? along : photos_of_line - 1 - along), 20.0 * line, 60.0);
+  }
+  return cameras;
+}
+
+// By what `miss_m` says of the photo of that number, give or take 4 mm; of a receiver that claims 4 cm.
+template <typename MissM>
+std::optional<PositionJump> JumpUp(const std::vector<Eigen::Vector3d>& cameras, const MissM& miss_m,
+                                   double claimed_m = 0.04) {
+  std::vector<double> misses_m;
+  for (int i = 0; i < std::ssize(cameras); ++i) misses_m.push_back(miss_m(i) + 0.004 * std::sin(12.0 * i));
+  return HeightJumpOf(cameras, misses_m, claimed_m);
+}
+
+TEST(HeightJumpOf, FindsWhereCorrectedHeightsBeginToLieElsewhere) {
+  const auto cameras = LinesOf(6, 8);
+  const auto at = [](int first) { return [first](int i) { return i < first ? -0.25 : 0.25; }; };
+  const auto within_line = test::ValueOf(JumpUp(cameras, at(20)));
+  EXPECT_NEAR(static_cast<double>(within_line.last_before), 19.0, 1.0);
+  EXPECT_NEAR(within_line.by_m, 0.45, 0.03);
+  EXPECT_TRUE(JumpUp(cameras, at(24))) << "at a turn";
+  EXPECT_FALSE(JumpUp(cameras, at(20), 1.5)) << "a receiver that claims no more";
+  const auto bent = test::ValueOf(JumpUp(
+      cameras, [](int i) { return std::copysign(0.25 * std::exp(-std::abs(i - 23.5) / 4.0), i - 23.5); }));
+  EXPECT_EQ(bent.last_before, 23u);
+  EXPECT_NEAR(bent.by_m, 0.34, 0.03);
+  EXPECT_TRUE(JumpUp(LinesOf(10, 12), [](int i) { return i >= 50 && i < 75 ? 0.5 : 0.0; }))
+      << "there and back";
+}
+
+TEST(HeightJumpOf, TakesTheShapeOfAMapForNoJump) {
+  const auto cameras = LinesOf(6, 8);
+  EXPECT_FALSE(JumpUp(cameras, [&](int i) { return 1e-3 * (cameras[i].head<2>().squaredNorm()); }))
+      << "a bowl";
+  EXPECT_FALSE(JumpUp(cameras, [&](int i) { return 1e-5 * std::pow(cameras[i].y() - 50.0, 3); }));
+  EXPECT_FALSE(JumpUp(cameras, [](int i) { return i / 8 % 2 == 0 ? -0.25 : 0.25; })) << "line by line";
+  EXPECT_FALSE(JumpUp(cameras, [](int i) { return 0.8 * std::sin(0.13 * i); })) << "a drift";
+  EXPECT_FALSE(JumpUp(LinesOf(4, 8), [](int i) { return i < 16 ? -0.25 : 0.25; }))
+      << "or a bend: nothing tells";
+  EXPECT_FALSE(HeightJumpOf({}, {}, 0.04));
+}
+
+TEST(HeightJumpOf, TakesWhatAWrongScaleMakesOfAClimbForNoJump) {
+  auto cameras = LinesOf(6, 8);
+  const auto miss_m = [](int i) { return i < 20 ? -0.2 : 0.2; };
+  EXPECT_TRUE(JumpUp(cameras, miss_m));
+  for (std::size_t i = 20; i < cameras.size(); ++i) cameras[i].z() += 20.0;
+  EXPECT_FALSE(JumpUp(cameras, miss_m));
 }
 
 }  // namespace
