@@ -62,7 +62,32 @@ std::optional<Eigen::Vector3d> SeenFromSurveyed(const std::vector<View>& views, 
   return Eigen::Vector3d(seen.point_in_enu - tied.surveyed_in_enu);
 }
 
-// A height that lies far off where most of the others put it is no observation; its point still is.
+// It is no observation; its point still is.
+void LeaveOutHeight(double off_m, BundleControl& tied, std::vector<ControlReport>& reports) {
+  tied.has_height = false;
+  tied.surveyed_in_enu.z() = tied.track.point_in_enu.z();
+  flight::Remark why{RemarkCode::kPointHeightFarFromOthers, {{"apart_m", off_m}}};
+  std::optional<flight::Remark>& reason = reports[tied.report].reason;
+  reason = reason
+               ? flight::Remark{RemarkCode::kPointNotedTwice, {{"first", *reason}, {"then", std::move(why)}}}
+               : std::move(why);
+}
+
+void LeaveOutEmptyHeights(const std::vector<ControlPoint>& control, BundleProblem& problem,
+                          std::vector<ControlReport>& reports) {
+  std::vector<std::optional<double>> surveyed_m;
+  std::vector<double> shown_m;
+  for (const BundleControl& tied : problem.control) {
+    surveyed_m.push_back(control[tied.report].height_m);
+    shown_m.push_back(tied.track.point_in_enu.z());
+  }
+  const std::vector<std::optional<double>> off_m = HeightsLeftEmpty(surveyed_m, shown_m);
+  for (std::size_t k = 0; k < off_m.size(); ++k) {
+    if (off_m[k]) LeaveOutHeight(*off_m[k], problem.control[k], reports);
+  }
+}
+
+// Those that lie far off where most of the others put them.
 void LeaveOutWrongHeights(BundleProblem& problem, std::vector<ControlReport>& reports) {
   std::vector<double> residuals_m;
   for (const BundleControl& tied : problem.control) {
@@ -72,15 +97,8 @@ void LeaveOutWrongHeights(BundleProblem& problem, std::vector<ControlReport>& re
   if (residuals_m.size() < kEnoughToVote) return;
   const double limit_m = kFarOffM + kFarOffMads * Median(std::move(residuals_m));
   for (BundleControl& tied : problem.control) {
-    const double off_m = tied.surveyed_in_enu.z() - tied.track.point_in_enu.z();
-    if (!tied.has_height || std::abs(off_m) <= limit_m) continue;
-    tied.has_height = false;
-    tied.surveyed_in_enu.z() = tied.track.point_in_enu.z();
-    flight::Remark why{RemarkCode::kPointHeightFarFromOthers, {{"apart_m", std::abs(off_m)}}};
-    std::optional<flight::Remark>& reason = reports[tied.report].reason;
-    reason =
-        reason ? flight::Remark{RemarkCode::kPointNotedTwice, {{"first", *reason}, {"then", std::move(why)}}}
-               : std::move(why);
+    const double off_m = std::abs(tied.surveyed_in_enu.z() - tied.track.point_in_enu.z());
+    if (tied.has_height && off_m > limit_m) LeaveOutHeight(off_m, tied, reports);
   }
 }
 
@@ -157,6 +175,25 @@ std::vector<ControlMarkReport> MarkedPhotos::ResidualsOf(const ControlPoint& poi
   return residuals;
 }
 
+std::vector<std::optional<double>> HeightsLeftEmpty(const std::vector<std::optional<double>>& surveyed_m,
+                                                    const std::vector<double>& shown_m) {
+  constexpr std::size_t kFewestOthers = 2;  // with one nothing tells which is wrong
+  std::vector<double> others_m;             // surveyed above shown
+  for (std::size_t k = 0; k < surveyed_m.size(); ++k) {
+    if (surveyed_m[k] && *surveyed_m[k] != 0.0) others_m.push_back(*surveyed_m[k] - shown_m[k]);
+  }
+  std::vector<std::optional<double>> off_m(surveyed_m.size());
+  if (others_m.size() < kFewestOthers) return off_m;
+  const double above_m = Median(others_m);
+  for (double& other_m : others_m) other_m = std::abs(other_m - above_m);
+  const double limit_m = kFarOffM + kFarOffMads * Median(std::move(others_m));
+  for (std::size_t k = 0; k < surveyed_m.size(); ++k) {
+    const double apart_m = std::abs(shown_m[k] + above_m);
+    if (surveyed_m[k] == 0.0 && apart_m > limit_m) off_m[k] = apart_m;
+  }
+  return off_m;
+}
+
 void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
                   BundleProblem& problem, std::vector<ControlReport>& reports) {
   problem.control.clear();
@@ -185,6 +222,7 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
   RefuseControl(posed, control, marks_tied, tied_photos, problem, reports);
   if (problem.control.empty()) return;
 
+  LeaveOutEmptyHeights(control, problem, reports);
   // The block goes where most points want it; heights of the survey come to the block's zero.
   Eigen::Vector3d shift;
   for (int axis = 0; axis < 3; ++axis) {
@@ -195,7 +233,9 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
     }
     shift[axis] = apart.empty() ? 0.0 : Median(apart);
   }
-  for (BundleControl& tied : problem.control) tied.surveyed_in_enu.z() -= shift.z();
+  for (BundleControl& tied : problem.control) {
+    if (tied.has_height) tied.surveyed_in_enu.z() -= shift.z();
+  }
   shift.z() = 0.0;
   if (problem.control.size() >= kEnoughToVote) {
     std::vector<double> residuals;

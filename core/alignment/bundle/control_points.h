@@ -45,6 +45,12 @@ class MarkedPhotos {
   std::map<std::string, int> number_of_;
 };
 
+// Heights of exactly 0 that were not filled in: those whose points the photos show elsewhere than beside two
+// others or more, by as much as makes a height wrong. By how much, by point; nothing: it is a height, or
+// there is none. Surveyed and shown above any zero each.
+std::vector<std::optional<double>> HeightsLeftEmpty(const std::vector<std::optional<double>>& surveyed_m,
+                                                    const std::vector<double>& shown_m);
+
 // Moves the block to the points, so that the adjustment starts near. `problem` has been adjusted without
 // control. A point needs two sightings in photos that are tied to others.
 // One that lies far off where the others put the block is not used, and its report says so; nor is what the

@@ -163,11 +163,16 @@ std::optional<double> SurveyAboveRecordsM(const FlightFacts& facts,
     if (point.is_used && !point.is_check) placing.insert(point.name);
   }
   std::vector<alignment::ControlReport> ignored;
-  std::vector<double> above_m;
+  std::vector<std::optional<double>> surveyed_m;
+  std::vector<double> shown_m, above_m;
   for (const MarkedPoint& marked : MarkedPointsOf(facts, control, ignored)) {
-    if (!marked.point.height_m || !placing.contains(marked.point.name)) continue;
-    above_m.push_back(*marked.point.height_m -
-                      facts.flight.frame.Wgs84FromEnu(marked.seen_in_enu).height_ellipsoid_m);
+    if (!placing.contains(marked.point.name)) continue;
+    surveyed_m.push_back(marked.point.height_m);
+    shown_m.push_back(facts.flight.frame.Wgs84FromEnu(marked.seen_in_enu).height_ellipsoid_m);
+  }
+  const std::vector<std::optional<double>> empty = alignment::HeightsLeftEmpty(surveyed_m, shown_m);
+  for (std::size_t k = 0; k < surveyed_m.size(); ++k) {
+    if (surveyed_m[k] && !empty[k]) above_m.push_back(*surveyed_m[k] - shown_m[k]);
   }
   return MedianIfAny(std::move(above_m));
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -137,6 +138,30 @@ TEST(AlignWithControl, TakesNoHeightThatTheOtherSurveyedPointsContradict) {
   EXPECT_TRUE(raised.report.control[2].is_used);
   raised.ExpectReason(2, RemarkCode::kPointHeightFarFromOthers);
   EXPECT_EQ(raised.Said(RemarkCode::kControlNoted), 1);
+}
+
+TEST(AlignWithControl, TakesNoHeightThatWasLeftEmpty) {
+  const Surveyed three([](auto& control) {
+    control.resize(3);
+    control[1].height_m = 0.0;
+  });
+  EXPECT_TRUE(three.report.control[1].is_used);
+  three.ExpectReason(1, RemarkCode::kPointHeightFarFromOthers);
+  EXPECT_EQ(three.Said(RemarkCode::kControlNoted), 1);
+  EXPECT_EQ(three.report.control[1].miss_up_m, 0.0);
+  EXPECT_LT(three.report.control[1].residual_px, 8.0) << "it lies where the photos show it";
+}
+
+TEST(HeightsLeftEmpty, AreZerosThatTwoOthersAndThePhotosContradict) {
+  const auto one = HeightsLeftEmpty({130.0, 0.0, 131.0}, {1.0, 0.5, 2.0});
+  EXPECT_FALSE(one[0] || one[2]);
+  ASSERT_TRUE(one[1]);
+  EXPECT_NEAR(*one[1], 129.5, 1e-9);
+  EXPECT_TRUE(HeightsLeftEmpty({0.0, 130.0, 0.0, 131.0, 0.0}, {0.5, 1.0, 0.5, 2.0, 0.0})[4])
+      << "though most are";
+  EXPECT_FALSE(HeightsLeftEmpty({0.0, 3.1, -2.0}, {10.0, 13.0, 8.0})[0]) << "as high as the photos show it";
+  EXPECT_FALSE(HeightsLeftEmpty({0.0, 130.0}, {0.5, 1.0})[0]) << "either may be wrong";
+  EXPECT_FALSE(HeightsLeftEmpty({std::nullopt, 130.0, 131.0}, {0.5, 1.0, 2.0})[0]);
 }
 
 ControlReport UsedPoint(const std::string& name, double east_m, double up_m) {

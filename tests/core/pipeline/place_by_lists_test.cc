@@ -310,6 +310,11 @@ TEST(TellMarks, SaysHowFarTheSurveyCountsItsHeightsFromTheRecordsZero) {
                 height_m(flight.truth.frame, flight.truth.photos[0].pose.cam_from_enu) - kGeoidM, 1.0)
         << points;
 
+    const double was_m = *above_m;
+    for (std::size_t k = 0; points == 5 && k < 3; ++k) lists.front().points[k].height_m = 0.0;
+    TellMarks(lists, placed);
+    EXPECT_NEAR(above_m.value_or(0.0), was_m, 0.1) << "heights of 0 were not filled in";
+
     for (auto& point : lists.front().points) point.height_m.reset();
     TellMarks(lists, placed);
     EXPECT_FALSE(above_m) << points;
