@@ -56,6 +56,14 @@ struct RecordedAttitude {
   std::string source;  // "drone-dji", "sensefly", "Camera", ...
 };
 
+// Where the top of the picture as it is stored points, seen from above, by a compass: all that cameras
+// without angles say. Of a camera that looks ahead it is where it looks, which is the same once it is tipped
+// down.
+struct RecordedDirection {
+  double yaw_rad = 0.0;
+  bool is_from_true_north = false;  // false: from magnetic north, or it is not said
+};
+
 struct RecordedVelocity {
   double east_mps = 0.0;
   double north_mps = 0.0;
@@ -131,6 +139,7 @@ struct Photo {
   std::optional<RecordedPosition> position;
   std::optional<double> lone_height_above_takeoff_m;  // recorded without a position, which has its own
   std::optional<RecordedAttitude> attitude;
+  std::optional<RecordedDirection> direction;
   std::optional<RecordedVelocity> velocity;
   std::optional<RecordedTurning> turning;
   std::optional<double> exposure_time_s;

@@ -117,6 +117,7 @@ std::string AngleSourceOf(const poses::PosedPhoto& photo, const flight::Flight& 
   using poses::AttitudeOrigin;
   const auto& own = photo.photo.attitude;
   if (photo.attitude_origin == AttitudeOrigin::kCourse) return "none";
+  if (photo.attitude_origin == AttitudeOrigin::kDirection) return "heading from GPSImgDirection";
   const bool is_own = photo.attitude_origin != AttitudeOrigin::kSmoothed ||
                       (own && own->kind == flight::AttitudeKind::kGimbal);
   if (is_own && own) return own->source;

@@ -187,9 +187,12 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
   }
   PlacedByRecords placed = PlaceByRecords(rest, heights, posed.frame);
   if (placed.without_angles > 0) {
+    Remark assumed = RemarkCode::kAnglesAssumed;
+    if (placed.by_direction > 0)
+      assumed = {RemarkCode::kAnglesAssumedByDirection, {{"photos", placed.by_direction}}};
     posed.assumptions.push_back(
         {{RemarkCode::kNoAngles, {{"photos", placed.without_angles}, {"total", placed.photos.size()}}},
-         RemarkCode::kAnglesAssumed,
+         std::move(assumed),
          std::nullopt});
   }
   report.photos_by_records = static_cast<int>(placed.photos.size());

@@ -27,14 +27,45 @@ struct AttitudeChoice {
   double sigma_yaw_rad;
 };
 
-AttitudeChoice ChooseAttitude(const Photo& photo, const std::optional<double>& course_rad) {
+// `direction`: where it is to be believed.
+AttitudeChoice ChooseAttitude(const Photo& photo, const std::optional<double>& course_rad,
+                              const std::optional<flight::RecordedDirection>& direction) {
   if (photo.attitude) {
     const bool is_gimbal = photo.attitude->kind == flight::AttitudeKind::kGimbal;
     return {CamFromEnu(*photo.attitude), AttitudeOrigin::kRecorded, geo::DegToRad(is_gimbal ? 1.0 : 2.0),
             geo::DegToRad(3.0)};
   }
-  return {NadirCamFromEnu(course_rad.value_or(0.0)), AttitudeOrigin::kCourse, geo::DegToRad(5.0),
+  constexpr double kLeanDeg = 5.0;
+  if (direction) {
+    // What compasses of phones, and beside motors, err by; the declination, which nothing here knows, adds to
+    // it.
+    const double sigma_deg = direction->is_from_true_north ? 15.0 : 25.0;
+    return {NadirCamFromEnu(direction->yaw_rad), AttitudeOrigin::kDirection, geo::DegToRad(kLeanDeg),
+            geo::DegToRad(sigma_deg)};
+  }
+  return {NadirCamFromEnu(course_rad.value_or(0.0)), AttitudeOrigin::kCourse, geo::DegToRad(kLeanDeg),
           course_rad ? geo::DegToRad(15.0) : geo::kPi};
+}
+
+// Whether the photos of which nothing else says how they are turned have directions that are measured: a
+// device that does not know them writes one for all.
+bool AreMeasured(const std::vector<Photo>& photos, const std::vector<std::size_t>& used) {
+  std::vector<double> yaws_rad;
+  for (const std::size_t i : used) {
+    if (photos[i].direction && !photos[i].attitude) yaws_rad.push_back(photos[i].direction->yaw_rad);
+  }
+  return yaws_rad.size() == 1 || std::any_of(yaws_rad.begin(), yaws_rad.end(),
+                                             [&](double yaw_rad) { return yaw_rad != yaws_rad.front(); });
+}
+
+// So far from those before and after it that they share no ground: what turned it no picture shows, and where
+// the aircraft went in between says little.
+bool StandsApart(const camera::Intrinsics& lens, const std::vector<Eigen::Vector3d>& centers, std::size_t k) {
+  const double across_m = centers[k].z() * std::hypot(lens.width_px, lens.height_px) / lens.MeanFocalPx();
+  const auto is_far = [&](std::size_t other) {
+    return (centers[other] - centers[k]).head<2>().norm() > across_m;
+  };
+  return (k == 0 || is_far(k - 1)) && (k + 1 == centers.size() || is_far(k + 1));
 }
 
 Matrix6d PoseCovariance(const AttitudeChoice& attitude, double sigma_horizontal_m, double sigma_vertical_m) {
@@ -108,10 +139,14 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
   }
   const std::vector<std::optional<double>> courses = CoursesFromPositions(track);
   const double share_apart = ShareErredApart(photos, used);
+  const bool are_measured = AreMeasured(photos, used);
   for (std::size_t k = 0; k < used.size(); ++k) {
     const Photo& photo = photos[used[k]];
-    const AttitudeChoice attitude = ChooseAttitude(photo, courses[k]);
+    const bool is_by_direction = are_measured && (!courses[k] || StandsApart(photo.intrinsics, centers, k));
+    const AttitudeChoice attitude =
+        ChooseAttitude(photo, courses[k], is_by_direction ? photo.direction : std::nullopt);
     if (attitude.origin != AttitudeOrigin::kRecorded) ++placed.without_angles;
+    if (attitude.origin == AttitudeOrigin::kDirection) ++placed.by_direction;
     const flight::RecordedPosition& position = *photo.position;
     const double sigma_h = SigmaOfRecordM(position);
     const double sigma_v = position.is_rtk_fixed ? position.sigma_vertical_m.value_or(0.05) : heights.sigma_m;

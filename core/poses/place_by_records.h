@@ -1,6 +1,7 @@
 // PlaceByRecords: photos by what they say of themselves: position, camera angles, relative height. What they
-// do not say is assumed (straight down, turned along the course) and the covariance says so. Frame `enu` of
-// the flight. Pure; any thread.
+// do not say is assumed (straight down, turned along the course) and the covariance says so. What EXIF calls
+// the direction of the image turns a photo that has no course or shares no ground with its neighbours: the
+// others are turned by what they show. Frame `enu` of the flight. Pure; any thread.
 #pragma once
 
 #include <vector>
@@ -16,6 +17,7 @@ struct PlacedByRecords {
   std::vector<PosedPhoto> photos;
   std::vector<flight::LeftOutPhoto> left_out;
   std::size_t without_angles = 0;
+  std::size_t by_direction = 0;         // of these
   std::vector<flight::Photo> unplaced;  // those left out: without a height, or said to be far away
   bool any_without_height = false;
 };

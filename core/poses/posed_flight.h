@@ -19,7 +19,12 @@ namespace skyquilt::poses {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-enum class AttitudeOrigin { kRecorded, kCourse, kSmoothed };
+enum class AttitudeOrigin {
+  kRecorded,
+  kCourse,     // looks down, turned along the course where there is one
+  kDirection,  // looks down, turned as a compass says
+  kSmoothed
+};
 
 struct PosedPhoto {
   flight::Photo photo;

@@ -150,7 +150,9 @@ poses::PosedFlight PoseOf(const std::map<std::string, flight::Photo>& photos) {
 
 // A photo that flies where its neighbours say has to wait for one.
 bool IsTurned(const poses::PosedFlight& posed, std::size_t photo) {
-  return posed.photos[photo].attitude_origin != poses::AttitudeOrigin::kCourse || posed.photos.size() > 1;
+  const poses::AttitudeOrigin origin = posed.photos[photo].attitude_origin;
+  return (origin != poses::AttitudeOrigin::kCourse && origin != poses::AttitudeOrigin::kDirection) ||
+         posed.photos.size() > 1;
 }
 
 }  // namespace

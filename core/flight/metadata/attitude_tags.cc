@@ -1,5 +1,6 @@
 #include "core/flight/metadata/attitude_tags.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -161,6 +162,15 @@ std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
   }
   if (maker_note) return HeadingOnly(maker_note->yaw_deg, "DJI maker note flight", notes);
   return std::nullopt;
+}
+
+std::optional<RecordedDirection> DirectionFromTags(const ExifRecord& exif) {
+  if (!exif.image_direction_deg || *exif.image_direction_deg == 0.0) return std::nullopt;
+  // By orientation, 1 to 8: how far clockwise of the shown picture's top that of the stored one is.
+  constexpr std::array<double, 9> kTopDeg = {0.0, 0.0, 0.0, 180.0, 180.0, 270.0, 90.0, 90.0, 270.0};
+  const double top_deg = kTopDeg[static_cast<std::size_t>(exif.orientation.value_or(1))];
+  return RecordedDirection{geo::WrapRad(geo::DegToRad(*exif.image_direction_deg + top_deg)),
+                           exif.is_direction_from_true_north};
 }
 
 std::optional<RecordedVelocity> VelocityFromTags(const XmpTags& xmp) {

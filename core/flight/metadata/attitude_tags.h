@@ -25,6 +25,7 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/metadata/exif.h"
 #include "core/flight/metadata/xmp.h"
 #include "core/flight/photo.h"
 
@@ -46,6 +47,10 @@ std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note,
 std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
                                                  const std::optional<DjiMakerNote>& maker_note,
                                                  const std::string& make, std::vector<Remark>& notes);
+
+// EXIF's GPSImgDirection is that of the picture as its orientation tag turns it. Nothing for exactly 0, which
+// devices write that do not know it.
+std::optional<RecordedDirection> DirectionFromTags(const ExifRecord& exif);
 
 // East, north, up from drone-dji Flight{X,Y,Z}Speed (north, east, down), Camera:IMULinearVelocity (east,
 // north, up).

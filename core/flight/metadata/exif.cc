@@ -21,8 +21,8 @@ constexpr std::uint16_t kFocalPlaneX = 0xA20E, kFocalPlaneY = 0xA20F;
 constexpr std::uint16_t kFocalPlaneUnit = 0xA210, kDigitalZoom = 0xA404, kFocalLength35 = 0xA405;
 constexpr std::uint16_t kBodySerialNumber = 0xA431;
 constexpr std::uint16_t kLatitudeRef = 1, kLatitude = 2, kLongitudeRef = 3, kLongitude = 4, kAltitudeRef = 5;
-constexpr std::uint16_t kAltitude = 6, kTimeStamp = 7, kStatus = 9, kDateStamp = 0x1D,
-                        kPositioningError = 0x1F;
+constexpr std::uint16_t kAltitude = 6, kTimeStamp = 7, kStatus = 9, kDirectionRef = 0x10, kDirection = 0x11;
+constexpr std::uint16_t kDateStamp = 0x1D, kPositioningError = 0x1F;
 }  // namespace tag
 
 constexpr double kMetresPerDegree = 111320.0;  // of latitude, roughly: for how fine a number is written
@@ -138,6 +138,14 @@ void ReadAltitude(const ExifTable& table, ExifRecord& record) {
   if (!record.altitude_m) {
     record.notes.push_back({RemarkCode::kAltitudeImpossible, {{"altitude_m", *altitude}}});
   }
+}
+
+// Where the device looked, by its compass.
+void ReadDirection(const ExifTable& table, ExifRecord& record) {
+  const auto direction_deg = table.Number(ExifIfd::kGps, tag::kDirection);
+  if (!direction_deg || !(*direction_deg >= 0.0) || !(*direction_deg < 360.0)) return;
+  record.image_direction_deg = direction_deg;
+  record.is_direction_from_true_north = table.Text(ExifIfd::kGps, tag::kDirectionRef) == "T";
 }
 
 std::optional<double> PixelsPerMm(const ExifTable& table, std::uint16_t resolution_tag) {
@@ -273,6 +281,7 @@ ExifRecord InterpretExif(const ExifTable& table) {
   record.position_error_m = Within(table.Number(ExifIfd::kGps, tag::kPositioningError), 1e-4, 10000.0);
   ReadPosition(table, record);
   ReadAltitude(table, record);
+  ReadDirection(table, record);
   ReadClock(table, record);
   return record;
 }

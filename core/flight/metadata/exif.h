@@ -35,6 +35,8 @@ struct ExifRecord {
   double position_resolution_m = 0.0;  // the step in which the position is written
   std::optional<double> altitude_m;    // above whatever the camera meant; only the plausible
   std::optional<double> position_error_m;
+  std::optional<double> image_direction_deg;  // [0, 360), of the picture as viewers show it
+  bool is_direction_from_true_north = false;  // false: from magnetic north, or it is not said
 
   std::optional<UtcTime> taken_at;  // the camera's clock as if it were UTC
   std::optional<std::chrono::minutes> clock_minus_utc;

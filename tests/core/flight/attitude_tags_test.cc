@@ -7,7 +7,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
+#include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/lat_lon.h"
 #include "tests/core/flight/synthetic_photo.h"
@@ -223,6 +226,40 @@ TEST(AttitudeFromTags, FallsBackToTheDjiMakerNote) {
   ExpectAngles(ReadXmp(Dji("1", "-90", "0"), "", "DJI", note), AttitudeKind::kGimbal, 1.0, -90.0, 0.0);
   ExpectAngles(ReadXmp("", "", "DJI", ReadDjiMakerNote(DjiNote({{7, 46.0f}}), false)),
                AttitudeKind::kAirframe, 46.0, 0.0, 0.0);
+}
+
+std::optional<RecordedDirection> DirectionOf(std::uint32_t numerator, std::uint32_t denominator,
+                                             const std::string& reference, std::uint16_t orientation = 1) {
+  const Bytes exif = ExifWriter()
+                         .Rational(ExifIfd::kGps, 0x11, {{numerator, denominator}})
+                         .Ascii(ExifIfd::kGps, 0x10, reference)
+                         .Short(ExifIfd::kImage, 0x0112, orientation)
+                         .Write();
+  const auto photo = test::ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif})));
+  return photo.direction;
+}
+
+TEST(DirectionFromTags, TakesTheCompassOfThePictureAsItIsStored) {
+  const auto read = test::ValueOf(DirectionOf(29309, 92, "T"));
+  EXPECT_NEAR(RadToDeg(read.yaw_rad), 29309.0 / 92.0 - 360.0, 1e-9);
+  EXPECT_TRUE(read.is_from_true_north);
+  for (const char* reference : {"M", ""})
+    EXPECT_FALSE(test::ValueOf(DirectionOf(10, 1, reference)).is_from_true_north) << reference;
+  // Shown turned by a quarter clockwise, its left side is on top: the stored top is to the right of that.
+  const std::pair<std::uint16_t, double> yaw_by_orientation[] = {
+      {1, 10.0}, {2, 10.0}, {3, -170.0}, {4, -170.0}, {5, -80.0}, {6, 100.0}, {7, 100.0}, {8, -80.0}};
+  for (const auto& [orientation, yaw_deg] : yaw_by_orientation) {
+    EXPECT_NEAR(RadToDeg(test::ValueOf(DirectionOf(10, 1, "T", orientation)).yaw_rad), yaw_deg, 1e-9)
+        << orientation;
+  }
+}
+
+TEST(DirectionFromTags, TakesNothingThatIsNoDirection) {
+  const std::pair<std::uint32_t, std::uint32_t> nothing[] = {
+      {0, 1}, {0, 0}, {5, 0}, {360, 1}, {4294967295u, 1}};
+  for (const auto& [numerator, denominator] : nothing)
+    EXPECT_FALSE(DirectionOf(numerator, denominator, "T")) << numerator << "/" << denominator;
+  EXPECT_TRUE(DirectionOf(35999, 100, "T"));
 }
 
 TEST(ReadDjiMakerNote, GoesByItsOwnByteOrder) {

@@ -16,6 +16,10 @@ void Interpret(const skyquilt::flight::ExifTable& table) {
   }
   if (record.focal_length_mm)
     SKYQUILT_CHECK(*record.focal_length_mm > 0.0, "a focal length that is not positive");
+  if (record.image_direction_deg) {
+    SKYQUILT_CHECK(*record.image_direction_deg >= 0.0 && *record.image_direction_deg < 360.0,
+                   "a direction outside the circle");
+  }
   for (const auto& [key, value] : table.values()) {
     SKYQUILT_CHECK(value.Text().size() <= value.bytes.size(), "a text longer than its bytes");
   }

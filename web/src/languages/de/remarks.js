@@ -214,6 +214,7 @@ export const remark_words = {
   positions_repeated: (v) => `${some(v)} wiederholen die Position des vorigen, wie von einem Empfänger, der keine neue hat: Sie zählt einmal, und diese Fotos liegen nach dem Weg zur nächsten Position und dem, was sie zeigen.`,
   no_angles: (v) => `${some(v)} ohne aufgezeichnete Kamerawinkel.`,
   angles_assumed: () => 'Angenommen wird der Blick senkrecht nach unten, gedreht in Flugrichtung.',
+  angles_assumed_by_direction: (v) => `Angenommen wird der Blick senkrecht nach unten, gedreht bei ${count(v.photos, photos)} nach der Kompassrichtung in EXIF (GPSImgDirection), sonst in Flugrichtung.`,
   angles_found: () => 'Die Winkel wurden aus dem gefunden, was die Fotos zeigen.',
   no_heights: () => 'Kein Foto sagt, wie hoch über dem Boden es aufgenommen wurde.',
   height_by_spacing: (v) => `${formatDistance(v.height_m)} sind nach dem Abstand der Fotos angenommen; der Maßstab der Karte hängt davon ab.`,

@@ -213,6 +213,7 @@ export const remark_words = {
   positions_repeated: (v) => `${some(v)} repeat the position of the one before, as of a receiver that has no new one: it counts once, and they are placed by the way to the next one and by what they show.`,
   no_angles: (v) => `${some(v)} recorded no camera angles.`,
   angles_assumed: () => 'They are taken as looking straight down, turned along the course of the flight.',
+  angles_assumed_by_direction: (v) => `They are taken as looking straight down, ${number(v.photos)} of them turned by the compass direction in EXIF (GPSImgDirection), others along the course of the flight.`,
   angles_found: () => 'Their angles were found from what they show.',
   no_heights: () => 'No photo says how high above the ground it was taken.',
   height_by_spacing: (v) => `${formatDistance(v.height_m)} is assumed from the spacing of the photos; the scale of the map depends on it.`,
