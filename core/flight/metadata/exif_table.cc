@@ -112,6 +112,7 @@ namespace {
 constexpr std::uint64_t kMaxEntries = 1024;
 constexpr std::uint64_t kMaxValueBytes = 1u << 20;
 constexpr std::uint64_t kMaxTotalBytes = 8u << 20;
+constexpr double kLargestOffset = 1e18;  // files end before
 constexpr std::uint16_t kExifPointer = 0x8769;
 constexpr std::uint16_t kGpsPointer = 0x8825;
 constexpr std::uint16_t kSubIfdPointers = 0x014A;
@@ -225,7 +226,8 @@ Result<ExifTable> ReadTiffTags(ByteSource& source) {
   if (!first || !walker.ReadDirectory(*first, ExifIfd::kImage, table)) return Damaged("first directory");
   for (const auto& [pointer, ifd] : {std::pair{kExifPointer, ExifIfd::kExif}, {kGpsPointer, ExifIfd::kGps}}) {
     const auto offset = table.Number(ExifIfd::kImage, pointer);
-    if (offset && *offset > 0.0) walker.ReadDirectory(static_cast<std::uint64_t>(*offset), ifd, table);
+    if (offset && *offset > 0.0 && *offset < kLargestOffset)
+      walker.ReadDirectory(static_cast<std::uint64_t>(*offset), ifd, table);
   }
   return table;
 }
@@ -246,7 +248,6 @@ std::vector<ExifTable> ReadTiffPictures(ByteSource& source, int most) {
   if (first == 0 || !read(first)) return pictures;
   if (const ExifValue* below = pictures.front().Find(ExifIfd::kImage, kSubIfdPointers)) {
     const ExifValue offsets = *below;
-    constexpr double kLargestOffset = 1e18;  // files end before
     for (std::size_t i = 0; i < std::min<std::size_t>(offsets.count, static_cast<std::size_t>(most)); ++i)
       read(static_cast<std::uint64_t>(std::clamp(offsets.Number(i).value_or(0.0), 0.0, kLargestOffset)));
   }
