@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 namespace skyquilt::flight {
 namespace {
@@ -22,7 +23,7 @@ constexpr std::uint16_t kFocalPlaneUnit = 0xA210, kDigitalZoom = 0xA404, kFocalL
 constexpr std::uint16_t kBodySerialNumber = 0xA431;
 constexpr std::uint16_t kLatitudeRef = 1, kLatitude = 2, kLongitudeRef = 3, kLongitude = 4, kAltitudeRef = 5;
 constexpr std::uint16_t kAltitude = 6, kTimeStamp = 7, kStatus = 9, kDirectionRef = 0x10, kDirection = 0x11;
-constexpr std::uint16_t kDateStamp = 0x1D, kPositioningError = 0x1F;
+constexpr std::uint16_t kMapDatum = 0x12, kDateStamp = 0x1D, kPositioningError = 0x1F;
 }  // namespace tag
 
 constexpr double kMetresPerDegree = 111320.0;  // of latitude, roughly: for how fine a number is written
@@ -76,6 +77,10 @@ std::optional<Angle> ReadAngle(const ExifValue* value) {
     angle.step_deg =
         i == 0 ? step_deg : std::min(angle.step_deg, step_deg);  // decimals may stand before zeros
   }
+  // More than the whole of a part before it: another unit, or a point that was lost.
+  constexpr double kWhole = 60.0;
+  if ((parts[0] > 0.0 && parts[1] > kWhole) || (parts[0] + parts[1] > 0.0 && parts[2] > kWhole))
+    return std::nullopt;
   JudgeDecimals(parts, angle);
   for (std::size_t i = 0; i < 3; ++i) angle.degrees += parts[i] * kUnit[i];
   if (is_negative) angle.degrees = -angle.degrees;
@@ -88,6 +93,18 @@ int HemisphereSign(const std::string& reference, char positive, char negative) {
   if (reference.empty()) return 0;
   const char letter = static_cast<char>(std::toupper(static_cast<unsigned char>(reference[0])));
   return letter == positive ? 1 : (letter == negative ? -1 : 0);
+}
+
+// Datums that lie further from WGS 84 than a receiver errs, as EXIF's specification and makers write them.
+bool LiesBesideWgs84(const std::string& datum) {
+  constexpr std::array<std::string_view, 5> kBeside = {"TOKYO", "NAD27", "ED50", "OSGB36", "GCJ02"};
+  std::string name;
+  for (const char c : datum) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0) name += static_cast<char>(std::toupper(byte));
+  }
+  return std::any_of(kBeside.begin(), kBeside.end(),
+                     [&](std::string_view beside) { return name.starts_with(beside); });
 }
 
 void ReadPosition(const ExifTable& table, ExifRecord& record) {
@@ -126,6 +143,8 @@ void ReadPosition(const ExifTable& table, ExifRecord& record) {
   if (table.Text(ExifIfd::kGps, tag::kStatus) == "V") {
     record.notes.push_back(RemarkCode::kPositionNotValid);
   }
+  if (std::string datum = table.Text(ExifIfd::kGps, tag::kMapDatum); LiesBesideWgs84(datum))
+    record.notes.push_back({RemarkCode::kPositionOfOtherDatum, {{"datum", std::move(datum)}}});
 }
 
 void ReadAltitude(const ExifTable& table, ExifRecord& record) {
@@ -151,8 +170,8 @@ void ReadDirection(const ExifTable& table, ExifRecord& record) {
 std::optional<double> PixelsPerMm(const ExifTable& table, std::uint16_t resolution_tag) {
   const auto resolution = table.Number(ExifIfd::kExif, resolution_tag);
   if (!resolution || *resolution <= 0.0) return std::nullopt;
-  const int unit = static_cast<int>(table.Number(ExifIfd::kExif, tag::kFocalPlaneUnit).value_or(2.0));
-  const double unit_mm = unit == 3 ? 10.0 : unit == 4 ? 1.0 : unit == 5 ? 0.001 : 25.4;
+  const double unit = table.Number(ExifIfd::kExif, tag::kFocalPlaneUnit).value_or(2.0);
+  const double unit_mm = unit == 3.0 ? 10.0 : unit == 4.0 ? 1.0 : unit == 5.0 ? 0.001 : 25.4;
   // Pixels of 0.5 to 100 micrometres exist.
   return Within(*resolution / unit_mm, 10.0, 2000.0);
 }
@@ -213,7 +232,9 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
   const auto seconds = Within(table.Number(ExifIfd::kGps, tag::kTimeStamp, 2), 0.0, 60.999999);
   if (date.empty() || !hours || !minutes || !seconds) return;
   const auto midnight = ParseExifTime(date + " 00:00:00");
-  if (!midnight) return;
+  // Without a fix a receiver counts from where its clock (1980) or its weeks (1999) begin.
+  constexpr std::chrono::sys_days kFirstFix = std::chrono::year(2000) / 1 / 1;
+  if (!midnight || midnight->as_written < kFirstFix) return;
   const double of_day_s = *hours * 3600.0 + *minutes * 60.0 + *seconds;
   record.gps_time = midnight->as_written + std::chrono::microseconds(std::llround(of_day_s * 1e6));
 }

@@ -100,8 +100,9 @@ std::optional<RecordedPosition> ChoosePosition(const ExifRecord& exif, const Xmp
 // XMP's own exif:GPSAltitude, as files beside photos have it.
 std::optional<double> XmpExifAltitude(const XmpTags& xmp) {
   const auto altitude_m = Height(xmp, "exif:GPSAltitude");
-  if (!altitude_m || xmp.Number("exif:GPSAltitudeRef") != 1.0) return altitude_m;
-  return -std::abs(*altitude_m);
+  const auto reference = xmp.Number("exif:GPSAltitudeRef");
+  const bool is_below = reference == 1.0 || reference == 3.0;
+  return altitude_m && is_below ? -std::abs(*altitude_m) : altitude_m;
 }
 
 // By what the photo says of it, else by what the makers say of their aircraft.

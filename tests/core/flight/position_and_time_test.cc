@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"
@@ -130,6 +132,28 @@ TEST(ReadPhotoPosition, DoesNotBelieveDecimalsThatTheNextPartsContradict) {
     EXPECT_FALSE(photo.position);
     EXPECT_TRUE(Notes(photo, "not used"));
   }
+}
+
+TEST(ReadPhotoPosition, DoesNotBelievePartsThatAreMoreThanAWholeOfTheOneBefore) {
+  for (const Parts& parts : {Parts{{46, 1}, {50, 1}, {3336, 1}}, Parts{{46, 1}, {505567, 1000}, {0, 1}},
+                             Parts{{0, 1}, {50, 1}, {3336, 1}}}) {
+    const Photo photo = OfLatitude(parts);
+    EXPECT_FALSE(photo.position);
+    EXPECT_TRUE(Notes(photo, "cannot be read"));
+  }
+  EXPECT_TRUE(OfLatitude({{46, 1}, {50, 1}, {60, 1}}).position) << "rounded up";
+  EXPECT_TRUE(OfLatitude({{0, 1}, {28105567, 10000}, {0, 1}}).position) << "all in minutes";
+}
+
+TEST(ReadPhotoPosition, SaysOfWhichDatumAPositionIs) {
+  const auto notes = [](const std::string& datum) {
+    return Notes(Read(ExifWriter().Position(35.6, 139.7).Ascii(ExifIfd::kGps, 0x12, datum)), "beside WGS 84");
+  };
+  EXPECT_TRUE(notes("TOKYO"));
+  EXPECT_TRUE(notes("Tokyo Datum"));
+  EXPECT_TRUE(notes("NAD-27"));
+  for (const char* datum : {"WGS-84", "WGS 84", "JGD2011", "NAD83", "", "?"})
+    EXPECT_FALSE(notes(datum)) << datum;
 }
 
 TEST(ReadPhotoPosition, ReadsDecimalCommas) {
@@ -272,12 +296,22 @@ TEST(ReadPhotoHeights, RefusesImpossibleAltitudes) {
 }
 
 TEST(ReadPhotoHeights, ReadsDepthsBelowTheSea) {
-  const Photo photo = Read(ExifWriter()
-                               .Position(31.5, 35.5)
-                               .Rational(ExifIfd::kGps, 6, {{390, 1}})
-                               .Undefined(ExifIfd::kGps, 5, {0})
-                               .Short(ExifIfd::kGps, 5, 1));
-  EXPECT_EQ(photo.position->height_amsl_m, -390.0);
+  const std::pair<std::uint16_t, double> height_by_reference[] = {
+      {0, 390.0}, {1, -390.0}, {2, 390.0}, {3, -390.0}};  // the last two by Exif 3
+  for (const auto& [reference, height_m] : height_by_reference) {
+    const Photo photo = Read(ExifWriter()
+                                 .Position(31.5, 35.5)
+                                 .Rational(ExifIfd::kGps, 6, {{390, 1}})
+                                 .Undefined(ExifIfd::kGps, 5, {0})
+                                 .Short(ExifIfd::kGps, 5, reference));
+    EXPECT_EQ(photo.position->height_amsl_m, height_m) << reference;
+    const std::string xmp = XmpPacket(
+        "xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"31,30.0N\" "
+        "exif:GPSLongitude=\"35,30.0E\" exif:GPSAltitude=\"390/1\" exif:GPSAltitudeRef=\"" +
+        std::to_string(reference) + "\"");
+    const auto by_xmp = test::ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.xmp = xmp})));
+    EXPECT_EQ(by_xmp.position.value().height_amsl_m, height_m) << reference;
+  }
 }
 
 TEST(ReadPhotoTime, TakesTwoSubSecondDigitsAsHundredths) {
@@ -333,6 +367,20 @@ TEST(ReadPhotoTime, BelievesTheGpsWhereTheClockIsFarOff) {
   EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 500ms);
   EXPECT_TRUE(Notes(photo, "disagree"));
   EXPECT_FALSE(photo.clock_minus_utc);
+}
+
+TEST(ReadPhotoTime, BelievesTheClockWhereTheReceiverNeverHadAFix) {
+  using namespace std::chrono;
+  for (const char* date : {"1980:01:06", "1999:08:22"}) {
+    const Photo photo = Read(ExifWriter()
+                                 .Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:34:56")
+                                 .Ascii(ExifIfd::kGps, 0x1D, date)
+                                 .Rational(ExifIfd::kGps, 7, {{0, 1}, {0, 1}, {13, 1}}));
+    EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s) << date;
+    EXPECT_TRUE(photo.captured_at_is_local);
+    EXPECT_FALSE(photo.receiver_time);
+    EXPECT_FALSE(Notes(photo, "disagree"));
+  }
 }
 
 TEST(ReadPhotoTime, PrefersUtcOfTheExposure) {

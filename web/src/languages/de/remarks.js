@@ -49,6 +49,7 @@ export const remark_words = {
   position_zero: () => 'Die Position in EXIF ist 0; 0: Das GPS hatte keinen Empfang.',
   position_not_on_earth: (v) => `Die Position in EXIF (Breite ${fixed(v.lat_deg, 6)}, Länge ${fixed(v.lon_deg, 6)}) liegt nicht auf der Erde.`,
   position_not_valid: () => 'Das GPS hat seine Position als ungültig gekennzeichnet.',
+  position_of_other_datum: (v) => `Die Position in EXIF bezieht sich auf ${v.datum}, das hundert Meter oder mehr neben WGS\u00a084 liegt; verwendet wurde sie als WGS\u00a084. Eine Liste der Positionen, die ihr System nennt (geo.txt), stellt das richtig.`,
   hemispheres_unsaid: () => 'Die Position in EXIF sagt weder Nord oder Süd noch Ost oder West; verwendet werden Nord und Ost.',
   positions_apart: (v) => `Die Positionen in EXIF und XMP liegen ${formatDistance(v.apart_m)} auseinander; verwendet wird EXIF.`,
   altitude_impossible: (v) => `Die Höhe von ${fixed(v.altitude_m, 0)}\u00a0m in EXIF ist unmöglich und wurde nicht verwendet.`,

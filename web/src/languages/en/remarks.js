@@ -48,6 +48,7 @@ export const remark_words = {
   position_zero: () => 'The position in EXIF is 0, 0: the GPS had no fix.',
   position_not_on_earth: (v) => `The position in EXIF (latitude ${fixed(v.lat_deg, 6)}, longitude ${fixed(v.lon_deg, 6)}) is not on Earth.`,
   position_not_valid: () => 'The GPS marked its position as not valid.',
+  position_of_other_datum: (v) => `EXIF says that its position is of ${v.datum}, which lies a hundred metres or more beside WGS\u00a084; it was used as WGS\u00a084. A list of the positions that names their system (geo.txt) puts it right.`,
   hemispheres_unsaid: () => 'The position in EXIF does not say north or south, east or west; north and east are used.',
   positions_apart: (v) => `EXIF and XMP put the photo ${formatDistance(v.apart_m)} apart; EXIF is used.`,
   altitude_impossible: (v) => `The altitude of ${fixed(v.altitude_m, 0)}\u00a0m in EXIF is impossible and was not used.`,
