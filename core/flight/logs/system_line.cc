@@ -44,7 +44,8 @@ std::size_t FindDefinition(const std::string& lower) {
   return first;
 }
 
-// "epsg:32615", "EPSG::32615", "epsg 32615+5773", wherever it stands in `line`.
+// "epsg:32615", "EPSG::32615", "epsg 32615+5773", "EPSG::32615,crs:EPSG::5773" of a URN, wherever it stands
+// in `line`.
 std::string_view CodeIn(std::string_view line, const std::string& lower) {
   constexpr std::size_t kFewestDigits = 4;
   constexpr std::string_view kBetween = " :=-_/.";
@@ -65,10 +66,15 @@ std::string_view CodeIn(std::string_view line, const std::string& lower) {
   };
   const std::size_t end = past_code(begin);
   if (end == std::string::npos) return {};
-  const std::size_t plus = past(end, is_blank);
-  if (plus >= lower.size() || lower[plus] != '+') return line.substr(begin, end - begin);
-  const std::size_t vertical_end = past_code(past(plus + 1, is_blank));  // of the heights
-  return line.substr(begin, std::min(vertical_end, line.size()) - begin);
+  const std::size_t joined = past(end, is_blank);
+  std::size_t vertical = std::string::npos;  // the code of the heights
+  if (joined < lower.size() && lower[joined] == '+') vertical = past(joined + 1, is_blank);
+  for (const std::string_view join : {",crs:", "&2="}) {  // of URNs and of URLs
+    if (lower.compare(joined, join.size(), join) == 0)
+      vertical = std::min(lower.find("epsg", joined), lower.size());
+  }
+  if (vertical == std::string::npos) return line.substr(begin, end - begin);
+  return line.substr(begin, std::min(past_code(vertical), line.size()) - begin);
 }
 
 // "CoordinateSystem:", "CRS:": what stands before the first colon with a blank behind it.

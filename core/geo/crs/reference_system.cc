@@ -54,7 +54,22 @@ std::string_view DigitsAt(std::string_view text, std::size_t at) {
   return text.substr(std::min(at, text.size()), end - std::min(at, end));
 }
 
-// "epsg:32615+5773", "epsg 32615", "urn:ogc:def:crs:epsg::32615", ".../crs/epsg/0/32615".
+// Past what joins the code of heights to that before `at`: "+5773", ",crs:epsg::5773" of a URN, "&2=.../5773"
+// of a URL; `at` where nothing does.
+std::size_t PastJoin(const std::string& lower, std::size_t at) {
+  const auto past_blanks = [&](std::size_t from) {
+    return std::min(lower.find_first_not_of(' ', from), lower.size());
+  };
+  const std::size_t joined = past_blanks(at);
+  if (joined < lower.size() && lower[joined] == '+') return past_blanks(joined + 1);
+  for (const std::string_view join : {",crs:", "&2="}) {
+    if (lower.compare(joined, join.size(), join) == 0)
+      return std::min(lower.find("epsg", joined), lower.size());
+  }
+  return at;
+}
+
+// "epsg:32615+5773", "epsg 32615", "urn:ogc:def:crs:epsg::32615", ".../crs/epsg/0/32615", and compound ones.
 std::optional<std::string> EpsgCodeIn(const std::string& lower) {
   const std::size_t begin = lower.find("epsg");
   if (begin == std::string::npos) return std::nullopt;
@@ -69,12 +84,10 @@ std::optional<std::string> EpsgCodeIn(const std::string& lower) {
   const std::string_view code = code_at(begin);
   if (!is_code(code)) return std::nullopt;
   std::string definition = "EPSG:" + std::string(code);
-  std::size_t next = static_cast<std::size_t>(code.data() - lower.data()) + code.size();
-  while (next < lower.size() && lower[next] == ' ') ++next;
-  if (next >= lower.size() || lower[next] != '+') return definition;
-  const std::string_view vertical = code_at(lower.find_first_not_of(' ', next + 1) == std::string::npos
-                                                ? lower.size()
-                                                : lower.find_first_not_of(' ', next + 1));
+  const std::size_t end = static_cast<std::size_t>(code.data() - lower.data()) + code.size();
+  const std::size_t joined = PastJoin(lower, end);
+  if (joined == end) return definition;
+  const std::string_view vertical = code_at(joined);
   if (!is_code(vertical)) return std::nullopt;
   return definition + "+" + std::string(vertical);
 }

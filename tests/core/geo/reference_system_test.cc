@@ -14,8 +14,9 @@ namespace {
 TEST(ReferenceSystem, IsReadInTheFormsThatPeopleWrite) {
   for (const char* line :
        {"EPSG:32615", "epsg 32615", "EPSG: 32615", "# EPSG:32615", "\"EPSG:32615\"", "32615",
-        "urn:ogc:def:crs:EPSG::32615", "EPSG:32615+5773", "EPSG:32615+EPSG:5773", "WGS84 UTM 15N",
-        "wgs84 utm zone 15 north", "WGS 84 / UTM zone 15N", "UTM 15N", "WGS84_UTM_Zone_15N",
+        "urn:ogc:def:crs:EPSG::32615", "EPSG:32615+5773", "EPSG:32615+EPSG:5773",
+        "urn:ogc:def:crs,crs:EPSG::32615,crs:EPSG::5773", "WGS84 UTM 15N", "wgs84 utm zone 15 north",
+        "WGS 84 / UTM zone 15N", "UTM 15N", "WGS84_UTM_Zone_15N",
         "+proj=utm +zone=15 +datum=WGS84 +units=m +no_defs", "NAD83 / UTM zone 15N", "nad83 utm 15n"}) {
     const auto system = ReferenceSystem::Parse(line);
     ASSERT_TRUE(system.ok()) << line;
@@ -40,9 +41,10 @@ TEST(ReferenceSystem, IsReadInTheFormsThatPeopleWrite) {
 TEST(ReferenceSystem, RefusesWhatIsNoneAndStringsThatOpenFiles) {
   for (const char* line :
        {"", "hello", "EPSG:", "EPSG:999999999", "EPSG:5773", "EPSG:4978", "EPSG:32615+32615",
-        "+proj=longlat +nadgrids=/etc/passwd", "+proj=pipeline", "WGS84 UTM 61N", "WGS84 UTM", "WGS84 UTM 15",
-        "+proj=nonsense", "x y z im_x im_y image name", "no such system", "{\"type\": \"GeographicCRS\"}",
-        "UTM 16N (ftUS)", "PROJCS[\"a\",EXTENSION[\"PROJ4\",\"+nadgrids=a\"]]"}) {
+        "urn:ogc:def:crs,crs:EPSG::32615,crs:OTHER::5773", "+proj=longlat +nadgrids=/etc/passwd",
+        "+proj=pipeline", "WGS84 UTM 61N", "WGS84 UTM", "WGS84 UTM 15", "+proj=nonsense",
+        "x y z im_x im_y image name", "no such system", "{\"type\": \"GeographicCRS\"}", "UTM 16N (ftUS)",
+        "PROJCS[\"a\",EXTENSION[\"PROJ4\",\"+nadgrids=a\"]]"}) {
     EXPECT_FALSE(ReferenceSystem::Parse(line).ok()) << line;
   }
 }
@@ -59,6 +61,13 @@ TEST(ReferenceSystem, KnowsItsUnitsAndItsArea) {
   EXPECT_DOUBLE_EQ(metres_up->metres_per_height_unit(), 1.0);
   EXPECT_TRUE(metres_up->heights_are_above_sea());
   EXPECT_FALSE(feet->heights_are_above_sea());
+  for (const char* line : {"EPSG::26849,crs:EPSG::5703", "urn:ogc:def:crs,crs:EPSG::26849,crs:EPSG::5703",
+                           "http://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/EPSG/0/"
+                           "26849&2=http://www.opengis.net/def/crs/EPSG/0/5703"}) {
+    const auto compound = ReferenceSystem::Parse(line);
+    ASSERT_TRUE(compound.ok()) << line;
+    EXPECT_TRUE(compound->heights_are_above_sea()) << line;
+  }
   const AreaOfUse fiji{.west_deg = 176.0, .south_deg = -20.0, .east_deg = 182.0, .north_deg = -12.0};
   EXPECT_TRUE(fiji.Contains({-16.0, -179.0}, 0.0));
   EXPECT_FALSE(fiji.Contains({-16.0, -177.0}, 0.5));

@@ -294,11 +294,22 @@ TEST(ParseGeoTxt, LeavesListsWithNamesOfColumnsToTheReaderOfNames) {
 }
 
 TEST(ParseGeoTxt, CountsHeightsOfACompoundSystemFromTheSea) {
-  const auto log =
-      ValueOf(ParseGeoTxt("geo.txt", BytesOf("EPSG:32615+5773\na.jpg 576667.1 5188164.6 198.3\n")));
-  ASSERT_TRUE(log.events.at(0).height_amsl_m);
-  EXPECT_DOUBLE_EQ(*log.events.at(0).height_amsl_m, 198.3);
-  EXPECT_FALSE(log.events.at(0).height_ellipsoid_m);
+  for (const char* system : {"EPSG:32615+5773", "urn:ogc:def:crs,crs:EPSG::32615,crs:EPSG::5773",
+                             "CRS: http://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/"
+                             "EPSG/0/32615&2=http://www.opengis.net/def/crs/EPSG/0/5773"}) {
+    const std::string text = std::string(system) + "\na.jpg 576667.1 5188164.6 198.3\n";
+    ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(text))) << system;
+    const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf(text)));
+    ASSERT_TRUE(log.events.at(0).height_amsl_m) << system;
+    EXPECT_DOUBLE_EQ(*log.events.at(0).height_amsl_m, 198.3) << system;
+    EXPECT_FALSE(log.events.at(0).height_ellipsoid_m) << system;
+    ASSERT_TRUE(log.events.at(0).position) << system;
+    EXPECT_NEAR(log.events.at(0).position->lat_deg, 46.84261, 2e-5) << system;
+  }
+  // Not taken without the heights that it names.
+  EXPECT_FALSE(ParseGeoTxt("geo.txt", BytesOf("urn:ogc:def:crs,crs:EPSG::32615,crs:OTHER::5773\n"
+                                              "a.jpg 576667.1 5188164.6 198.3\n"))
+                   .ok());
 }
 
 TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
