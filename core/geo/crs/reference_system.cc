@@ -108,7 +108,25 @@ std::vector<std::string> WordsIn(const std::string& lower) {
   return words;
 }
 
-// "wgs84 utm 15n", "etrs89 / utm zone 32 north": the name that PROJ has for it, or WGS84's code.
+// Which half of the Earth a word behind the zone of UTM says. N and S are halves, as most lists mean them;
+// the other letters are bands of MGRS, but E, which is an axis, and M and W apart from the zone: metres, the
+// west.
+std::optional<bool> IsNorthernHalf(std::string_view word, bool is_apart) {
+  if (word == "north" || word == "northern") return true;
+  if (word == "south" || word == "southern" || word == "s") return false;
+  const bool is_band = word.size() == 1 && word >= "c" && word <= "x" && word != "e" && word != "i" &&
+                       word != "o" && !(is_apart && (word == "m" || word == "w"));
+  return is_band ? std::optional(word >= "n") : std::nullopt;
+}
+
+// "33U", and no more.
+bool IsZoneAlone(std::string_view line) {
+  const std::size_t digits = DigitsAt(line, 0).size();
+  return (digits == 1 || digits == 2) && line.size() == digits + 1 && line.back() >= 'A' &&
+         line.back() <= 'Z';
+}
+
+// "wgs84 utm 15n", "etrs89 / utm zone 32 north", "utm 33u": the name that PROJ has for it, or WGS84's code.
 std::optional<std::string> UtmIn(const std::string& lower) {
   const std::vector<std::string> words = WordsIn(lower);
   const auto utm = std::find(words.begin(), words.end(), "utm");
@@ -119,11 +137,11 @@ std::optional<std::string> UtmIn(const std::string& lower) {
   int zone = 0;
   std::from_chars(next->data(), next->data() + next->size(), zone);
   if (zone < 1 || zone > 60) return std::nullopt;
-  ++next;
+  const std::string& digits = *next++;
   if (next == words.end()) return std::nullopt;  // which half of the Earth must be said
-  const bool is_north = *next == "n" || *next == "north" || *next == "northern";
-  const bool is_south = *next == "s" || *next == "south" || *next == "southern";
-  if (!is_north && !is_south) return std::nullopt;
+  const bool is_apart = lower.find(digits + *next) == std::string::npos;
+  const std::optional<bool> is_north = IsNorthernHalf(*next, is_apart);
+  if (!is_north) return std::nullopt;
   std::string behind;  // a datum here is one that PROJ must know
   for (++next; next != words.end(); ++next) behind += *next;
   if (!behind.empty() && behind != "wgs84" && behind != "wgs1984") return std::nullopt;
@@ -133,9 +151,9 @@ std::optional<std::string> UtmIn(const std::string& lower) {
   datum.resize(last == std::string::npos ? 0 : last + 1);
   const std::string letters = LettersOf(datum);
   if (letters.empty() || letters == "wgs84" || letters == "wgs1984") {
-    return "EPSG:" + std::to_string((is_north ? 32600 : 32700) + zone);
+    return "EPSG:" + std::to_string((*is_north ? 32600 : 32700) + zone);
   }
-  return datum + " / UTM zone " + std::to_string(zone) + (is_north ? "N" : "S");
+  return datum + " / UTM zone " + std::to_string(zone) + (*is_north ? "N" : "S");
 }
 
 bool IsWkt(const std::string& lower) {
@@ -218,7 +236,7 @@ PjPtr CreateSystem(PJ_CONTEXT* context, std::string_view line) {
   if (is_bare_code) return create("EPSG:" + std::string(line));
   const std::string letters = LettersOf(line);
   if (letters == "wgs84" || letters == "crs84" || letters == "ogccrs84") return create("EPSG:4326");
-  if (const auto utm = UtmIn(lower)) {
+  if (const auto utm = UtmIn(IsZoneAlone(line) ? "utm " + lower : lower)) {
     return utm->starts_with("EPSG:") ? create(*utm) : FindByName(context, *utm);
   }
   if (const std::size_t colon = lower.find(':'); colon != std::string::npos) {  // another authority's code

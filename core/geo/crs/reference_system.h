@@ -1,10 +1,10 @@
 // ReferenceSystem: coordinates of lists in any horizontal system, brought to WGS84, by the line that names
 // it: "EPSG:32616" (also "epsg 32616", "EPSG:32616+5773", URNs), "WGS84 UTM 16N", "wgs84 utm zone 16 north",
-// "ETRS89 / UTM zone 32N" and any other name that PROJ knows, WKT, "+proj=..." strings. Of a compound system
-// the horizontal part places, the vertical one tells the unit of heights. Through PROJ, without network;
-// strings that name grid files or pipelines are refused. Any thread. PROJ looks up to a tenth of a second
-// through its database for one system: the last ones stay at hand. Errors: kUnsupportedFormat for a line that
-// names none.
+// "33U" of MGRS, "ETRS89 / UTM zone 32N" and any other name that PROJ knows, WKT, "+proj=..." strings. Of a
+// compound system the horizontal part places, the vertical one tells the unit of heights. Through PROJ,
+// without network; strings that name grid files or pipelines are refused. Any thread. PROJ looks up to a
+// tenth of a second through its database for one system: the last ones stay at hand. Errors:
+// kUnsupportedFormat for a line that names none.
 #pragma once
 
 #include <memory>

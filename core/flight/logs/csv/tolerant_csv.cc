@@ -29,6 +29,16 @@ struct CsvHeader {
   SystemLine system;     // that a line above names
 };
 
+// "Easting (UTM 33U)": what stands in the brackets; nothing where they hold no zone.
+std::string_view UtmInBrackets(std::string_view line) {
+  const std::size_t utm = LowerCase(line).find("utm");
+  const std::size_t open = utm == std::string::npos ? utm : line.find_last_of("([", utm);
+  const std::size_t close = line.find_first_of(")]", utm);
+  if (open == std::string_view::npos || close == std::string_view::npos) return {};
+  const std::string_view inside = line.substr(open + 1, close - open - 1);
+  return geo::ReferenceSystem::Parse(inside).ok() ? inside : std::string_view();
+}
+
 // The first line with a time and something to time, or with photos and where they were taken; a few title
 // lines may stand before it.
 std::optional<CsvHeader> FindHeader(LineReader& lines) {
@@ -45,8 +55,9 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
       header.separator = list->separator;
       header.is_timed = HasColumn(header.columns, M::kUtc) || HasColumn(header.columns, M::kDate);
       LineReader below = lines;
-      const SystemLine own = SystemOfLine(line, below);  // "northing (EPSG:25832)", of degrees beside it not
-      if (own.is_certain && HasPlane(header.columns)) TakeSystem(own, header.system);
+      SystemLine own = SystemOfLine(line, below);  // "northing (EPSG:25832)", of degrees beside it not
+      if (!own.is_certain) own = {UtmInBrackets(line), true};
+      if (HasPlane(header.columns)) TakeSystem(own, header.system);
       return header;
     }
     header.separator = GuessSeparator(line);

@@ -86,6 +86,16 @@ TEST(NamedLists, ReadsAnyNamesOfAPlane) {
   }
 }
 
+TEST(NamedLists, FindsTheZoneOfUtmBehindTheNamesOfColumns) {
+  const auto system_of = [](const std::string& east) {
+    return ReadList("Some flight\nPhoto;" + east + ";Northing;Height\nDJI_0018;576691.6;5188169.6;58.5\n")
+        .written_system;
+  };
+  EXPECT_EQ(system_of("Easting (UTM 15T)"), "EPSG:32615");
+  EXPECT_EQ(system_of("Easting [m] (WGS84 / UTM 15N)"), "EPSG:32615");
+  EXPECT_EQ(system_of("Easting (UTM, m)"), "");
+}
+
 TEST(NamedLists, ReadsDegreesAsXAndY) {
   const FlightLog log = ReadList("#name,x,y,alt,yaw,pitch,roll\na.jpg,8.5,47.4,500,90,1,2\n");
   ASSERT_EQ(log.events.size(), 1u);
