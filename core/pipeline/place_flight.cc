@@ -121,10 +121,11 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
                        std::move(known));
   }));
   SKYQUILT_TRY_ASSIGN(auto posed, Pose(checked.flight, options, dem, stages, MayGoByImages(options)));
-  if (options.boundary && checked.flight.gcp_lists.empty())
-    SKYQUILT_TRY(CheckBoundaryIsNear(posed, *options.boundary));
+  if (checked.flight.gcp_lists.empty()) {  // else these decide the place
+    if (options.boundary) SKYQUILT_TRY(CheckBoundaryIsNear(posed, *options.boundary));
+    SKYQUILT_TRY(CheckUtmByRecords(posed, options));
+  }
   SKYQUILT_TRY(CheckGsdByRecords(posed, options));
-  SKYQUILT_TRY(CheckUtmByRecords(posed, options));
   alignment::AlignReport report;
   SKYQUILT_TRY_ASSIGN(auto aligned, stages.Run("align", [&] {
     return Align(posed, checked.flight.gcp_lists, options, source, std::move(checked.features), report,
@@ -343,6 +344,8 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     if (placed_by_hand && !KeepPlaceByHand(*placed_by_hand, *facts))
       return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailMapChanged);
   }
+  // A map that is only brought elsewhere stays whole without its UTM.
+  if (!is_told) SKYQUILT_TRY(CheckUtmOfPlaced(facts->flight, options));
   placed.facts = *std::move(facts);
   placed.captures = std::move(captures);
   placed.facts.boundary = BoundaryOf(options, memory);

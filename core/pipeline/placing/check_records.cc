@@ -12,6 +12,20 @@
 #include "core/render/plan_mosaic.h"
 
 namespace skyquilt::pipeline {
+namespace {
+
+template <typename Flight>
+Result<void> CheckUtm(const Flight& flight, const MosaicOptions& options) {
+  const bool is_wanted = options.write_utm || options.heights != MapHeights::kNone;
+  if (!is_wanted || flight.photos.empty()) return {};
+  for (const auto& photo : flight.photos) {
+    const geo::Wgs84 at = flight.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    if (geo::IsWithinUtm({at.lat_deg, at.lon_deg})) return {};
+  }
+  return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailBeyondUtm);
+}
+
+}  // namespace
 
 // Recorded places may be wrong, so that only what is far away is refused here; PlanMosaic refuses the rest.
 Result<void> CheckBoundaryIsNear(const poses::PosedFlight& posed, const geo::Boundary& boundary) {
@@ -36,13 +50,11 @@ Result<void> CheckBoundaryIsNear(const poses::PosedFlight& posed, const geo::Bou
 }
 
 Result<void> CheckUtmByRecords(const poses::PosedFlight& posed, const MosaicOptions& options) {
-  const bool is_wanted = options.write_utm || options.heights != MapHeights::kNone;
-  if (!is_wanted || !posed.is_placed || posed.photos.empty()) return {};
-  for (const poses::PosedPhoto& photo : posed.photos) {
-    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
-    if (geo::IsWithinUtm({at.lat_deg, at.lon_deg})) return {};
-  }
-  return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailBeyondUtm);
+  return posed.is_placed ? CheckUtm(posed, options) : Result<void>();
+}
+
+Result<void> CheckUtmOfPlaced(const alignment::AlignedFlight& flight, const MosaicOptions& options) {
+  return CheckUtm(flight, options);
 }
 
 Result<void> CheckGsdByRecords(const poses::PosedFlight& posed, const MosaicOptions& options) {

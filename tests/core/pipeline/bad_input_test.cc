@@ -3,12 +3,15 @@
 
 #include <fstream>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/build_mosaic.h"
+#include "core/pyramid/map_memory.h"
 #include "core/simulate/simulate_flight.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/memory_sink.h"
@@ -19,6 +22,28 @@ namespace skyquilt::pipeline {
 namespace {
 
 using std::filesystem::path;
+
+// Of an earlier run: what it knew of the flight, and no tiles.
+class FactsAlone final : public pyramid::MapMemory {
+ public:
+  std::optional<Digest> DigestOf(const geo::TileId& /*block*/) const override { return std::nullopt; }
+  Result<pyramid::KeptBlock> Reuse(const geo::TileId& /*block*/, const Digest& /*digest*/,
+                                   std::optional<int> /*fringe_quality*/) override {
+    return pyramid::KeptBlock{};
+  }
+  Result<void> Keep(const geo::TileId& /*block*/, const Digest& /*digest*/,
+                    const pyramid::KeptBlock& /*kept*/) override {
+    return {};
+  }
+  const std::string& Recall() const override { return facts_; }
+  Result<void> Remember(std::string_view facts) override {
+    facts_ = facts;
+    return {};
+  }
+
+ private:
+  std::string facts_;
+};
 
 class BadInput : public testing::Test {
  protected:
@@ -45,12 +70,12 @@ class BadInput : public testing::Test {
     std::ofstream(photos_ / name, std::ios::binary) << bytes;
   }
 
-  Result<BuiltMosaic> Build(MosaicOptions options = {}) {
+  Result<BuiltMosaic> Build(MosaicOptions options = {}, pyramid::MapMemory* memory = nullptr) {
     SilentProgress progress;
     options.method = AlignMethod::kImu;
     const auto files = flight::ListInputFiles({photos_});
     if (!files) return files.error();
-    return BuildMosaic(*files, options, flight::FilePhotoSource(), map_, progress);
+    return BuildMosaic(*files, options, flight::FilePhotoSource(), map_, progress, nullptr, memory);
   }
 
   void ExpectLeftOut(const std::string& name) {
@@ -135,7 +160,13 @@ TEST_F(BadInput, WhatLiesInAZoneOfUtmIsRefusedBeyondUtm) {
     EXPECT_NE(refused.message.find("beyond UTM"), std::string::npos) << refused.message;
     EXPECT_TRUE(map_.tiles.empty());
   }
-  EXPECT_TRUE(Build().ok());
+  FactsAlone memory;
+  EXPECT_TRUE(Build({}, &memory).ok());
+  // Nor does a run that goes on from there begin to draw.
+  map_.tiles.clear();
+  const Error refused = test::ErrorOf(Build(utm, &memory));
+  EXPECT_NE(refused.message.find("beyond UTM"), std::string::npos) << refused.message;
+  EXPECT_TRUE(map_.tiles.empty());
 }
 
 }  // namespace
