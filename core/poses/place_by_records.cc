@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string_view>
 
 #include "core/base/median.h"
 #include "core/poses/conventions/attitude_convention.h"
@@ -114,6 +115,7 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
   std::vector<std::size_t> used;
   std::vector<Eigen::Vector3d> centers;
   std::vector<Eigen::Vector2d> track;
+  std::vector<std::string_view> cameras;
   for (std::size_t i = 0; i < photos.size(); ++i) {
     const Photo& photo = photos[i];
     const auto leave_out = [&](flight::Remark reason) {
@@ -136,8 +138,9 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     used.push_back(i);
     centers.push_back(center);
     track.emplace_back(center.head<2>());
+    cameras.emplace_back(photo.camera_key);
   }
-  const std::vector<std::optional<double>> courses = CoursesFromPositions(track);
+  const std::vector<std::optional<double>> courses = CoursesOfCameras(cameras, track);
   const double share_apart = ShareErredApart(photos, used);
   const bool are_measured = AreMeasured(photos, used);
   for (std::size_t k = 0; k < used.size(); ++k) {

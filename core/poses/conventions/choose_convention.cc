@@ -71,6 +71,30 @@ std::vector<std::optional<double>> CoursesFromPositions(
   return courses;
 }
 
+std::vector<std::optional<double>> CoursesOfCameras(const std::vector<std::string_view>& cameras,
+                                                    const std::vector<Eigen::Vector2d>& positions_in_enu) {
+  std::vector<std::optional<double>> courses = CoursesFromPositions(positions_in_enu);
+  std::map<std::string_view, std::vector<std::size_t>> photos_of;
+  for (std::size_t i = 0; i < cameras.size(); ++i) photos_of[cameras[i]].push_back(i);
+  for (const auto& [camera, photos] : photos_of) {
+    std::vector<Eigen::Vector2d> own;
+    std::vector<double> own_steps_m, steps_m;
+    for (const std::size_t i : photos) {
+      const Eigen::Vector2d& at = positions_in_enu[i];
+      if (!own.empty()) own_steps_m.push_back((at - own.back()).norm());
+      if (i > 0) steps_m.push_back((at - positions_in_enu[i - 1]).norm());
+      own.push_back(at);
+    }
+    const auto own_step_m = MedianIfAny(std::move(own_steps_m)), step_m = MedianIfAny(std::move(steps_m));
+    if (!own_step_m || !step_m || *own_step_m >= *step_m) continue;
+    const auto own_courses = CoursesFromPositions(own);
+    for (std::size_t k = 0; k < photos.size(); ++k) {
+      if (own_courses[k]) courses[photos[k]] = own_courses[k];
+    }
+  }
+  return courses;
+}
+
 namespace {
 
 using flight::AttitudeKind;
@@ -248,6 +272,7 @@ ConventionChoice ChooseConvention(std::vector<Photo>& photos,
 
   std::vector<Eigen::Vector2d> track;
   std::vector<const Photo*> on_track;
+  std::vector<std::string_view> cameras;
   std::vector<double> against_airframe;
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (!photos[i].attitude) continue;
@@ -257,8 +282,9 @@ ConventionChoice ChooseConvention(std::vector<Photo>& photos,
     if (!places[i]) continue;
     track.push_back(places[i]->at);
     on_track.push_back(&photos[i]);
+    cameras.emplace_back(photos[i].camera_key);
   }
-  const auto courses = CoursesFromPositions(track);
+  const auto courses = CoursesOfCameras(cameras, track);
   std::vector<double> against_course;
   for (std::size_t k = 0; k < courses.size(); ++k) {
     if (courses[k]) against_course.push_back(geo::WrapRad(HeadingOf(*on_track[k]->attitude) - *courses[k]));

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/flight/photo.h"
@@ -21,6 +22,10 @@ namespace skyquilt::poses {
 // two photos belongs to neither: at a line's end the course of the straight run is taken. Nothing for a photo
 // without any neighbour further than 1 m.
 std::vector<std::optional<double>> CoursesFromPositions(const std::vector<Eigen::Vector2d>& positions_in_enu);
+// The same where several cameras took them, cameras[i] being that of a photo: a camera goes by itself where
+// its steps are shorter so. Two clocks, or two aircraft, mix photos of different places.
+std::vector<std::optional<double>> CoursesOfCameras(const std::vector<std::string_view>& cameras,
+                                                    const std::vector<Eigen::Vector2d>& positions_in_enu);
 
 struct ConventionChoice {
   std::string words;        // for the report; empty where no photo has angles

@@ -3,7 +3,10 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <random>
+#include <string_view>
+#include <vector>
 
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"
@@ -85,6 +88,39 @@ TEST(CoursesFromPositions, TakesTheStraightRunAtALinesEnd) {
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(*courses[static_cast<std::size_t>(i)], 0.0, 1e-9) << i;
   for (int i = 5; i < 10; ++i)
     EXPECT_NEAR(std::abs(*courses[static_cast<std::size_t>(i)]), geo::kPi, 1e-9) << i;
+}
+
+// A film flown north and photos flown east half a kilometre off, whose clocks make them one row.
+TEST(CoursesOfCameras, GoByTheirOwnWaysWhereClocksMixThem) {
+  std::vector<Eigen::Vector2d> positions;
+  std::vector<std::string_view> cameras;
+  for (int i = 0; i < 6; ++i) {
+    positions.emplace_back(0.0, 5.0 * i);
+    cameras.emplace_back("film");
+    positions.emplace_back(200.0 + 30.0 * i, 500.0);
+    cameras.emplace_back("photos");
+  }
+  positions.emplace_back(10.0, 40.0);
+  cameras.emplace_back("lone");  // goes by all
+  const auto courses = CoursesOfCameras(cameras, positions);
+  for (std::size_t i = 0; i < 12; ++i)
+    EXPECT_NEAR(courses[i].value_or(9.0), i % 2 == 0 ? 0.0 : 0.5 * geo::kPi, 1e-9) << i;
+  EXPECT_TRUE(courses[12].has_value());
+}
+
+TEST(CoursesOfCameras, OfOneAircraftAreThatOfAll) {
+  std::vector<Eigen::Vector2d> lawnmower, twice;
+  std::vector<std::string_view> in_turn, at_once;
+  for (int i = 0; i < 16; ++i) {
+    lawnmower.emplace_back(i < 8 ? 0.0 : 15.0, 10.0 * (i < 8 ? i : 15 - i));
+    in_turn.emplace_back(i % 2 == 0 ? "a" : "b");
+    for (const char* camera : {"a", "b"}) {
+      twice.push_back(lawnmower.back());
+      at_once.emplace_back(camera);
+    }
+  }
+  EXPECT_EQ(CoursesOfCameras(in_turn, lawnmower), CoursesFromPositions(lawnmower));
+  EXPECT_EQ(CoursesOfCameras(at_once, twice), CoursesFromPositions(twice));
 }
 
 TEST(CoursesFromPositions, SaysNothingWhereNothingMoved) {
