@@ -21,7 +21,15 @@ namespace {
 using flight::CameraEvent;
 using flight::Photo;
 
-void TakePosition(const CameraEvent& event, const std::string& source, Photo& photo) {
+// How high above the sea or the ellipsoid.
+bool SaysHeights(const flight::FlightLog& log) {
+  return std::any_of(log.events.begin(), log.events.end(), [](const CameraEvent& event) {
+    return event.height_ellipsoid_m || event.height_amsl_m;
+  });
+}
+
+// `has_heights`: of the list; from two sources in one list they would count from two zeros.
+void TakePosition(const CameraEvent& event, const std::string& source, bool has_heights, Photo& photo) {
   flight::RecordedPosition position;
   position.position = *event.position;
   position.height_ellipsoid_m = event.height_ellipsoid_m;
@@ -35,6 +43,11 @@ void TakePosition(const CameraEvent& event, const std::string& source, Photo& ph
   }
   if (photo.position && !position.height_above_ground_m)
     position.height_above_ground_m = photo.position->height_above_ground_m;
+  if (photo.position && !has_heights) {
+    position.height_amsl_m = photo.position->height_amsl_m;
+    // Beside a corrected place it would pass for surveyed.
+    if (!IsCorrected(event)) position.height_ellipsoid_m = photo.position->height_ellipsoid_m;
+  }
   if (event.sigma_in_ned_m) {
     position.sigma_horizontal_m = event.sigma_in_ned_m->head<2>().norm() / std::sqrt(2.0);
     position.sigma_vertical_m = event.sigma_in_ned_m->z();
@@ -106,6 +119,7 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
     bool names_files = false;              // with the ending of one; surveyed points have none
     std::vector<double> angles_apart_rad;  // where both know them
     const std::vector<NamedPhotos::Found> found_by_event = named.FindAll(log);
+    const bool has_heights = SaysHeights(log);
     for (std::size_t k = 0; k < log.events.size(); ++k) {
       const CameraEvent& event = log.events[k];
       if (event.has_time || !event.image_name) continue;
@@ -116,7 +130,8 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
       for (const std::size_t i : found.photos) {
         is_named[i] = 1;
         Photo& photo = photos[i];
-        if (event.position && !std::exchange(is_placed[i], 1)) TakePosition(event, log.file_name, photo);
+        if (event.position && !std::exchange(is_placed[i], 1))
+          TakePosition(event, log.file_name, has_heights, photo);
         if (!event.yaw_pitch_roll_rad || std::exchange(is_turned[i], 1)) continue;
         const flight::RecordedAttitude angles = AnglesOfEvent(event, log.file_name);
         if (MayTakeAngles(event, photo)) {
@@ -148,12 +163,13 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
 int ApplyEvents(const flight::FlightLog& log, const TimeSync& sync, bool log_has_track,
                 std::vector<Photo>& photos) {
   int placed = 0;
+  const bool has_heights = SaysHeights(log);
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (!sync.photos[i] || !sync.photos[i]->event) continue;
     const CameraEvent& event = log.events[*sync.photos[i]->event];
     const bool is_wanted = event.is_rtk_fixed || !log_has_track;
     if (event.position && is_wanted) {
-      TakePosition(event, log.file_name, photos[i]);
+      TakePosition(event, log.file_name, has_heights, photos[i]);
       ++placed;
     }
     // With a track the log's own attitude does better than the copy in its camera events.
@@ -188,7 +204,7 @@ int PlaceBetweenEvents(const flight::FlightLog& log, const TimeSync& sync, std::
     const double interval_s = to.t_s - from.t_s;
     if (!(interval_s > 0.0) || interval_s > longest_s) continue;
     TakePosition(Between(from, to, (t_s - from.t_s) / interval_s, sigma_s / interval_s),
-                 log.file_name + ", between two rows", photos[i]);
+                 log.file_name + ", between two rows", true, photos[i]);
     ++placed;
   }
   return placed;

@@ -253,6 +253,25 @@ void LogBuilder::KeepLongestSegment() {
         {{"jumps", segment_}, {"part", kept + 1}, {"samples", *longest}, {"samples_in_all", total}}});
 }
 
+// A column has to stand in lists of photos, and who has no heights fills it with zeros.
+void LogBuilder::DropHeightsThatAreFillers() {
+  constexpr std::size_t kMinFlatRows = 3;
+  std::size_t zeros = 0;
+  for (const CameraEvent& event : log_.events) {
+    if (!event.height_ellipsoid_m && !event.height_amsl_m) continue;
+    const bool is_zero =
+        event.height_ellipsoid_m.value_or(0.0) == 0.0 && event.height_amsl_m.value_or(0.0) == 0.0;
+    if (!is_zero || !event.image_name) return;
+    ++zeros;
+  }
+  if (zeros < kMinFlatRows) return;
+  for (CameraEvent& event : log_.events) {
+    event.height_ellipsoid_m.reset();
+    event.height_amsl_m.reset();
+  }
+  Warn(RemarkCode::kHeightsNotSurveyed);
+}
+
 Error LogBuilder::Refuse(RemarkCode why) const {
   return Because(ErrorCode::kCorrupt, {why, {{"file", log_.file_name}}});
 }
@@ -272,6 +291,7 @@ FlightLog LogBuilder::Finish() && {
   KeepLongestSegment();
   std::stable_sort(log_.events.begin(), log_.events.end(),
                    [](const CameraEvent& a, const CameraEvent& b) { return a.t_s < b.t_s; });
+  DropHeightsThatAreFillers();
   const std::size_t duplicates = SortAndDropDuplicates(log_.imu) + SortAndDropDuplicates(log_.attitude) +
                                  SortAndDropDuplicates(log_.gimbal) + SortAndDropDuplicates(log_.gnss) +
                                  SortAndDropDuplicates(log_.baro) + SortAndDropDuplicates(log_.range);

@@ -75,6 +75,7 @@ class LogBuilder {
   template <typename T>
   void PushTimed(CappedSeries<T>& series, const T& sample, int which);
   void KeepLongestSegment();
+  void DropHeightsThatAreFillers();
 
   FlightLog log_;
   CappedSeries<ImuSample> imu_;

@@ -258,6 +258,30 @@ TEST(ApplyPhotoRows, TakesAnglesThatAreBetterOrTheOnlyOnes) {
   EXPECT_EQ(others[0].attitude->source, "geolocation.csv") << "the camera's own, as a recorder wrote them";
 }
 
+TEST(ApplyPhotoRows, LeavesPhotosTheHeightsOfWhichTheListSaysNothing) {
+  std::vector<Photo> photos = PhotosEvery2s(2);
+  for (Photo& photo : photos) {
+    StandAt(kField, photo).height_amsl_m = 512.0;
+    photo.position->height_ellipsoid_m = 560.0;
+  }
+  FlightLog list = ListOfAngles(2, {0.7, 0.0, 0.0}, flight::AttitudeKind::kAirframe);
+  for (CameraEvent& row : list.events) row.position = geo::LatLon{kField.lat_deg + 1e-5, kField.lon_deg};
+  list.events[1].is_rtk_fixed = true;
+  std::vector<Photo> of_places = photos, of_heights = photos;
+  ApplyPhotoRows({list}, of_places);
+  for (const Photo& photo : of_places) {
+    EXPECT_EQ(photo.position->source, "geolocation.csv");
+    EXPECT_EQ(photo.position->height_amsl_m, 512.0);
+  }
+  EXPECT_EQ(of_places[0].position->height_ellipsoid_m, 560.0);
+  EXPECT_FALSE(of_places[1].position->height_ellipsoid_m) << "as if it were surveyed";
+  // Where it says some, two zeros would be mixed.
+  list.events[0].height_ellipsoid_m = 570.0;
+  ApplyPhotoRows({list}, of_heights);
+  EXPECT_EQ(of_heights[0].position->height_ellipsoid_m, 570.0);
+  EXPECT_FALSE(of_heights[0].position->height_amsl_m || of_heights[1].position->height_amsl_m);
+}
+
 TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {
   std::vector<Photo> photos = PhotosEvery2s(2);
   photos[0].name = "100MEDIA/IMG_0.JPG";

@@ -312,6 +312,17 @@ TEST(ParseGeoTxt, CountsHeightsOfACompoundSystemFromTheSea) {
                    .ok());
 }
 
+TEST(ParseGeoTxt, TakesHeightsThatAreAllZeroForNone) {
+  const std::string rows = "EPSG:4326\na.jpg 8.1 46.8 0\nb.jpg 8.1 46.8 0\n";
+  const auto flat = ValueOf(ParseGeoTxt("geo.txt", BytesOf(rows + "c.jpg 8.1 46.8 0.0\n")));
+  ASSERT_EQ(flat.events.size(), 3u);
+  for (const CameraEvent& event : flat.events) EXPECT_FALSE(event.height_ellipsoid_m);
+  ASSERT_EQ(flat.warnings.size(), 1u);
+  EXPECT_EQ(flat.warnings[0].code, RemarkCode::kHeightsNotSurveyed);
+  const auto high = ValueOf(ParseGeoTxt("geo.txt", BytesOf(rows + "c.jpg 8.1 46.8 0.1\n")));
+  EXPECT_EQ(high.events.at(0).height_ellipsoid_m, 0.0);
+}
+
 TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
   const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\n\na.jpg 46.8 -91.9 198.3\n")));
   ASSERT_EQ(log.events.size(), 1u);
