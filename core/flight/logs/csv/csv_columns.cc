@@ -126,8 +126,10 @@ MeaningAndUnit CutUnit(const std::string& words) {
   return {};
 }
 
-// "height_navd88", "elevation  _egm96": a height whose last words say above what it counts, or in which unit.
+// "height_navd88", "elevation  _egm96", "höhe über nhn": a height whose last words say above what it counts,
+// or in which unit.
 MeaningAndUnit CutHeightWords(std::string base) {
+  constexpr std::array<std::string_view, 6> kAbove = {"", "u", "ber", "ueber", "over", "above"};
   if (base.size() > kMaxColumnName) return {};
   std::replace_if(
       base.begin(), base.end(), [](char c) { return c == '_' || c == '.' || c == '-'; }, ' ');
@@ -139,7 +141,10 @@ MeaningAndUnit CutHeightWords(std::string base) {
     if (ZeroOfHeights(last) == M::kIgnored && FindUnit(last, Dimension::kLength) == nullptr) break;
     behind = std::string(last) + (behind.empty() ? "" : " ") + behind;
     std::string name;
-    for (std::size_t i = 0; i + 1 < count; ++i) name += LettersAndDigits(parts[i]);
+    for (std::size_t i = 0; i + 1 < count; ++i) {
+      const std::string word = LettersAndDigits(parts[i]);
+      if (!IsOneOf(word, kAbove)) name += word;
+    }
     if (const M meaning = FindCsvSynonym(name); IsHeight(meaning)) return {meaning, behind};
   }
   return {};
@@ -147,7 +152,7 @@ MeaningAndUnit CutHeightWords(std::string base) {
 
 // The name of a height that does not say above what: "altitude", "alt_m", "Z/Altitude".
 bool IsBareHeight(const std::string& letters) {
-  constexpr std::array<std::string_view, 5> kBegin = {"alt", "zalt", "elev", "hhe", "hoehe"};
+  constexpr std::array<std::string_view, 6> kBegin = {"alt", "zalt", "elev", "hhe", "hoehe", "cota"};
   return std::any_of(kBegin.begin(), kBegin.end(), [&](auto word) { return letters.starts_with(word); }) &&
          !HoldsOneOf(letters, {"msl", "sea", "nn"});
 }

@@ -51,10 +51,11 @@ constexpr MeaningFacts kFacts[] = {
     {M::kHeightAmsl, "height above mean sea level", Dimension::kLength,
      "altmsl alt altitude altitudeabovesealevel altitudemsl altitudeamsl gpsaltitude absolutealtitude "
      "absalt osdaltitude zaltitude mslaltitude amsl altitudeabovemeansealevel hhe hoehe meereshhe "
-     "meereshoehe hhenn altitud elevation elev orthometricheight exifgpsaltitude compositegpsaltitude"},
+     "meereshoehe hhenn altitud elevation elev elevacin elevacion cota orthometricheight exifgpsaltitude "
+     "compositegpsaltitude"},
     {M::kHeightAboveTakeoff, "height above take-off", Dimension::kLength,
      "heightabovetakeoff relalt relativealtitude height osdheight relativeheight relativealt "
-     "altituderelative heightrelative relativehhe"},
+     "altituderelative heightrelative relativehhe hauteur altura"},
     {M::kHeightAboveGround, "height above ground", Dimension::kLength,
      "heightabovegroundatdronelocation agl heightaboveground"},
     {M::kRange, "range to the ground", Dimension::kLength,

@@ -155,6 +155,23 @@ TEST(NamedLists, CountsABareAltitudeFromTheZeroOfListsWhateverThePhotosAreCalled
   EXPECT_EQ(FirstRow("EPSG:32615+5773\nimage,x,y,z\na.jpg,576691.6,5188169.6,500\n").height_amsl_m, 500.0);
 }
 
+TEST(NamedLists, FindsHeightsByTheirWordsInOtherLanguages) {
+  const auto row = [](const std::string& height, const std::string& cell) {
+    return FirstRow("fichier;latitude;longitude;" + height + "\na.jpg;47,4;8,5;" + cell + "\n");
+  };
+  for (const char* above_sea : {"H\xC3\xB6he \xC3\xBC"
+                                "ber NHN (m)",
+                                "H\xC3\xB6he_\xC3\xBC"
+                                "ber_NN",
+                                "Hoehe ueber NHN"})
+    EXPECT_EQ(row(above_sea, "500").height_amsl_m, 500.0) << above_sea;
+  for (const char* bare : {"hauteur", "Altura (m)", "Elevaci\xC3\xB3n", "Cota"})
+    EXPECT_EQ(row(bare, "500").height_ellipsoid_m, 500.0) << bare;
+  EXPECT_EQ(row("height above ellipsoid", "500").height_ellipsoid_m, 500.0);
+  for (const char* above_takeoff : {"hauteur", "altura"})
+    EXPECT_EQ(row(above_takeoff, "60").height_above_takeoff_m, 60.0) << above_takeoff;
+}
+
 TEST(NamedLists, ReadsSmallDegreesOfPhotos) {
   const FlightLog log =
       ReadList("image,lat,lon,alt\na.jpg,470123456,81234567,512345\nb.jpg,470123466,81234567,515345\n");
