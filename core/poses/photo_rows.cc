@@ -53,6 +53,8 @@ void TakePosition(const CameraEvent& event, const std::string& source, bool has_
     position.sigma_vertical_m = event.sigma_in_ned_m->z();
   }
   position.is_rtk_fixed = IsCorrected(event);
+  // Surveyed heights count from the ellipsoid, whatever the list has them from.
+  if (position.is_rtk_fixed && event.height_amsl_m) position.height_ellipsoid_m = EllipsoidHeightM(position);
   position.source = source;
   photo.position = position;
 }

@@ -152,7 +152,8 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     if (attitude.origin == AttitudeOrigin::kDirection) ++placed.by_direction;
     const flight::RecordedPosition& position = *photo.position;
     const double sigma_h = SigmaOfRecordM(position);
-    const double sigma_v = position.is_rtk_fixed ? position.sigma_vertical_m.value_or(0.05) : heights.sigma_m;
+    const bool is_height_surveyed = position.is_rtk_fixed && position.height_ellipsoid_m;
+    const double sigma_v = is_height_surveyed ? position.sigma_vertical_m.value_or(0.05) : heights.sigma_m;
     PosedPhoto pose;
     pose.photo = photo;
     pose.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(attitude.cam_from_enu, centers[k]);

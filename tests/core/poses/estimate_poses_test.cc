@@ -258,28 +258,23 @@ TEST(ApplyPhotoRows, TakesAnglesThatAreBetterOrTheOnlyOnes) {
   EXPECT_EQ(others[0].attitude->source, "geolocation.csv") << "the camera's own, as a recorder wrote them";
 }
 
-TEST(ApplyPhotoRows, LeavesPhotosTheHeightsOfWhichTheListSaysNothing) {
-  std::vector<Photo> photos = PhotosEvery2s(2);
-  for (Photo& photo : photos) {
-    StandAt(kField, photo).height_amsl_m = 512.0;
-    photo.position->height_ellipsoid_m = 560.0;
+TEST(EstimatePoses, HoldsForSurveyedTheHeightsThatACorrectedRowSays) {
+  FlightLog list = ListOfAngles(3, {0.0, 0.0, 0.0}, flight::AttitudeKind::kAirframe);
+  for (CameraEvent& row : list.events) {
+    row.position = geo::LatLon{kField.lat_deg + 1e-4 * row.t_s, kField.lon_deg};
+    row.is_rtk_fixed = true;
   }
-  FlightLog list = ListOfAngles(2, {0.7, 0.0, 0.0}, flight::AttitudeKind::kAirframe);
-  for (CameraEvent& row : list.events) row.position = geo::LatLon{kField.lat_deg + 1e-5, kField.lon_deg};
-  list.events[1].is_rtk_fixed = true;
-  std::vector<Photo> of_places = photos, of_heights = photos;
-  ApplyPhotoRows({list}, of_places);
-  for (const Photo& photo : of_places) {
-    EXPECT_EQ(photo.position->source, "geolocation.csv");
-    EXPECT_EQ(photo.position->height_amsl_m, 512.0);
-  }
-  EXPECT_EQ(of_places[0].position->height_ellipsoid_m, 560.0);
-  EXPECT_FALSE(of_places[1].position->height_ellipsoid_m) << "as if it were surveyed";
-  // Where it says some, two zeros would be mixed.
-  list.events[0].height_ellipsoid_m = 570.0;
-  ApplyPhotoRows({list}, of_heights);
-  EXPECT_EQ(of_heights[0].position->height_ellipsoid_m, 570.0);
-  EXPECT_FALSE(of_heights[0].position->height_amsl_m || of_heights[1].position->height_amsl_m);
+  std::vector<Photo> photos = PhotosEvery2s(3);
+  for (Photo& photo : photos) StandAt(kField, photo).height_amsl_m = 512.0;
+  const auto sigma_up_m = [&](const FlightLog& rows) {
+    const auto posed = ValueOf(Estimate(FlightOf(photos, {rows})));
+    return std::sqrt(posed.photos.at(1).covariance(5, 5));
+  };
+  EXPECT_GT(sigma_up_m(list), 0.5) << "a barometer's";
+  for (CameraEvent& row : list.events) row.height_amsl_m = 512.0 + row.t_s;
+  EXPECT_LT(sigma_up_m(list), 0.1);
+  const auto posed = ValueOf(Estimate(FlightOf(photos, {list})));
+  EXPECT_NEAR(posed.photos.at(2).height_above_ground_m - posed.photos.at(0).height_above_ground_m, 2.0, 0.01);
 }
 
 TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
@@ -52,6 +53,40 @@ TEST(PhotoRows, KeepTheHeightOfAPhotoThatHadNoPosition) {
   flight::Photo photo;
   photo.lone_height_above_takeoff_m = 39.8;
   EXPECT_EQ(TakenFromList({}, false, photo).height_above_takeoff_m, 39.8);
+}
+
+TEST(PhotoRows, LeavePhotosTheHeightsOfWhichTheirListSaysNothing) {
+  std::vector<flight::Photo> photos(2);
+  flight::FlightLog list;
+  for (std::size_t k = 0; k < photos.size(); ++k) {
+    photos[k].name = k == 0 ? "a.jpg" : "b.jpg";
+    flight::RecordedPosition& own = photos[k].position.emplace();
+    own.position = {46.84, -91.99};
+    own.height_amsl_m = 512.0;
+    own.height_ellipsoid_m = 480.0;
+    flight::CameraEvent& row = list.events.emplace_back();
+    row.has_time = false;
+    row.image_name = photos[k].name;
+    row.position = geo::LatLon{46.8401, -91.99};
+    row.is_rtk_fixed = k == 1;
+  }
+  const auto taken = [&] {
+    std::vector<flight::Photo> now = photos;
+    ApplyPhotoRows({list}, now);
+    return now;
+  };
+  const auto of_places = taken();
+  for (const flight::Photo& photo : of_places) {
+    EXPECT_EQ(photo.position->position.lat_deg, 46.8401);
+    EXPECT_EQ(photo.position->height_amsl_m, 512.0);
+  }
+  EXPECT_EQ(of_places[0].position->height_ellipsoid_m, 480.0);
+  EXPECT_FALSE(of_places[1].position->height_ellipsoid_m) << "as if it were surveyed";
+  // Where the list says some, two zeros would be mixed.
+  list.events[0].height_ellipsoid_m = 490.0;
+  const auto of_heights = taken();
+  EXPECT_EQ(of_heights[0].position->height_ellipsoid_m, 490.0);
+  EXPECT_FALSE(of_heights[0].position->height_amsl_m || of_heights[1].position->height_amsl_m);
 }
 
 NamedPhotos Named(const std::vector<std::string>& names) {
