@@ -85,7 +85,7 @@ void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storag
   storage::Previews previews(db);
   PhotoLimits limits;
   if (options.photo_timeout_s > 0) limits.cpu_s = options.photo_timeout_s;
-  SandboxedPreview drawing(dir, blobs, previews, limits);
+  SandboxedPreview drawing(dir, blobs, previews, limits, is_stopping);
   while (!is_stopping) {
     const Result<bool> drawn = drawing.Step();
     if (!drawn) {

@@ -78,13 +78,19 @@ Result<std::int64_t> ExportSandboxed(ExportTask task, const ExportLimits& limits
   task.file_bytes = room;
   task.memory_bytes = limits.memory_bytes;
   task.cpu_s = limits.wall.count() * std::max(1, task.threads);
-  SKYQUILT_TRY_ASSIGN(const auto child, SandboxedChild::Start("export-sandboxed", ToText(task)));
+  const Error cancelled{ErrorCode::kCancelled, "The export was cancelled.", ""};
+  double fraction = 0.0;
+  bool is_wanted = true;  // `go_on` looks now and then, and need not say no twice
+  const auto ask = [&] {
+    is_wanted = is_wanted && go_on(fraction);
+    return is_wanted;
+  };
+  SKYQUILT_TRY_ASSIGN(const auto child, SandboxedChild::Start("export-sandboxed", ToText(task), ask));
   const Clock::time_point begun = Clock::now();
   std::string stage;
-  double fraction = 0.0;
   std::optional<Error> said;
   while (!child->is_silent()) {
-    if (!go_on(fraction)) return Error{ErrorCode::kCancelled, "The export was cancelled.", ""};
+    if (!ask()) return cancelled;
     if (const auto over = OverLimit(*child, task, limits, begun)) return *over;
     const std::optional<std::string> text = child->Listen(kExportPollInterval);
     if (!text) continue;
@@ -96,6 +102,7 @@ Result<std::int64_t> ExportSandboxed(ExportTask task, const ExportLimits& limits
   }
   const int status = child->End().wait_status;
   if (said) return *said;
+  if (status != 0 && !is_wanted) return cancelled;
   if (status != 0)
     return Error{ErrorCode::kUnprocessable,
                  "The export could not be made: its process ended. Ask for a smaller area or another format.",

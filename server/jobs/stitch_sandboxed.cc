@@ -84,13 +84,17 @@ StitchedInSandbox StitchSandboxed(StitchTask task, const JobLimits& limits, Prog
   task.memory_bytes = limits.memory_bytes + kAddressSpaceBeyondBytes;
   task.cpu_s = limits.cpu_s + kCpuBeyondS;
   const auto began = Clock::now();
-  Result<std::unique_ptr<SandboxedChild>> started = SandboxedChild::Start("stitch-sandboxed", ToText(task));
+  const Error cancelled{ErrorCode::kCancelled, "The job was cancelled.", ""};
+  const auto go_on = [&progress] { return !progress.IsCancelled(); };
+  if (!go_on()) return {cancelled};
+  Result<std::unique_ptr<SandboxedChild>> started =
+      SandboxedChild::Start("stitch-sandboxed", ToText(task), go_on);
   if (!started) return {started.error()};
   SandboxedChild& child = **started;
   Whereabouts where;
   std::optional<Result<StitchOutcome>> said;
   while (!said && !child.is_silent()) {
-    if (progress.IsCancelled()) return {Error{ErrorCode::kCancelled, "The job was cancelled.", ""}};
+    if (!go_on()) return {cancelled};
     if (const auto excess = Excess(child, limits, began, where)) return {*excess};
     const std::optional<std::string> text = child.Listen(kPollInterval);
     if (!text) continue;
@@ -109,6 +113,8 @@ StitchedInSandbox StitchSandboxed(StitchTask task, const JobLimits& limits, Prog
     }
   }
   const int status = child.End().wait_status;
+  // Ended for that, perhaps, in the middle of its own end.
+  if (status != 0 && !go_on()) return {cancelled};
   if (!said || status != 0) return {Death(status, where), true};
   return {*std::move(said)};
 }

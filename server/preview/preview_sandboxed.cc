@@ -63,8 +63,9 @@ class SandboxedPreview::Session {
 };
 
 SandboxedPreview::SandboxedPreview(const storage::DataDir& dir, storage::BlobStore& blobs,
-                                   storage::Previews& previews, const PhotoLimits& limits)
-    : dir_(dir), blobs_(blobs), previews_(previews), limits_(limits) {}
+                                   storage::Previews& previews, const PhotoLimits& limits,
+                                   const std::atomic<bool>& is_stopping)
+    : dir_(dir), blobs_(blobs), previews_(previews), limits_(limits), is_stopping_(is_stopping) {}
 SandboxedPreview::~SandboxedPreview() = default;
 
 void SandboxedPreview::EndIdle() {
@@ -101,7 +102,8 @@ Result<SandboxedPreview::Session*> SandboxedPreview::SessionOf(const std::string
   }
   if (error) return Error{ErrorCode::kIo, "The folder of a preview cannot be made.", error.message()};
   const PreviewPlace place{blobs_.FolderOf(storage::FilesPrefix(flight_id)), folder, limits_.memory_bytes};
-  Result<std::unique_ptr<SandboxedChild>> child = SandboxedChild::Start("preview-sandboxed", ToText(place));
+  Result<std::unique_ptr<SandboxedChild>> child =
+      SandboxedChild::Start("preview-sandboxed", ToText(place), [this] { return !is_stopping_; });
   if (!child) {
     if (!preview) fs::remove(folder, error);
     return child.error();
@@ -133,6 +135,7 @@ SandboxedPreview::Answer SandboxedPreview::Exchange(Session& session, const Prev
   double cpu_before_s = child.CpuS();
   auto began = Clock::now();
   while (!child.is_silent()) {
+    if (is_stopping_) return answer;
     if (child.MemoryBytes() > limits_.memory_bytes) {
       answer.why = fmt::format("it takes more than {} MiB of memory", limits_.memory_bytes >> 20);
       return answer;
@@ -216,6 +219,10 @@ Result<bool> SandboxedPreview::Step() {
       return true;
     }
     sessions_.erase(work.flight_id);
+    if (is_stopping_) {
+      SKYQUILT_TRY(previews_.GiveBack(request.fresh));
+      return true;
+    }
     if (answer.culprit.empty()) {
       // No photo is to blame: killed from outside while it waited, or the disk is full.
       if (std::exchange(may_retry, false)) continue;

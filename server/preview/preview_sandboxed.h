@@ -5,6 +5,7 @@
 // thread, which lives as long as this. Errors: kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -31,8 +32,9 @@ struct PhotoLimits {
 class SandboxedPreview {
  public:
   // `blobs`: where the photos lie; the previews themselves are files of this machine's data folder.
+  // `is_stopping` is the worker's own wish to end: photos that are not drawn by then wait again.
   SandboxedPreview(const storage::DataDir& dir, storage::BlobStore& blobs, storage::Previews& previews,
-                   const PhotoLimits& limits);
+                   const PhotoLimits& limits, const std::atomic<bool>& is_stopping);
   ~SandboxedPreview();
 
   // Draws a few of the photos that wait. False: none waited.
@@ -60,6 +62,7 @@ class SandboxedPreview {
   storage::BlobStore& blobs_;
   storage::Previews& previews_;
   const PhotoLimits limits_;
+  const std::atomic<bool>& is_stopping_;
   std::map<std::string, std::unique_ptr<Session>> sessions_;  // by flight
 };
 

@@ -41,17 +41,19 @@ Result<std::string> RunSandboxed(const SandboxedTask& task) {
   if (is_ending) return stopping;
   const Clock::time_point begun = Clock::now();
   const Clock::time_point end = begun + task.deadline;
+  const auto go_on = [] { return !is_ending; };
   SKYQUILT_TRY_ASSIGN(const auto child,
-                      SandboxedChild::Start(task.command, task.task, task.max_answer_bytes));
+                      SandboxedChild::Start(task.command, task.task, go_on, task.max_answer_bytes));
   std::optional<std::string> answer;
   while (!answer && !child->is_silent() && !is_ending && Clock::now() < end) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
     answer = child->Listen(std::min(left, kStopPollInterval));
   }
   const bool is_cut_short = !answer && !child->is_silent();
-  const bool is_stopped = is_cut_short && is_ending;
   const ProcessEnd& ended = is_cut_short ? child->Kill() : child->End();
   const bool is_well = answer && ended.wait_status == 0;
+  // Who has not ended well by then was ended for that, and not for its files, as far as anybody can tell.
+  const bool is_stopped = !is_well && is_ending;
   const std::string how = is_well                       ? "well"
                           : is_cut_short && !is_stopped ? "it took too long"
                           : child->has_said_too_much()  ? "it said too much"

@@ -32,6 +32,7 @@ constexpr std::size_t kMaxReasonBytes = 16 * 1024;
 constexpr std::size_t kMaxGrowth = 3;
 // A child that does not read its messages within this time is stuck.
 constexpr std::chrono::seconds kTellPatience{30};
+constexpr std::chrono::milliseconds kAskInterval{50};  // whether it is still wanted
 constexpr std::chrono::seconds kEndPatience{10};
 constexpr std::chrono::minutes kTaskPatience{1};
 // The parent's own words: a flight of 20 000 files with long names is 6 MiB.
@@ -51,7 +52,8 @@ bool Wait(int fd, short events, Clock::time_point end) {
 
 }  // namespace
 
-bool MessageWriter::Write(std::string_view message, std::chrono::milliseconds patience) {
+bool MessageWriter::Write(std::string_view message, std::chrono::milliseconds patience,
+                          const std::function<bool()>& go_on) {
   const auto end = Clock::now() + patience;
   std::string bytes;
   bytes.reserve(kHeadBytes + message.size());
@@ -63,7 +65,9 @@ bool MessageWriter::Write(std::string_view message, std::chrono::milliseconds pa
     if (wrote > 0) {
       done += static_cast<std::size_t>(wrote);
     } else if (errno == EAGAIN) {
-      if (!Wait(fd_, POLLOUT, end)) return false;
+      const Clock::time_point now = Clock::now();
+      if (now >= end || (go_on && !go_on())) return false;
+      Wait(fd_, POLLOUT, std::min(end, now + kAskInterval));
     } else if (errno != EINTR) {
       return false;
     }
@@ -142,6 +146,7 @@ std::string Shortened(std::string text, std::size_t max_bytes) {
 bool IsShort(std::string_view text, std::size_t max_bytes) { return text.size() <= kMaxGrowth * max_bytes; }
 
 Result<std::unique_ptr<SandboxedChild>> SandboxedChild::Start(const char* command, std::string_view task,
+                                                              std::function<bool()> go_on,
                                                               std::size_t max_message_bytes) {
   const auto no_means = [] {
     return Error{ErrorCode::kUnavailable, "The server could not start a process. Try again later.",
@@ -159,13 +164,13 @@ Result<std::unique_ptr<SandboxedChild>> SandboxedChild::Start(const char* comman
   // Held here too, they would hide that the child is gone.
   its_input.Close();
   its_output.Close();
-  Result<std::unique_ptr<SandboxedChild>> child = std::unique_ptr<SandboxedChild>(
-      new SandboxedChild(pid, std::move(to_child), std::move(from_child), max_message_bytes));
+  Result<std::unique_ptr<SandboxedChild>> child = std::unique_ptr<SandboxedChild>(new SandboxedChild(
+      pid, std::move(to_child), std::move(from_child), std::move(go_on), max_message_bytes));
   (*child)->Tell(task);
   return child;
 }
 
-bool SandboxedChild::Tell(std::string_view message) { return writer_.Write(message, kTellPatience); }
+bool SandboxedChild::Tell(std::string_view message) { return writer_.Write(message, kTellPatience, go_on_); }
 
 double SandboxedChild::CpuS() const {
   clockid_t clock{};
@@ -184,7 +189,7 @@ std::int64_t SandboxedChild::MemoryBytes() const {
 
 const ProcessEnd& SandboxedChild::End() {
   // Who says too much waits for somebody to read it.
-  if (!end_) end_ = WaitOrKill(pid_, has_said_too_much() ? std::chrono::seconds(0) : kEndPatience);
+  if (!end_) end_ = WaitOrKill(pid_, has_said_too_much() ? std::chrono::seconds(0) : kEndPatience, go_on_);
   return *end_;
 }
 

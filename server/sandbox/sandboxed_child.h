@@ -29,8 +29,10 @@ namespace skyquilt::server {
 class MessageWriter {
  public:
   explicit MessageWriter(int fd) : fd_(fd) {}
-  // False: nobody reads any more, or not within `patience` (where the descriptor does not block).
-  bool Write(std::string_view message, std::chrono::milliseconds patience = std::chrono::hours(1));
+  // False: nobody reads any more, or (where the descriptor does not block) not within `patience`, or not
+  // before `go_on`, asked some times a second, says that nobody needs it to.
+  bool Write(std::string_view message, std::chrono::milliseconds patience = std::chrono::hours(1),
+             const std::function<bool()>& go_on = nullptr);
 
  private:
   int fd_;
@@ -72,8 +74,11 @@ inline constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 10;
 class SandboxedChild {
  public:
   // `command`: of this program, which calls WorkForParent (server/commands/sandboxed.cc). `task`: the first
-  // message; one that does not listen does not answer either. Error: kUnavailable.
+  // message; one that does not listen does not answer either. `go_on`: false once nobody wants its work any
+  // more (the job is cancelled, the server stops): asked wherever a process that hangs would be waited for
+  // longer than for the next message. Error: kUnavailable.
   static Result<std::unique_ptr<SandboxedChild>> Start(const char* command, std::string_view task,
+                                                       std::function<bool()> go_on,
                                                        std::size_t max_message_bytes = kMaxMessageBytes);
   ~SandboxedChild() { Kill(); }
   SandboxedChild(const SandboxedChild&) = delete;
@@ -91,20 +96,23 @@ class SandboxedChild {
   // Memory that is its own alone: what it allocated, not the files it maps.
   std::int64_t MemoryBytes() const;
 
-  // After its last word there is nothing left to do: waits some seconds for its end, then kills it. How it
-  // ended, and what it took.
+  // After its last word there is nothing left to do: waits some seconds for its end, then, or once nobody
+  // wants it, kills it. How it ended, and what it took.
   const ProcessEnd& End();
   const ProcessEnd& Kill();
 
  private:
-  SandboxedChild(pid_t pid, FileDescriptor to_child, FileDescriptor from_child, std::size_t max_message_bytes)
+  SandboxedChild(pid_t pid, FileDescriptor to_child, FileDescriptor from_child, std::function<bool()> go_on,
+                 std::size_t max_message_bytes)
       : pid_(pid),
+        go_on_(std::move(go_on)),
         to_child_(std::move(to_child)),
         from_child_(std::move(from_child)),
         writer_(to_child_.get()),
         reader_(from_child_.get(), max_message_bytes) {}
 
   const pid_t pid_;
+  const std::function<bool()> go_on_;
   const FileDescriptor to_child_;
   const FileDescriptor from_child_;
   MessageWriter writer_;

@@ -133,14 +133,14 @@ Result<pid_t> SpawnSelf(std::vector<std::string> words, Secrets secrets, std::op
   return Spawn("/proc/self/exe", settings, ListOf(words), EnvironmentFor(secrets));
 }
 
-ProcessEnd WaitOrKill(pid_t pid, std::chrono::milliseconds patience) {
+ProcessEnd WaitOrKill(pid_t pid, std::chrono::milliseconds patience, const std::function<bool()>& go_on) {
   const auto last = std::chrono::steady_clock::now() + patience;
   ProcessEnd end;
   while (true) {
     const pid_t ended = wait4(pid, &end.wait_status, WNOHANG, &end.used);
     if (ended == pid) return end;
     if (ended < 0 && errno != EINTR) return end;  // somebody else collected it: it is gone all the same
-    if (std::chrono::steady_clock::now() >= last) break;
+    if (std::chrono::steady_clock::now() >= last || (go_on && !go_on())) break;
     std::this_thread::sleep_for(kUntilGone);
   }
   kill(pid, SIGKILL);

@@ -33,8 +33,10 @@ struct ProcessEnd {
   int wait_status = 0;  // as waitpid has it
   rusage used{};
 };
-// Waits for the end of a process that this one started, `patience` at most, then kills it.
-ProcessEnd WaitOrKill(pid_t pid, std::chrono::milliseconds patience);
+// Waits for the end of a process that this one started, for `patience` at most and while `go_on` (absent:
+// always) says so, then kills it.
+ProcessEnd WaitOrKill(pid_t pid, std::chrono::milliseconds patience,
+                      const std::function<bool()>& go_on = nullptr);
 
 // "by signal 9 (Killed)", "with code 1": of a status that waitpid gave.
 std::string HowItEnded(int wait_status);

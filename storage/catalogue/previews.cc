@@ -64,13 +64,16 @@ Result<std::optional<Preview>> Previews::Find(const std::string& flight_id) cons
                    flight_id);
 }
 
-Result<void> Previews::Forgo(const std::vector<StoredFile>& files) {
+Result<void> Previews::Forgo(const std::vector<StoredFile>& files) { return Mark(files, 2); }
+Result<void> Previews::GiveBack(const std::vector<StoredFile>& files) { return Mark(files, 0); }
+
+Result<void> Previews::Mark(const std::vector<StoredFile>& files, int state) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   {
-    SKYQUILT_TRY_ASSIGN(Statement mark, db->Prepare("UPDATE file SET preview_state=2 WHERE stored_name=?"));
+    SKYQUILT_TRY_ASSIGN(Statement mark, db->Prepare("UPDATE file SET preview_state=? WHERE stored_name=?"));
     for (const StoredFile& file : files) {
-      SKYQUILT_TRY(mark.Bind(1, file.stored_name).Run());
+      SKYQUILT_TRY(mark.BindAll(state, file.stored_name).Run());
     }
   }
   return transaction.Commit();

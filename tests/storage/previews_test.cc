@@ -44,6 +44,17 @@ TEST_F(PreviewsTest, HandsOutEveryFileOnceAndTheLeastServedFlightFirst) {
   EXPECT_FALSE(*previews_.Claim(5));
 }
 
+TEST_F(PreviewsTest, WhatWasGivenBackIsHandedOutAgain) {
+  FlightWith(3);
+  const auto work = previews_.Claim(2);
+  ASSERT_TRUE(work && *work);
+  ASSERT_TRUE(previews_.GiveBack({(*work)->fresh[0]}));
+  const auto again = previews_.Claim(5);
+  ASSERT_TRUE(again && *again);
+  EXPECT_EQ((*again)->fresh.size(), 2u);
+  EXPECT_EQ((*again)->tried.size(), 1u);
+}
+
 TEST_F(PreviewsTest, SaysWhereEachEditionChangedAndEndsWithTheMap) {
   const std::string flight = FlightWith(1);
   ASSERT_TRUE(previews_.Claim(1));

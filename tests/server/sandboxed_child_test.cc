@@ -1,0 +1,129 @@
+// What becomes of a sandboxed process that hangs or lies. This program is such a process itself where it is
+// started as one (main below).
+#include "server/sandbox/sandboxed_child.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "server/preview/preview_sandboxed.h"
+#include "server/sandbox/run_sandboxed.h"
+#include "server/sandbox/sandbox.h"
+#include "storage/blobs/folder_blobs.h"
+#include "storage/db/ids.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skyquilt::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kSoon{8};  // sooner than the patience with whoever is still wanted
+
+[[noreturn]] void HangForEver() {
+  while (true) pause();
+}
+
+// What a process of that command does. The exit code.
+int ActAs(std::string_view command, int parent) {
+  if (command == "deaf") {
+    if (!FollowParent(parent, SIGKILL)) return 1;
+    HangForEver();
+  }
+  return WorkForParent(parent, [&](const std::string&, MessageReader& from_parent, MessageWriter& to_parent) {
+    if (command == "lingers") to_parent.Write("{}");
+    if (command == "preview-sandboxed") from_parent.Read(std::chrono::hours(1));
+    HangForEver();
+    return 0;
+  });
+}
+
+TEST(SandboxedChild, OneThatDoesNotReadItsTaskIsWaitedForOnlyWhileItIsWanted) {
+  const std::string more_than_a_pipe_holds(1 << 20, 'x');
+  const Clock::time_point began = Clock::now();
+  const auto go_on = [began] { return Clock::now() - began < std::chrono::milliseconds(300); };
+  const auto child = SandboxedChild::Start("deaf", more_than_a_pipe_holds, go_on);
+  ASSERT_TRUE(child) << child.error().detail;
+  EXPECT_LT(Clock::now() - began, kSoon);
+  EXPECT_EQ((*child)->Kill().wait_status, SIGKILL);
+}
+
+TEST(SandboxedChild, OneThatDoesNotEndAfterItsLastWordIsWaitedForOnlyWhileItIsWanted) {
+  bool is_wanted = true;
+  const auto child = SandboxedChild::Start("lingers", "task", [&] { return is_wanted; });
+  ASSERT_TRUE(child) << child.error().detail;
+  EXPECT_EQ((*child)->Listen(std::chrono::seconds(60)), "{}");
+  is_wanted = false;
+  const Clock::time_point began = Clock::now();
+  EXPECT_EQ((*child)->End().wait_status, SIGKILL);
+  EXPECT_LT(Clock::now() - began, kSoon);
+}
+
+// In a process of its own, in which nothing is begun any more afterwards.
+TEST(RunSandboxed, WhatAStopEndsIsNotTheFaultOfItsFiles) {
+  for (const char* command : {"deaf", "lingers"}) {
+    const pid_t server = fork();
+    if (server == 0) {
+      std::thread([] {
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+        EndAllSandboxed();
+      }).detach();
+      const Result<std::string> answer = RunSandboxed(
+          {.command = command, .task = std::string(1 << 20, 'x'), .refusal = "The file is damaged."});
+      _exit(!answer && answer.error().code == ErrorCode::kUnavailable ? 0 : 1);
+    }
+    EXPECT_EQ(WaitOrKill(server, kSoon).wait_status, 0) << command;
+  }
+}
+
+class HungPreview : public testing::Test {
+ protected:
+  HungPreview() {
+    const std::string flight = catalogue_.AddFlight("field", "{}", storage::Now())->id;
+    std::filesystem::create_directories(dir_.Files(flight));
+    EXPECT_TRUE(catalogue_.AddFile(flight, {"a.jpg", storage::NewId(), 5}, storage::Now()));
+  }
+
+  test::TemporaryFolder folder_;
+  storage::DataDir dir_ = *storage::DataDir::Open(folder_.path() / "data");
+  std::unique_ptr<storage::CatalogueDb> db_ = *storage::CatalogueDb::Open(folder_.path() / "catalogue.db");
+  storage::FolderBlobs blobs_{folder_.path() / "data"};
+  storage::Catalogue catalogue_{*db_};
+  storage::Previews previews_{*db_};
+  std::atomic<bool> is_stopping_ = false;
+};
+
+TEST_F(HungPreview, AStopEndsItAndItsPhotoWaitsAgain) {
+  SandboxedPreview drawing(dir_, blobs_, previews_, {}, is_stopping_);
+  is_stopping_ = true;
+  const Clock::time_point began = Clock::now();
+  const Result<bool> drawn = drawing.Step();
+  ASSERT_TRUE(drawn) << drawn.error().detail;
+  EXPECT_LT(Clock::now() - began, kSoon);
+  const auto again = previews_.Claim(3);
+  ASSERT_TRUE(again && *again);
+  EXPECT_EQ((*again)->fresh.size(), 1u);
+  EXPECT_TRUE((*again)->tried.empty());
+}
+
+}  // namespace
+}  // namespace skyquilt::server
+
+// As SpawnSelf starts it: "skyquilt COMMAND --parent PROCESS".
+int main(int count, char** arguments) {
+  if (count == 4 && std::string_view(arguments[2]) == "--parent")
+    _exit(skyquilt::server::ActAs(arguments[1], std::atoi(arguments[3])));
+  signal(SIGPIPE, SIG_IGN);  // as servers and workers do
+  testing::InitGoogleTest(&count, arguments);
+  return RUN_ALL_TESTS();
+}
