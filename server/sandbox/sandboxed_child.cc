@@ -92,9 +92,10 @@ std::optional<std::string> MessageReader::Next() {
 
 std::optional<std::string> MessageReader::Read(std::chrono::milliseconds patience) {
   const auto end = Clock::now() + patience;
-  while (!is_ended_) {
+  for (bool is_late = false;;) {
     if (auto message = Next()) return message;
-    if (is_ended_ || !Wait(fd_, POLLIN, end)) break;
+    if (is_ended_ || is_late || !Wait(fd_, POLLIN, end)) return std::nullopt;
+    is_late = Clock::now() >= end;
     char block[16 * 1024];
     const ssize_t got = read(fd_, block, sizeof(block));
     if (got > 0) {
@@ -103,7 +104,6 @@ std::optional<std::string> MessageReader::Read(std::chrono::milliseconds patienc
       is_ended_ = true;
     }
   }
-  return std::nullopt;
 }
 
 Json ErrorJson(const Error& error) {
@@ -158,7 +158,8 @@ Result<std::unique_ptr<SandboxedChild>> SandboxedChild::Start(const char* comman
   FileDescriptor its_input(to[0]), to_child(to[1]);
   if (pipe2(from, O_CLOEXEC) != 0) return no_means();
   FileDescriptor from_child(from[0]), its_output(from[1]);
-  fcntl(to_child.get(), F_SETFL, O_NONBLOCK);
+  // The child can open its end of a pipe for the other direction, too: what poll() saw may be gone.
+  for (const FileDescriptor* own : {&to_child, &from_child}) fcntl(own->get(), F_SETFL, O_NONBLOCK);
   SKYQUILT_TRY_ASSIGN(const pid_t pid,
                       SpawnSelf({command}, Secrets::kWithheld, its_output.get(), its_input.get()));
   // Held here too, they would hide that the child is gone.

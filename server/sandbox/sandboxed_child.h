@@ -42,7 +42,8 @@ class MessageReader {
  public:
   MessageReader(int fd, std::size_t max_bytes) : fd_(fd), max_bytes_(max_bytes) {}
 
-  // Waits for the next message, `patience` at most. Nothing: none came, or is_ended() says why none will.
+  // Waits for the next message, `patience` at most, however much of one there always is to read. Nothing:
+  // none came, or is_ended() says why none will.
   std::optional<std::string> Read(std::chrono::milliseconds patience);
   // The other side is gone, or has sent what is no message.
   bool is_ended() const { return is_ended_; }

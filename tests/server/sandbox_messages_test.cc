@@ -82,6 +82,15 @@ TEST_F(MessagePipe, WhoDoesNotReadHoldsNobodyUp) {
   EXPECT_FALSE(MessageWriter(ends_[1]).Write(std::string(1 << 20, 'z'), milliseconds(50)));
 }
 
+TEST_F(MessagePipe, WhoAlwaysHasMoreToSayKeepsNobodyListening) {
+  const std::string message(40 << 10, 'a');  // comes in more than one piece
+  MessageReader reader(ends_[0], message.size());
+  ASSERT_TRUE(MessageWriter(ends_[1]).Write(message));
+  EXPECT_EQ(reader.Read(milliseconds(0)), std::nullopt);
+  EXPECT_FALSE(reader.is_ended());
+  EXPECT_EQ(reader.Read(milliseconds(1000)), message);
+}
+
 StitchOutcome Outcome() {
   StitchOutcome outcome;
   outcome.figures.bounds = {10.0, 50.0, 10.1, 50.1};

@@ -2,8 +2,10 @@
 // started as one (main below).
 #include "server/sandbox/sandboxed_child.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,6 +14,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -67,6 +70,29 @@ TEST(SandboxedChild, OneThatDoesNotEndAfterItsLastWordIsWaitedForOnlyWhileItIsWa
   const Clock::time_point began = Clock::now();
   EXPECT_EQ((*child)->End().wait_status, SIGKILL);
   EXPECT_LT(Clock::now() - began, kSoon);
+}
+
+// Else one that reads back what it has just said would keep its parent reading.
+TEST(SandboxedChild, ReadingAndWritingNeverBlock) {
+  const auto pipes = [] {
+    std::set<int> found;
+    for (int fd = STDERR_FILENO + 1; fd < 1024; ++fd) {
+      struct stat what {};
+      if (fstat(fd, &what) == 0 && S_ISFIFO(what.st_mode)) found.insert(fd);
+    }
+    return found;
+  };
+  const std::set<int> before = pipes();
+  const auto child = SandboxedChild::Start("lingers", "task", nullptr);
+  ASSERT_TRUE(child) << child.error().detail;
+  int own = 0;
+  for (const int fd : pipes()) {
+    if (before.contains(fd)) continue;
+    EXPECT_NE(fcntl(fd, F_GETFL) & O_NONBLOCK, 0);
+    EXPECT_NE(fcntl(fd, F_GETFD) & FD_CLOEXEC, 0);
+    ++own;
+  }
+  EXPECT_EQ(own, 2);
 }
 
 // In a process of its own, in which nothing is begun any more afterwards.
