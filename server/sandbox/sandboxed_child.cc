@@ -126,9 +126,10 @@ std::optional<Error> ErrorOfJson(const Json& json) {
     if (!IsShort(error.message, kMaxErrorBytes) || !IsShort(error.detail, kMaxErrorBytes))
       return std::nullopt;
     if (json.contains("reason")) {
-      const Json& reason = json.at("reason");
-      if (JsonText(reason).size() > kMaxReasonBytes) return std::nullopt;
-      error.reason = std::make_shared<const flight::Remark>(flight::RemarkOfJson(reason));
+      flight::Remark reason = flight::RemarkOfJson(json.at("reason"));
+      // Of what is a remark: arrays in arrays without end are more than the serializer's stack holds.
+      if (JsonText(flight::JsonOfRemark<Json>(reason)).size() > kMaxReasonBytes) return std::nullopt;
+      error.reason = std::make_shared<const flight::Remark>(std::move(reason));
     }
     return error;
   } catch (const Json::exception&) {

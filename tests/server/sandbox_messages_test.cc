@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/base/text/json_io.h"
 #include "core/flight/remarks/because.h"
 #include "core/pipeline/report/map_quality.h"
 #include "server/jobs/child_messages.h"
@@ -211,6 +212,14 @@ TEST(JobMessages, FiguresThatNoMapHasAreRefused) {
   EXPECT_FALSE(ParseJobMessage(Json({{"error", too_deep}}).dump()));
   EXPECT_FALSE(ParseJobMessage(Json({{"stage", std::string(33, 'a')}}).dump()));
   EXPECT_FALSE(ParseJobMessage(Json({{"fraction", 0.5}, {"message", std::string(2000, 'a')}}).dump()));
+}
+
+TEST(ErrorMessages, OneWithoutEndWithinItselfIsNoneAndHarmsNobody) {
+  constexpr std::size_t kDeep = 500'000;
+  const std::string arrays = std::string(kDeep, '[') + std::string(kDeep, ']');
+  const std::string head = R"({"code":1,"message":"","detail":"","reason":)";
+  EXPECT_FALSE(ErrorOfJson(ParseJson(head + arrays + "}")));
+  EXPECT_FALSE(ErrorOfJson(ParseJson(head + R"({"code":"no_ties","values":{"a":)" + arrays + "}}}")));
 }
 
 TEST(PreviewMessages, ComeAsTheyWereSentAndNothingElse) {
