@@ -13,6 +13,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kBeat{250};
 constexpr std::chrono::seconds kRenewEvery{3};
+// No job begins so many stages between two beats; a process that was taken over may say it does.
+constexpr std::size_t kMostUntold = 32;
 
 }  // namespace
 
@@ -75,7 +77,11 @@ void JobProgress::BeginStage(std::string_view stage) {
   latest_.stage = stage;
   latest_.message.clear();
   latest_.fraction = std::max(latest_.fraction, FractionAt(stage, 0.0));
-  untold_.push_back(latest_);
+  if (untold_.size() < kMostUntold) {
+    untold_.push_back(latest_);
+  } else {
+    untold_.back() = latest_;
+  }
 }
 
 void JobProgress::Report(double fraction, std::string_view message) {

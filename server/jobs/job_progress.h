@@ -1,7 +1,7 @@
 // JobProgress: the Progress of a job that a worker runs: writes stage and fraction to the queue (a few times
-// per second: every stage that began, of each the newest fraction), renews the lease, and notices
-// cancellation, a lost lease and the end of the worker. A thread of its own waits for the database; Report
-// never does. Any thread may report.
+// per second: every stage that began, within reason, of each the newest fraction), renews the lease, and
+// notices cancellation, a lost lease and the end of the worker. A thread of its own waits for the database;
+// Report never does. Any thread may report.
 #pragma once
 
 #include <atomic>

@@ -94,6 +94,15 @@ TEST_F(JobProgressTest, TellsOfEveryStageHoweverShort) {
   }
 }
 
+TEST_F(JobProgressTest, StagesWithoutEndDoNotKeepTheQueueBusy) {
+  JobProgress progress(queue_, lease_, is_stopping_);
+  for (int i = 0; i < 20'000; ++i) progress.BeginStage("stage" + std::to_string(i));
+  EXPECT_TRUE(Eventually([&] { return queue_.Get(job_)->stage == "stage19999"; }));
+  const auto events = storage::EventLog(*db_).After(0, {flight_, std::nullopt}, 20'000);
+  ASSERT_TRUE(events);
+  EXPECT_LT(events->size(), 1000u);
+}
+
 TEST_F(JobProgressTest, SeesTheWishToCancel) {
   JobProgress progress(queue_, lease_, is_stopping_);
   ASSERT_TRUE(queue_.Cancel(job_, storage::Now()));

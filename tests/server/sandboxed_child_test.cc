@@ -14,11 +14,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <thread>
 
+#include "server/jobs/child_messages.h"
 #include "server/preview/preview_sandboxed.h"
 #include "server/sandbox/run_sandboxed.h"
 #include "server/sandbox/sandbox.h"
@@ -37,6 +39,18 @@ constexpr std::chrono::seconds kSoon{8};  // sooner than the patience with whoev
   while (true) pause();
 }
 
+// What the process of a preview does where it is not to hang at once: as it was told by its parent's
+// variable.
+constexpr const char* kBeginsForEver = "SKYQUILT_TEST_BEGINS_FOR_EVER";
+
+void ActAsPreview(MessageReader& from_parent, MessageWriter& to_parent) {
+  const std::optional<std::string> text = from_parent.Read(std::chrono::hours(1));
+  if (!text || std::getenv(kBeginsForEver) == nullptr) return;
+  const std::string photo = ParseRequest(*text)->fresh.at(0).stored_name;
+  while (to_parent.Write(ToText(PreviewMessage(PhotoBegun{photo})))) {
+  }
+}
+
 // What a process of that command does. The exit code.
 int ActAs(std::string_view command, int parent) {
   if (command == "deaf") {
@@ -45,7 +59,7 @@ int ActAs(std::string_view command, int parent) {
   }
   return WorkForParent(parent, [&](const std::string&, MessageReader& from_parent, MessageWriter& to_parent) {
     if (command == "lingers") to_parent.Write("{}");
-    if (command == "preview-sandboxed") from_parent.Read(std::chrono::hours(1));
+    if (command == "preview-sandboxed") ActAsPreview(from_parent, to_parent);
     HangForEver();
     return 0;
   });
@@ -128,6 +142,17 @@ class HungPreview : public testing::Test {
   storage::Previews previews_{*db_};
   std::atomic<bool> is_stopping_ = false;
 };
+
+TEST_F(HungPreview, OneThatBeginsPhotosForEverHasNoTimeForEver) {
+  SandboxedPreview drawing(dir_, blobs_, previews_, {}, is_stopping_);
+  setenv(kBeginsForEver, "1", 1);
+  const Result<bool> drawn = drawing.Step();
+  unsetenv(kBeginsForEver);
+  ASSERT_TRUE(drawn) << drawn.error().detail;
+  const auto again = previews_.Claim(3);
+  ASSERT_TRUE(again);
+  EXPECT_FALSE(*again) << "its photo is passed over";
+}
 
 TEST_F(HungPreview, AStopEndsItAndItsPhotoWaitsAgain) {
   SandboxedPreview drawing(dir_, blobs_, previews_, {}, is_stopping_);
