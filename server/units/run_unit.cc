@@ -104,7 +104,8 @@ Result<void> Make(const WorkerContext& context, const storage::UnitLease& unit, 
   made.task.out_dir = out.path();
   made.task.unit = UnitToDo{kind, unit.number, unit.count, looks ? 0 : unit.items};
   const StitchedInSandbox done = StitchSandboxed(std::move(made.task), made.limits, progress);
-  if (done.has_died) out.Keep();  // the next attempt goes on from there
+  // The next attempt goes on from there; after a stop, where no other machine has it by then.
+  if (done.has_died || (context.is_stopping && !context.is_shared)) out.Keep();
   if (!done.outcome) return done.outcome.error();
   return HandIn(context, unit.flight_id, unit.units_of, kind, unit.number, out.path(), progress);
 }

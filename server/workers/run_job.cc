@@ -294,8 +294,11 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
         }
         is_unshown = published.ok();
       }
-      // The next attempt goes on from there; the last one's is swept.
-      if (made.has_died && !progress.IsCancelled() && lease.attempt < storage::kMaxAttempts) work.Keep();
+      // The next attempt goes on from there; the last one's is swept. A stop is no attempt, but where
+      // machines share the queue another one, as a rule, has the job before this one is started again.
+      const bool is_cut_off =
+          context.is_stopping ? !context.is_shared : made.has_died && lease.attempt < storage::kMaxAttempts;
+      if (is_cut_off && progress.lease_state() == LeaseState::kHeld) work.Keep();
     } catch (const std::exception& thrown) {
       failure = flight::Because(ErrorCode::kInternal, flight::RemarkCode::kFailWorkerMeans, thrown.what());
     }

@@ -3,13 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "server/jobs/worker_context.h"
 #include "server/units/cut_job.h"
 #include "server/units/end_of_work.h"
+#include "server/units/run_unit.h"
 #include "storage/blobs/folder_blobs.h"
+#include "storage/folder/sweep.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {
@@ -73,6 +78,38 @@ TEST_F(RunJobTest, WhereTheCatalogueDoesNotSayWhetherAJobIsCutItIsGivenBackAndNo
   EXPECT_EQ(next.attempt, 1);
   RunJob(context_, next);
   EXPECT_EQ((*units_.Of(lease.job_id)).at(0).count, 1);
+}
+
+TEST_F(RunJobTest, WhatAStopCutsOffTheNextStartGoesOnFrom) {
+  context_.is_shared = false;
+  context_.cut_above_files = 0;
+  const storage::Lease lease = Claimed();
+  const std::filesystem::path state = dir_.Work() / storage::WorkName(lease) / "mosaic.state";
+  std::filesystem::create_directories(state.parent_path());
+  std::ofstream(state) << "blocks";
+  is_stopping_ = true;
+  RunJob(context_, lease);
+  EXPECT_EQ(queue_.Get(lease.job_id)->state, storage::JobState::kAccepted);
+  EXPECT_TRUE(std::filesystem::exists(state));
+
+  EXPECT_EQ(storage::SweepWork(dir_, queue_, Now())->removed, 0);
+  ASSERT_TRUE(queue_.Cancel(lease.job_id, Now()));
+  EXPECT_EQ(storage::SweepWork(dir_, queue_, Now())->removed, 1);
+}
+
+TEST_F(RunJobTest, SoItIsWithAPartOfALargeFlight) {
+  context_.is_shared = false;
+  RunJob(context_, Claimed());
+  const storage::UnitLease unit = **units_.Claim("w", Now());
+  is_stopping_ = true;
+  RunUnit(context_, unit);
+  EXPECT_TRUE(*units_.Claim("w", Now()));
+  const std::filesystem::path parts = dir_.Work() / storage::UnitsWorkName(unit.units_of);
+  const auto of_attempt = [](const auto& entry) {
+    return entry.path().filename().string().starts_with("look-0.");
+  };
+  EXPECT_TRUE(std::any_of(std::filesystem::directory_iterator(parts), std::filesystem::directory_iterator(),
+                          of_attempt));
 }
 
 TEST_F(RunJobTest, AMapWhoseHeightsAreMatchedIsMadeByOneWorker) {
