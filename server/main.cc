@@ -1,6 +1,7 @@
 // skyquilt: one program, one subcommand a task.
 #include <dlfcn.h>
 #include <fmt/core.h>
+#include <signal.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -33,6 +34,9 @@ void KeepBlasToOneThread() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Where whoever started this program ignores the ends of processes, so would it: how its own ended, and
+  // that they did, nobody would know.
+  signal(SIGCHLD, SIG_DFL);
   KeepBlasToOneThread();
   CLI::App app{"Skyquilt: from a drone's SD card to a map in the browser"};
   app.require_subcommand(1);

@@ -61,6 +61,17 @@ class Kills(ServerTestCase):
         self.assertEqual(server.stop(), 0)
         self.check_ended_well(self.serve(), flight_id, job_id)
 
+    def test_a_server_whose_starter_ignores_the_ends_of_processes_sees_those_of_its_own(self):
+        before = signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # inherited
+        try:
+            server = self.serve("--workers", "1")
+        finally:
+            signal.signal(signal.SIGCHLD, before)
+        for _ in range(2):  # a worker makes one map, and another is started when it has ended
+            _, job_id = self.start_job(server)
+            self.assertEqual(server.wait_for_job(job_id)["state"], "successful", server.errors())
+        self.assertEqual(server.stop(), 0)
+
     def test_a_job_waits_for_a_worker_across_restarts(self):
         server = self.serve("--workers", "0")
         flight_id, job_id = self.start_job(server)
