@@ -8,6 +8,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -26,12 +27,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// RLIMIT_CPU's signal is sent at the soft limit; the hard one stays where it was, so that it can be moved on.
-void Limit(int resource, rlim_t soft, bool is_final) {
+// At RLIMIT_CPU a signal comes, which a process can ignore; so much later it is killed.
+constexpr rlim_t kCpuBeyondSignalS = 5;
+
+// For good: the process may move its soft limit `beyond` that, and no further.
+void Limit(int resource, rlim_t soft, rlim_t beyond = 0) {
   rlimit limit{};
   getrlimit(static_cast<__rlimit_resource>(resource), &limit);
-  limit.rlim_cur = soft < limit.rlim_max ? soft : limit.rlim_max;
-  if (is_final) limit.rlim_max = limit.rlim_cur;
+  limit.rlim_cur = std::min(soft, limit.rlim_max);
+  limit.rlim_max = std::min(soft + beyond, limit.rlim_max);
   setrlimit(static_cast<__rlimit_resource>(resource), &limit);
 }
 
@@ -184,20 +188,20 @@ int LandlockVersion() {
 }
 
 void LimitThisProcess(const ProcessLimits& limits) {
-  Limit(RLIMIT_CORE, 0, true);
+  Limit(RLIMIT_CORE, 0);
   if (limits.more_memory_bytes) {
-    Limit(RLIMIT_AS, static_cast<rlim_t>(AddressSpaceBytes() + *limits.more_memory_bytes), true);
+    Limit(RLIMIT_AS, static_cast<rlim_t>(AddressSpaceBytes() + *limits.more_memory_bytes));
   }
   if (limits.more_data_bytes) {
-    Limit(RLIMIT_DATA, static_cast<rlim_t>(DataBytes() + *limits.more_data_bytes), true);
+    Limit(RLIMIT_DATA, static_cast<rlim_t>(DataBytes() + *limits.more_data_bytes));
   }
   if (limits.more_cpu_s) {
     rusage used{};
     getrusage(RUSAGE_SELF, &used);
     Limit(RLIMIT_CPU, static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec + *limits.more_cpu_s),
-          false);
+          kCpuBeyondSignalS);
   }
-  if (limits.file_bytes) Limit(RLIMIT_FSIZE, static_cast<rlim_t>(*limits.file_bytes), true);
+  if (limits.file_bytes) Limit(RLIMIT_FSIZE, static_cast<rlim_t>(*limits.file_bytes));
 }
 
 void StepBack() {

@@ -100,6 +100,17 @@ TEST_F(SandboxTest, ThreadsMemoryAndTimeGoOn) {
             0);
 }
 
+TEST_F(SandboxTest, TimeOfTheProcessorHasAnEndThatNoSignalHandlerPutsOff) {
+  EXPECT_EQ(Ends([] {
+              LimitThisProcess({.more_cpu_s = 1});
+              signal(SIGXCPU, SIG_IGN);
+              rlimit limit{};
+              if (getrlimit(RLIMIT_CPU, &limit) != 0) return 1;
+              return limit.rlim_cur >= 1 && limit.rlim_max > limit.rlim_cur && limit.rlim_max < 60 ? 0 : 2;
+            }),
+            0);
+}
+
 TEST_F(SandboxTest, WhatBelongsToOthersIsOutOfReach) {
   REQUIRE_LANDLOCK();
   for (const auto& path :
