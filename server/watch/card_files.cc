@@ -143,7 +143,7 @@ void CardFiles::Walk(const fs::path& root) {
   }
 }
 
-void CardFiles::Look() {
+void CardFiles::Look(const std::function<bool()>& go_on) {
   folders_.clear();
   away_.clear();
   has_too_many_ = false;
@@ -152,6 +152,7 @@ void CardFiles::Look() {
   std::erase_if(files_, [](const auto& entry) { return !entry.second.is_seen; });
   const CardFile::Clock::time_point now = CardFile::Clock::now();
   for (auto& [path, file] : files_) {
+    if (go_on && !go_on()) return;
     const bool is_still = now - file.changed_at >= std::min(kStandsStill, settle_);
     // A copying program may have made the file as long as it will be, and fill it.
     const bool may_have_ended = file.kind == CardKind::kCut && now - file.read_at >= settle_;

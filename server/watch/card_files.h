@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -48,8 +49,9 @@ class CardFiles {
   explicit CardFiles(std::vector<std::filesystem::path> roots, std::chrono::milliseconds settle)
       : roots_(std::move(roots)), settle_(settle) {}
 
-  // Looks again. What changed is read when it has stood still.
-  void Look();
+  // Looks again. What changed is read when it has stood still, and, as that takes minutes on a full card,
+  // while `go_on` (absent: always) says so.
+  void Look(const std::function<bool()>& go_on = nullptr);
   const std::map<std::filesystem::path, CardFile>& files() const { return files_; }
   std::map<std::filesystem::path, CardFile>& files() { return files_; }
   const std::vector<std::filesystem::path>& folders() const { return folders_; }  // found by the last look

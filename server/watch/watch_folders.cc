@@ -34,7 +34,7 @@ class Watch {
 
   Result<WatchEnd> Run() {
     while (!talk_.IsCancelled()) {
-      card_.Look();
+      card_.Look([this] { return !talk_.IsCancelled(); });
       TellWhatIsThere();
       const CardFile::Clock::time_point now = CardFile::Clock::now();
       bool is_all_done = card_.roots_away().empty();
