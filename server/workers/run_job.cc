@@ -77,6 +77,13 @@ void AdoptEarlierAttempt(const storage::DataDir& dir, const storage::Lease& leas
   }
 }
 
+// What jobs that ended elsewhere left here: a machine of workers alone has no server that sweeps.
+void SweepEnded(const WorkerContext& context) {
+  const Result<storage::SweepReport> swept = storage::SweepWork(context.dir, context.queue, storage::Now());
+  if (!swept) return LogFailure("-", "sweep of work", swept.error().message + " " + swept.error().detail);
+  for (const std::string& line : swept->moved) LogEvent(line);
+}
+
 // The map that the flight shows now; 0 when it has none.
 Result<std::int64_t> ShownRevision(const WorkerContext& context, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> revisions, context.catalogue.Revisions(flight_id));
@@ -251,6 +258,7 @@ void KeepCost(WorkerContext& context, const storage::Lease& lease, const StitchO
 void RunJob(WorkerContext& context, const storage::Lease& lease) {
   LogEvent(
       fmt::format("job {} of flight {} begins (attempt {})", lease.job_id, lease.flight_id, lease.attempt));
+  if (context.is_shared) SweepEnded(context);
   std::optional<Error> failure;
   bool is_unshown = false;  // the map is made, and the catalogue did not take it
   LeaseState state = LeaseState::kHeld;

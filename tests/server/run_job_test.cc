@@ -112,6 +112,17 @@ TEST_F(RunJobTest, SoItIsWithAPartOfALargeFlight) {
                           of_attempt));
 }
 
+TEST_F(RunJobTest, AMachineOfWorkersAloneKeepsNothingOfJobsThatEnded) {
+  const storage::Lease ended = Claimed();
+  const std::filesystem::path left = dir_.Work() / storage::WorkName(ended);
+  std::filesystem::create_directories(left);
+  ASSERT_TRUE(queue_.Dismiss(ended, Now()));
+  ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
+  is_stopping_ = true;
+  RunJob(context_, Claimed());
+  EXPECT_FALSE(std::filesystem::exists(left));
+}
+
 TEST_F(RunJobTest, AMapWhoseHeightsAreMatchedIsMadeByOneWorker) {
   storage::Lease lease = Claimed();
   lease.options = R"({"surface":"dense"})";
