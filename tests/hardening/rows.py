@@ -140,6 +140,18 @@ INPUT = ("What others made", [
       "SystemCalls.NoProgramsAndNoProcesses", "SystemCalls.WhatOnlyAnAttackAsksForIsDeadly",
       "confinement_test.py test_the_process_of_a_job_holds_nothing_but_its_folder",
       "confinement_test.py test_without_landlock_the_rest_holds_and_the_log_says_so"]),
+    ("a decoder taken over, against its parent: takes back what it said before that is read, talks without end, ignores the signal "
+     "at the end of its time, nests an error half a million deep",
+     "read for ever, past every limit; the catalogue busy; the parent gone",
+     "the parent's reads and writes never block, what is said is bounded and checked before it is written out, and time ends by SIGKILL",
+     ["SandboxedChild.ReadingAndWritingNeverBlock", "MessagePipe.WhoAlwaysHasMoreToSayKeepsNobodyListening",
+      "ErrorMessages.OneWithoutEndWithinItselfIsNoneAndHarmsNobody", "JobProgressTest.StagesWithoutEndDoNotKeepTheQueueBusy",
+      "HungPreview.OneThatBeginsPhotosForEverHasNoTimeForEver", "SandboxTest.TimeOfTheProcessorHasAnEndThatNoSignalHandlerPutsOff"]),
+    ("a decoder that hangs, and a stop or a cancelled job", "waited for it for up to 30 s",
+     "it is killed at once, and no file is blamed",
+     ["SandboxedChild.OneThatDoesNotReadItsTaskIsWaitedForOnlyWhileItIsWanted",
+      "SandboxedChild.OneThatDoesNotEndAfterItsLastWordIsWaitedForOnlyWhileItIsWanted",
+      "RunSandboxed.WhatAStopEndsIsNotTheFaultOfItsFiles", "HungPreview.AStopEndsItAndItsPhotoWaitsAgain"]),
 ])
 
 LOAD = ("Load", [
