@@ -1,6 +1,6 @@
 // EventLog: the events of flights and jobs, in order, for clients that follow them or reconnect. Triggers of
-// the database write it (storage/db/schema.sql), so that no change can be missed; only the newest tens of
-// thousands are kept. Any thread. Errors: kUnavailable, kIo.
+// the database write it (storage/db/schema_sqlite.sql), so that no change can be missed; only the newest tens
+// of thousands are kept. Any thread. Errors: kUnavailable, kIo.
 #pragma once
 
 #include <cstdint>

@@ -44,7 +44,7 @@ class NodeTasks {
 };
 
 // The end of a task, to be told to the address that came with it. A trigger of the database writes these
-// (storage/db/schema.sql); one process delivers.
+// (storage/db/schema_sqlite.sql); one process delivers.
 struct NodeDelivery {
   std::string uuid;  // of the task
   std::string job_id;

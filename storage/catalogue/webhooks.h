@@ -1,6 +1,6 @@
 // Webhooks: who is to be notified of ended jobs and new maps, and the deliveries still to be made. Deliveries
-// are rows that triggers of the database write (storage/db/schema.sql). Any thread, any number of processes,
-// of which one delivers. Errors: kNotFound, kUnavailable, kOutOfSpace, kIo.
+// are rows that triggers of the database write (storage/db/schema_sqlite.sql). Any thread, any number of
+// processes, of which one delivers. Errors: kNotFound, kUnavailable, kOutOfSpace, kIo.
 #pragma once
 
 #include <chrono>

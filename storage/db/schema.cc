@@ -5,32 +5,62 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/try.h"
 
 namespace skyquilt::storage {
 
-extern const std::string_view kCatalogueSchema;  // storage/db/schema.sql
-extern const std::string_view kCatalogue13To14;  // storage/db/steps/schema_14.sql
-extern const std::string_view kCatalogue14To15;  // storage/db/steps/schema_15.sql
-extern const std::string_view kCatalogue15To16;  // storage/db/steps/schema_16.sql
-extern const std::string_view kCatalogue16To17;  // storage/db/steps/schema_17.sql
-extern const std::string_view kCatalogue17To18;  // storage/db/steps/schema_18.sql
-extern const std::string_view kCatalogue18To19;  // storage/db/steps/schema_19.sql
-extern const std::string_view kCatalogue19To20;  // storage/db/steps/schema_20.sql
-extern const std::string_view kCatalogue20To21;  // storage/db/steps/schema_21.sql
-extern const std::string_view kCatalogue21To22;  // storage/db/steps/schema_22.sql
-extern const std::string_view kCatalogue22To23;  // storage/db/steps/schema_23.sql
-extern const std::string_view kCatalogue23To24;  // storage/db/steps/schema_24.sql
+extern const std::string_view kCatalogueSchema;    // storage/db/schema.sql
+extern const std::string_view kSqliteSchema;       // storage/db/schema_sqlite.sql
+extern const std::string_view kPostgresTables;     // storage/db/postgres/schema_postgres.sql
+extern const std::string_view kPostgresFunctions;  // storage/db/postgres/functions_postgres.sql
+extern const std::string_view kCatalogue13To14;    // storage/db/steps/schema_14.sql
+extern const std::string_view kCatalogue14To15;    // storage/db/steps/schema_15.sql
+extern const std::string_view kCatalogue15To16;    // storage/db/steps/schema_16.sql
+extern const std::string_view kCatalogue16To17;    // storage/db/steps/schema_17.sql
+extern const std::string_view kCatalogue17To18;    // storage/db/steps/schema_18.sql
+extern const std::string_view kCatalogue18To19;    // storage/db/steps/schema_19.sql
+extern const std::string_view kCatalogue19To20;    // storage/db/steps/schema_20.sql
+extern const std::string_view kCatalogue20To21;    // storage/db/steps/schema_21.sql
+extern const std::string_view kCatalogue21To22;    // storage/db/steps/schema_22.sql
+extern const std::string_view kCatalogue22To23;    // storage/db/steps/schema_23.sql
+extern const std::string_view kCatalogue23To24;    // storage/db/steps/schema_24.sql
 
 namespace {
 
-constexpr int kFirstVersion = 13;
-// From each version since to the next.
+constexpr int kFirstVersion = 13, kFirstPostgresVersion = 16;
+// From each version since the first to the next.
 constexpr std::array kSteps = {&kCatalogue13To14, &kCatalogue14To15, &kCatalogue15To16, &kCatalogue16To17,
                                &kCatalogue17To18, &kCatalogue18To19, &kCatalogue19To20, &kCatalogue20To21,
                                &kCatalogue21To22, &kCatalogue22To23, &kCatalogue23To24};
 static_assert(kFirstVersion + kSteps.size() == kSchemaVersion);
+
+// SQL as it is written for SQLite, in the words of the connection's engine. Texts are compared by their bytes
+// in either.
+std::string WordsFor(const SqlConnection& db, std::string_view sql) {
+  std::string words(sql);
+  if (db.dialect() == Dialect::kSqlite) return words;
+  using Word = std::pair<std::string_view, std::string_view>;
+  constexpr std::array kInPostgres = {Word{"CAST(strftime('%s', 'now') AS INTEGER) * 1000000", "now_us()"},
+                                      Word{" TEXT", " TEXT COLLATE \"C\""},
+                                      Word{" INTEGER", " BIGINT"},
+                                      Word{" REAL", " DOUBLE PRECISION"},
+                                      Word{" BLOB", " BYTEA"},
+                                      Word{") STRICT;", ");"}};
+  for (const auto& [from, to] : kInPostgres) {
+    for (std::size_t at = words.find(from); at != std::string::npos; at = words.find(from, at + to.size()))
+      words.replace(at, from.size(), to);
+  }
+  return words;
+}
+
+// A catalogue of an earlier version to this one.
+Result<void> StepFrom(SqlConnection& db, int version) {
+  for (auto step = static_cast<std::size_t>(version - kFirstVersion); step < kSteps.size(); ++step)
+    SKYQUILT_TRY(db.Exec(WordsFor(db, *kSteps[step])));
+  return {};
+}
 
 // What a catalogue of another version is refused with, in every engine.
 Error OtherVersion(int version) {
@@ -54,35 +84,16 @@ Result<void> PrepareSchema(SqliteDb& db) {
   if (version == kSchemaVersion) return {};
   if (version != 0 && (version < kFirstVersion || version > kSchemaVersion)) return OtherVersion(version);
   if (version == 0) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogueSchema)));
+    SKYQUILT_TRY(db.Exec(WordsFor(db, kCatalogueSchema)));
+    SKYQUILT_TRY(db.Exec(std::string(kSqliteSchema)));
   } else {
-    for (int from = version; from < kSchemaVersion; ++from) {
-      SKYQUILT_TRY(db.Exec(std::string(*kSteps[static_cast<std::size_t>(from - kFirstVersion)])));
-    }
+    SKYQUILT_TRY(StepFrom(db, version));
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();
 }
 
-extern const std::string_view kPostgresTables;     // storage/db/postgres/schema_postgres.sql
-extern const std::string_view kPostgresFunctions;  // storage/db/postgres/functions_postgres.sql
-extern const std::string_view kPostgres16To17;     // storage/db/postgres/schema_17_postgres.sql
-extern const std::string_view kPostgres17To18;     // storage/db/postgres/schema_18_postgres.sql
-extern const std::string_view kPostgres18To19;     // storage/db/postgres/schema_19_postgres.sql
-extern const std::string_view kPostgres19To20;     // storage/db/postgres/schema_20_postgres.sql
-extern const std::string_view kPostgres20To21;     // storage/db/postgres/schema_21_postgres.sql
-extern const std::string_view kPostgres21To22;     // storage/db/postgres/schema_22_postgres.sql
-extern const std::string_view kPostgres22To23;     // storage/db/postgres/schema_23_postgres.sql
-extern const std::string_view kPostgres23To24;     // storage/db/postgres/schema_24_postgres.sql
-
 namespace {
-
-constexpr int kFirstPostgresVersion = 16;
-// From each version since to the next.
-constexpr std::array kPostgresSteps = {&kPostgres16To17, &kPostgres17To18, &kPostgres18To19,
-                                       &kPostgres19To20, &kPostgres20To21, &kPostgres21To22,
-                                       &kPostgres22To23, &kPostgres23To24};
-static_assert(kFirstPostgresVersion + kPostgresSteps.size() == kSchemaVersion);
 
 Result<bool> HasTable(SqlConnection& db, std::string_view name) {
   return db.Finds("SELECT 1 FROM pg_tables WHERE schemaname=current_schema() AND tablename=?", name);
@@ -94,14 +105,6 @@ Result<int> PostgresVersion(SqlConnection& db) {
   if (!is_there) return 0;
   SKYQUILT_TRY_ASSIGN(const std::int64_t version, db.Number("SELECT version FROM catalogue_version"));
   return static_cast<int>(version);
-}
-
-Result<void> StepFrom(PostgresDb& db, int version) {
-  for (int from = version; from < kSchemaVersion; ++from) {
-    SKYQUILT_TRY(
-        db.Exec(std::string(*kPostgresSteps[static_cast<std::size_t>(from - kFirstPostgresVersion)])));
-  }
-  return {};
 }
 
 }  // namespace
@@ -147,8 +150,8 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
         "database, or a schema with ?schema=NAME. Nothing was changed.",
         ""};
   }
+  SKYQUILT_TRY(db.Exec(WordsFor(db, kCatalogueSchema)));
   SKYQUILT_TRY(db.Exec(std::string(kPostgresTables)));
-  SKYQUILT_TRY(StepFrom(db, kFirstPostgresVersion));
   SKYQUILT_TRY(db.Exec(std::string(kPostgresFunctions)));
   SKYQUILT_TRY(db.Exec(fmt::format("INSERT INTO catalogue_version VALUES(1, {}, pg_postmaster_start_time())",
                                    kSchemaVersion)));

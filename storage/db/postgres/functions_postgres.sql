@@ -1,4 +1,4 @@
--- What happens by itself in a catalogue in PostgreSQL: the triggers of schema.sql, and the claim of a job.
+-- What happens by itself in a catalogue in PostgreSQL: the triggers of schema_sqlite.sql, and the claim of a job.
 
 -- Deleting a photo deletes the whole preview: the remaining photos are drawn anew.
 CREATE FUNCTION previewed_file_gone() RETURNS TRIGGER LANGUAGE plpgsql AS $$ BEGIN

@@ -12,14 +12,12 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
 #include "storage/db/postgres/postgres_statement.h"
+#include "storage/db/schema.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/postgres/postgres_fixture.h"
 
 namespace skyquilt::storage {
-
-extern const std::string_view kCatalogueSchema;  // storage/db/schema.sql
-
 namespace {
 
 TEST_F(PostgresTest, KeepsValuesOfEveryKind) {
@@ -232,7 +230,7 @@ std::set<std::string> ColumnsOf(SqlConnection& db, const char* sql) {
 
 TEST_F(PostgresTest, HasTheTablesAndColumnsOfSqlite) {
   auto sqlite = *SqliteDb::Open(path(), OpenMode::kReadWriteCreate);
-  ASSERT_TRUE(sqlite.Exec(std::string(kCatalogueSchema)));
+  ASSERT_TRUE(PrepareSchema(sqlite));
   const auto here = ColumnsOf(
       sqlite,
       "SELECT m.name || '.' || c.name FROM sqlite_master m JOIN pragma_table_info(m.name) c"
@@ -245,6 +243,12 @@ TEST_F(PostgresTest, HasTheTablesAndColumnsOfSqlite) {
   // The order matters to INSERT INTO revision VALUES.
   const char* const kOrder = "west";
   EXPECT_TRUE(there.contains(std::string("revision.") + kOrder));
+}
+
+TEST_F(PostgresTest, OrdersTextsByTheirBytesWhateverItsLocale) {
+  EXPECT_EQ(Number("SELECT count(*) FROM information_schema.columns WHERE table_schema=current_schema()"
+                   " AND data_type='text' AND collation_name IS DISTINCT FROM 'C'"),
+            0);
 }
 
 }  // namespace
