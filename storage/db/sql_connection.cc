@@ -24,15 +24,9 @@ Result<Transaction> Transaction::Begin(SqlConnection& db, std::string_view fligh
   return Transaction(db);
 }
 
-Transaction::Transaction(Transaction&& other) noexcept : db_(std::exchange(other.db_, nullptr)) {}
-
-Transaction::~Transaction() {
-  if (db_ != nullptr) db_->RollbackTransaction();
-}
-
 Result<void> Transaction::Commit() {
   SKYQUILT_TRY(db_->CommitTransaction());
-  db_ = nullptr;
+  static_cast<void>(db_.release());
   return {};
 }
 
@@ -41,11 +35,8 @@ Result<UnsyncedCommits> UnsyncedCommits::Begin(SqlConnection& db) {
   return UnsyncedCommits(db);
 }
 
-UnsyncedCommits::UnsyncedCommits(UnsyncedCommits&& other) noexcept : db_(std::exchange(other.db_, nullptr)) {}
-
-UnsyncedCommits::~UnsyncedCommits() {
-  if (db_ == nullptr) return;
-  const Result<void> synced = db_->SyncCommits(true);
+void UnsyncedCommits::SyncAgain::operator()(SqlConnection* db) const {
+  const Result<void> synced = db->SyncCommits(true);
   SKYQUILT_CHECK(synced.ok(), "commits can wait for the disk again");
 }
 

@@ -276,16 +276,14 @@ class Transaction {
  public:
   // `flight`: the only one whose rows depend on what is read here; empty: any.
   static Result<Transaction> Begin(SqlConnection& db, std::string_view flight = {});
-  ~Transaction();
-  Transaction(Transaction&& other) noexcept;
-  Transaction& operator=(Transaction&&) = delete;
-  Transaction(const Transaction&) = delete;
-  Transaction& operator=(const Transaction&) = delete;
   Result<void> Commit();
 
  private:
+  struct Rollback {
+    void operator()(SqlConnection* db) const { db->RollbackTransaction(); }
+  };
   explicit Transaction(SqlConnection& db) : db_(&db) {}
-  SqlConnection* db_;
+  std::unique_ptr<SqlConnection, Rollback> db_;
 };
 
 // While it lives, commits of this connection do not wait for the disk, and leave checkpoints to later ones. A
@@ -294,15 +292,13 @@ class Transaction {
 class UnsyncedCommits {
  public:
   static Result<UnsyncedCommits> Begin(SqlConnection& db);
-  ~UnsyncedCommits();
-  UnsyncedCommits(UnsyncedCommits&& other) noexcept;
-  UnsyncedCommits& operator=(UnsyncedCommits&&) = delete;
-  UnsyncedCommits(const UnsyncedCommits&) = delete;
-  UnsyncedCommits& operator=(const UnsyncedCommits&) = delete;
 
  private:
+  struct SyncAgain {
+    void operator()(SqlConnection* db) const;
+  };
   explicit UnsyncedCommits(SqlConnection& db) : db_(&db) {}
-  SqlConnection* db_;
+  std::unique_ptr<SqlConnection, SyncAgain> db_;
 };
 
 }  // namespace skyquilt::storage

@@ -181,39 +181,28 @@ Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode
   return db;
 }
 
-SqliteDb::~SqliteDb() { sqlite3_close_v2(handle_); }
-
-SqliteDb::SqliteDb(SqliteDb&& other) noexcept
-    : SqlConnection(std::move(other)), handle_(std::exchange(other.handle_, nullptr)) {}
-
-SqliteDb& SqliteDb::operator=(SqliteDb&& other) noexcept {
-  if (this != &other) {
-    sqlite3_close_v2(handle_);
-    handle_ = std::exchange(other.handle_, nullptr);
-  }
-  return *this;
-}
+void SqliteDb::Closer::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 
 Result<void> SqliteDb::Exec(const std::string& sql) {
-  const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
-  if (code != SQLITE_OK) return SqliteErrorOf(handle_, code, sql);
+  const int code = sqlite3_exec(handle_.get(), sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) return SqliteErrorOf(handle_.get(), code, sql);
   return {};
 }
 
 Result<Statement> SqliteDb::Prepare(std::string_view sql) {
   sqlite3_stmt* handle = nullptr;
-  const int code = sqlite3_prepare_v3(handle_, sql.data(), static_cast<int>(sql.size()),
+  const int code = sqlite3_prepare_v3(handle_.get(), sql.data(), static_cast<int>(sql.size()),
                                       SQLITE_PREPARE_PERSISTENT, &handle, nullptr);
-  if (code != SQLITE_OK) return SqliteError(code, sql, sqlite3_errmsg(handle_));
+  if (code != SQLITE_OK) return SqliteError(code, sql, sqlite3_errmsg(handle_.get()));
   return Statement(std::make_unique<SqliteStatement>(handle));
 }
 
-std::int64_t SqliteDb::Changes() const { return sqlite3_changes64(handle_); }
+std::int64_t SqliteDb::Changes() const { return sqlite3_changes64(handle_.get()); }
 
 Result<void> SqliteDb::Close() {
-  const int code = sqlite3_close(handle_);
+  const int code = sqlite3_close(handle_.get());
   SKYQUILT_CHECK(code != SQLITE_BUSY, "a database was closed before its statements");
-  handle_ = nullptr;
+  static_cast<void>(handle_.release());
   if (code != SQLITE_OK) return SqliteError(code, "close", "");
   return {};
 }

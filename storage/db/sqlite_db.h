@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -27,11 +28,6 @@ class SqliteDb final : public SqlConnection {
  public:
   static Result<SqliteDb> Open(const std::filesystem::path& path, OpenMode mode);
   SqliteDb() = default;
-  ~SqliteDb() override;
-  SqliteDb(SqliteDb&& other) noexcept;
-  SqliteDb& operator=(SqliteDb&& other) noexcept;
-  SqliteDb(const SqliteDb&) = delete;
-  SqliteDb& operator=(const SqliteDb&) = delete;
 
   Result<void> Exec(const std::string& sql) override;
   Result<Statement> Prepare(std::string_view sql) override;
@@ -47,7 +43,10 @@ class SqliteDb final : public SqlConnection {
   Result<void> CommitTransaction() override;
   void RollbackTransaction() override;
   Result<void> SyncCommits(bool on) override;
-  sqlite3* handle_ = nullptr;
+  struct Closer {
+    void operator()(sqlite3* handle) const;
+  };
+  std::unique_ptr<sqlite3, Closer> handle_;
 };
 
 }  // namespace skyquilt::storage

@@ -5,7 +5,6 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <optional>
 #include <thread>
@@ -88,27 +87,20 @@ Error PostgresDb::Failed(const pg_result* result, std::string_view what) {
 
 Result<void> PostgresDb::Connect() {
   // What stands in the URL comes after the first ones and overrides them.
-  const std::array keywords = {"connect_timeout",
-                               "keepalives_idle",
-                               "keepalives_interval",
-                               "keepalives_count",
-                               "tcp_user_timeout",
-                               "fallback_application_name",
-                               "dbname",
-                               "client_encoding",
-                               place_.password.empty() ? nullptr : "password",
-                               static_cast<const char*>(nullptr)};
-  const std::array values = {"5",
-                             "5",
-                             "2",
-                             "3",
-                             "10000",
-                             "skyquilt",
-                             place_.url.c_str(),
-                             "UTF8",
-                             place_.password.c_str(),
-                             static_cast<const char*>(nullptr)};
-  handle_ = PQconnectdbParams(keywords.data(), values.data(), 1);
+  const char* const password = place_.password.empty() ? nullptr : "password";
+  const char* const keywords[] = {"connect_timeout",
+                                  "keepalives_idle",
+                                  "keepalives_interval",
+                                  "keepalives_count",
+                                  "tcp_user_timeout",
+                                  "fallback_application_name",
+                                  "dbname",
+                                  "client_encoding",
+                                  password,
+                                  nullptr};
+  const char* const values[] = {
+      "5", "5", "2", "3", "10000", "skyquilt", place_.url.c_str(), "UTF8", place_.password.c_str(), nullptr};
+  handle_ = PQconnectdbParams(keywords, values, 1);
   // What the server remarks is in the errors, where it matters; the library would print it.
   PQsetNoticeProcessor(
       handle_, [](void*, const char*) {}, nullptr);
@@ -357,16 +349,10 @@ Result<void> PostgresDb::CommitTransaction() {
   SKYQUILT_TRY(EnsureOpen());
   bool was_undone = false;
   const Result<void> committed = CommitAndFlush(was_undone);
-  if (!committed && handle_ == nullptr) {
-    in_transaction_ = false;
-    return AskAfter(transaction_, committed.error());
-  }
-  if (!committed) return committed.error();
-  if (was_undone) {
-    in_transaction_ = false;
-    return Error{ErrorCode::kInternal, "The change was undone by an earlier error.", "commit"};
-  }
+  if (!committed && handle_ != nullptr) return committed.error();
   in_transaction_ = false;
+  if (!committed) return AskAfter(transaction_, committed.error());
+  if (was_undone) return Error{ErrorCode::kInternal, "The change was undone by an earlier error.", "commit"};
   return {};
 }
 
