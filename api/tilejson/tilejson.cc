@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
@@ -168,11 +167,7 @@ Result<Value> LayerDocument(Service& service, const Request& request, const stor
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight.id));
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MapTiles> reader, FindLayer(*tileset, layer));
   const auto zoom = [&](const char* key, int otherwise) {
-    const auto found = reader->metadata().find(key);
-    if (found != reader->metadata().end()) {
-      std::from_chars(found->second.data(), found->second.data() + found->second.size(), otherwise);
-    }
-    return otherwise;
+    return storage::TilesetNumber(reader->metadata(), key, otherwise);
   };
   const storage::Revision& revision = tileset->revision;
   Value document =

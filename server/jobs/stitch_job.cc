@@ -49,12 +49,13 @@ Result<void> MakeFolder(const std::filesystem::path& folder) {
 Result<void> WriteUtm(const std::filesystem::path& mbtiles, const StitchJobOptions& options,
                       const pipeline::MosaicReport& report, const std::filesystem::path& out_dir,
                       Progress& progress) {
-  const storage::UtmOptions utm{report.bounds,
-                                report.min_zoom,
-                                report.max_zoom,
-                                options.mosaic.OutputGsdM(report.gsd_m),
-                                options.mosaic.jpeg_quality,
-                                options.mosaic.threads};
+  const double pixel_m = options.mosaic.OutputGsdM(report.gsd_m);
+  const storage::WarpTilesOptions utm{.bounds = report.bounds,
+                                      .min_zoom = report.min_zoom,
+                                      .max_zoom = report.max_zoom,
+                                      .target = {.pixel_x = pixel_m, .pixel_y = pixel_m},
+                                      .jpeg_quality = options.mosaic.jpeg_quality,
+                                      .threads = options.mosaic.threads};
   return storage::WriteUtmGeotiff(mbtiles, out_dir / "mosaic_utm.tif", utm, progress);
 }
 

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -26,8 +25,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "the file is written in the byte order of the machine");
 
-using Metadata = std::map<std::string, std::string>;
-
 constexpr std::uint8_t kVersion = 3, kGzip = 2, kUncompressed = 1;
 
 struct TileRow {
@@ -43,15 +40,6 @@ struct Layout {
   std::uint64_t bytes = 0;
   int min_zoom = 0, max_zoom = 0;
 };
-
-Result<Metadata> ReadMetadata(SqliteDb& db) {
-  SKYQUILT_TRY_ASSIGN(auto rows, db.Prepare("SELECT name, value FROM metadata"));
-  Metadata metadata;
-  SKYQUILT_TRY(rows.Each([&](const Statement& row) {
-    metadata[std::string(row.ColumnText(0))] = std::string(row.ColumnText(1));
-  }));
-  return metadata;
-}
 
 Result<Layout> LayOut(SqliteDb& db) {
   SKYQUILT_TRY_ASSIGN(const std::vector<TableTile> table, ReadTileTable(db));
@@ -86,7 +74,7 @@ Result<Layout> LayOut(SqliteDb& db) {
   return layout;
 }
 
-std::string MetadataJson(const Metadata& metadata) {
+std::string MetadataJson(const TilesetFacts& metadata) {
   nlohmann::ordered_json json;
   for (const char* name : {"name", "description", "attribution", "type", "version", "generator", "fringe"}) {
     if (const auto found = metadata.find(name); found != metadata.end()) json[name] = found->second;
@@ -97,26 +85,22 @@ std::string MetadataJson(const Metadata& metadata) {
 }
 
 // The numbers of a comma-separated list.
-std::vector<double> Numbers(const Metadata& metadata, const char* name, std::size_t count) {
+std::vector<double> Numbers(const TilesetFacts& metadata, const char* name, std::size_t count) {
   std::vector<double> numbers;
-  if (const auto found = metadata.find(name); found != metadata.end()) {
-    std::istringstream text(found->second);
-    text.imbue(std::locale::classic());
-    double value = 0.0;
-    while (numbers.size() < count && text >> value) {
-      numbers.push_back(value);
-      text.ignore(1);
-    }
+  std::istringstream text(TilesetText(metadata, name));
+  text.imbue(std::locale::classic());
+  double value = 0.0;
+  while (numbers.size() < count && text >> value) {
+    numbers.push_back(value);
+    text.ignore(1);
   }
   numbers.resize(count, 0.0);
   return numbers;
 }
 
-std::uint8_t TileType(const Metadata& metadata) {
-  const auto found = metadata.find("format");
-  const std::string format = found != metadata.end() ? found->second : "";
-  return static_cast<std::uint8_t>(
-      image::PmtilesTypeOf(image::PictureFormatNamed(format).value_or(image::PictureFormat::kJpeg)));
+std::uint8_t TileType(const TilesetFacts& metadata) {
+  const auto format = image::PictureFormatNamed(TilesetText(metadata, "format"));
+  return static_cast<std::uint8_t>(image::PmtilesTypeOf(format.value_or(image::PictureFormat::kJpeg)));
 }
 
 class HeaderBytes {
@@ -137,7 +121,7 @@ class HeaderBytes {
   std::string bytes_ = "PMTiles";
 };
 
-std::string Header(const Layout& layout, const Metadata& metadata, const PmtilesDirectories& directories,
+std::string Header(const Layout& layout, const TilesetFacts& metadata, const PmtilesDirectories& directories,
                    std::size_t metadata_bytes) {
   const std::uint64_t metadata_at = kPmtilesHeaderBytes + directories.root.size();
   const std::uint64_t leaves_at = metadata_at + metadata_bytes;
@@ -173,8 +157,7 @@ class StreamedPmtiles final : public StreamedFile {
 
 }  // namespace
 
-Result<std::shared_ptr<const StreamedFile>> LayOutPmtiles(SqliteDb& mbtiles) {
-  SKYQUILT_TRY_ASSIGN(const Metadata metadata, ReadMetadata(mbtiles));
+Result<std::shared_ptr<const StreamedFile>> LayOutPmtiles(SqliteDb& mbtiles, const TilesetFacts& metadata) {
   SKYQUILT_TRY_ASSIGN(Layout layout, LayOut(mbtiles));
   const PmtilesDirectories directories = MakePmtilesDirectories(layout.entries);
   const std::string about = Gzip(MetadataJson(metadata));
@@ -191,8 +174,9 @@ Result<std::shared_ptr<const StreamedFile>> LayOutPmtiles(SqliteDb& mbtiles) {
 Result<void> WritePmtiles(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
                           Progress& progress) {
   SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
-  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const StreamedFile> streamed, LayOutPmtiles(db));
   SKYQUILT_TRY_ASSIGN(const auto tiles, MbtilesReader::Open(mbtiles));
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const StreamedFile> streamed,
+                      LayOutPmtiles(db, tiles->metadata()));
   SKYQUILT_TRY_ASSIGN(auto file, StreamFile::Create(path));
   file->Write(streamed->head());
   for (std::size_t i = 0; i < streamed->PieceCount(); ++i) {

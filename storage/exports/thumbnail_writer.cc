@@ -75,10 +75,9 @@ Result<void> WriteThumbnail(const std::filesystem::path& cog, const std::filesys
   AddGdalWords(words, {"-of", "PNG", "-r", "average", "-outsize", side(map->GetRasterXSize()),
                        side(map->GetRasterYSize())});
   if (map->GetRasterCount() == 3) AddGdalWords(words, {"-b", "1", "-b", "2", "-b", "3", "-b", "mask"});
-  std::filesystem::path temporary = path;
-  temporary += ".tmp";
-  if (!TranslateRaster(*map, temporary.c_str(), words, nullptr)) return failed();
-  return PublishFile(temporary, path);
+  const TemporaryFile made(path, ".tmp");
+  if (!TranslateRaster(*map, made.c_str(), words, nullptr)) return failed();
+  return PublishFile(made.path(), path);
 }
 
 }  // namespace skyquilt::storage

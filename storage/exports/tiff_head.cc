@@ -114,59 +114,43 @@ void TiffHead::AddLevels(const std::vector<GridLevel>& grid, std::vector<Entry> 
   const bool has_masks = tiles_ == TiffTiles::kJpeg;
   bytes_ += StructureNote(has_masks);
   for (std::size_t i = 0; i < grid.size(); ++i) {
-    std::vector<Entry> image = ImageEntries(grid[i], i > 0);
+    std::vector<Entry> image = EntriesOf(grid[i], i > 0, false);
     if (i == 0) std::move(of_finest.begin(), of_finest.end(), std::back_inserter(image));
     images_.push_back(AddDirectory(std::move(image)));
-    if (has_masks) masks_.push_back(AddDirectory(MaskEntries(grid[i], i > 0)));
+    if (has_masks) masks_.push_back(AddDirectory(EntriesOf(grid[i], i > 0, true)));
   }
 }
 
-void TiffHead::AddPlaces(const GridLevel& level, std::vector<Entry>& entries) const {
-  const auto count = static_cast<std::uint64_t>(level.CellCount());
-  entries.push_back({kImageWidth, kLong, 1, Packed({static_cast<std::uint32_t>(level.width_px)})});
-  entries.push_back({kImageLength, kLong, 1, Packed({static_cast<std::uint32_t>(level.height_px)})});
-  entries.push_back({kTileWidth, kShort, 1, Packed({static_cast<std::uint16_t>(tile_size_px_)})});
-  entries.push_back({kTileLength, kShort, 1, Packed({static_cast<std::uint16_t>(tile_size_px_)})});
-  entries.push_back({kTileOffsets, is_big_ ? kLong8 : kLong, count, std::string(count * OffsetSize(), '\0')});
-  entries.push_back({kTileByteCounts, kLong, count, std::string(count * 4, '\0')});
-  entries.push_back({kPlanarConfiguration, kShort, 1, Packed<std::uint16_t>({1})});
-}
-
-std::vector<TiffHead::Entry> TiffHead::ImageEntries(const GridLevel& level, bool is_overview) const {
+std::vector<TiffHead::Entry> TiffHead::EntriesOf(const GridLevel& level, bool is_overview,
+                                                 bool is_mask) const {
   const bool is_jpeg = tiles_ == TiffTiles::kJpeg;
-  const std::uint16_t samples = is_jpeg ? 3 : 4;
-  std::string bits, formats;
-  for (int i = 0; i < samples; ++i) {
-    Append<std::uint16_t>(bits, 8);
-    Append<std::uint16_t>(formats, 1);
-  }
+  const auto cells = static_cast<std::uint64_t>(level.CellCount());
+  const int samples = is_mask ? 1 : is_jpeg ? 3 : 4;
   std::vector<Entry> entries;
-  AddPlaces(level, entries);
-  if (is_overview) entries.push_back({kNewSubfileType, kLong, 1, Packed<std::uint32_t>({kReducedImage})});
-  entries.push_back({kBitsPerSample, kShort, samples, bits});
-  entries.push_back({kSampleFormat, kShort, samples, formats});
-  entries.push_back({kSamplesPerPixel, kShort, 1, Packed<std::uint16_t>({samples})});
-  entries.push_back(
-      {kCompression, kShort, 1, Packed<std::uint16_t>({is_jpeg ? kJpegCompression : kWebpCompression})});
-  entries.push_back({kPhotometric, kShort, 1, Packed<std::uint16_t>({is_jpeg ? kYcbcr : kRgb})});
-  if (is_jpeg) {
-    entries.push_back({kYcbcrSubsampling, kShort, 2, Packed<std::uint16_t>({2, 2})});
-  } else {
-    entries.push_back({kExtraSamples, kShort, 1, Packed<std::uint16_t>({kUnassociatedAlpha})});
-  }
-  return entries;
-}
-
-std::vector<TiffHead::Entry> TiffHead::MaskEntries(const GridLevel& level, bool is_overview) const {
-  const std::uint32_t kind = is_overview ? kMaskImage | kReducedImage : kMaskImage;
-  std::vector<Entry> entries;
-  AddPlaces(level, entries);
-  entries.push_back({kNewSubfileType, kLong, 1, Packed<std::uint32_t>({kind})});
-  entries.push_back({kBitsPerSample, kShort, 1, Packed<std::uint16_t>({1})});
-  entries.push_back({kSampleFormat, kShort, 1, Packed<std::uint16_t>({1})});
-  entries.push_back({kSamplesPerPixel, kShort, 1, Packed<std::uint16_t>({1})});
-  entries.push_back({kCompression, kShort, 1, Packed<std::uint16_t>({kDeflateCompression})});
-  entries.push_back({kPhotometric, kShort, 1, Packed<std::uint16_t>({kMaskPhotometric})});
+  const auto add_long = [&](Tag tag, std::int64_t value) {
+    entries.push_back({tag, kLong, 1, Packed({static_cast<std::uint32_t>(value)})});
+  };
+  const auto add_shorts = [&](Tag tag, int value, int times = 1) {
+    std::string values;
+    for (int i = 0; i < times; ++i) Append(values, static_cast<std::uint16_t>(value));
+    entries.push_back({tag, kShort, static_cast<std::uint64_t>(times), std::move(values)});
+  };
+  add_long(kImageWidth, level.width_px);
+  add_long(kImageLength, level.height_px);
+  add_shorts(kTileWidth, tile_size_px_);
+  add_shorts(kTileLength, tile_size_px_);
+  entries.push_back({kTileOffsets, is_big_ ? kLong8 : kLong, cells, std::string(cells * OffsetSize(), '\0')});
+  entries.push_back({kTileByteCounts, kLong, cells, std::string(cells * 4, '\0')});
+  add_shorts(kPlanarConfiguration, 1);
+  if (is_mask || is_overview)
+    add_long(kNewSubfileType, (is_mask ? kMaskImage : 0) | (is_overview ? kReducedImage : 0));
+  add_shorts(kBitsPerSample, is_mask ? 1 : 8, samples);
+  add_shorts(kSampleFormat, 1, samples);
+  add_shorts(kSamplesPerPixel, samples);
+  add_shorts(kCompression, is_mask ? kDeflateCompression : is_jpeg ? kJpegCompression : kWebpCompression);
+  add_shorts(kPhotometric, is_mask ? kMaskPhotometric : is_jpeg ? kYcbcr : kRgb);
+  if (is_jpeg && !is_mask) add_shorts(kYcbcrSubsampling, 2, 2);
+  if (!is_jpeg) add_shorts(kExtraSamples, kUnassociatedAlpha);
   return entries;
 }
 

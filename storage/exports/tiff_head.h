@@ -49,9 +49,7 @@ class TiffHead {
     std::size_t offsets_at = 0;  // position in bytes_
     std::size_t sizes_at = 0;
   };
-  std::vector<Entry> ImageEntries(const GridLevel& level, bool is_overview) const;
-  std::vector<Entry> MaskEntries(const GridLevel& level, bool is_overview) const;
-  void AddPlaces(const GridLevel& level, std::vector<Entry>& entries) const;
+  std::vector<Entry> EntriesOf(const GridLevel& level, bool is_overview, bool is_mask) const;
   void AddLevels(const std::vector<GridLevel>& grid, std::vector<Entry> of_finest);
   static std::vector<Entry> GeoEntries(const TiffPlace& place);
   Entry SchemeEntry(const GridLevel& level) const;

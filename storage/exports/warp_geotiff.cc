@@ -109,7 +109,7 @@ Result<void> WarpGeotiff(const std::filesystem::path& geotiff, const std::filesy
       GDALDataset::Open(geotiff.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(progress);
   const std::string threads = GdalThreads(options.threads);
-  const TemporaryTiff warped(path, ".warped.tmp"), made(path, ".tmp");
+  const TemporaryFile warped(path, ".warped.tmp"), made(path, ".tmp");
   if (options.window) {
     SKYQUILT_TRY(MakeCog(geotiff.c_str(), made.c_str(), options, threads, 0.0, progress));
     return PublishFile(made.path(), path);

@@ -64,7 +64,7 @@ struct BandsWriter::Work {
   std::filesystem::path path;
   int threads;
   Progress& progress;
-  TemporaryTiff raw, made;
+  TemporaryFile raw, made;
   std::unique_ptr<GDALDataset> dataset;
   int block_px = 0;
   image::PixelBox covered;

@@ -31,7 +31,7 @@ int ForwardGdalProgress(double fraction, const char*, void* step) {
   return told.progress.IsCancelled() ? FALSE : TRUE;
 }
 
-TemporaryTiff::~TemporaryTiff() {
+TemporaryFile::~TemporaryFile() {
   std::error_code gone;  // what stays is overwritten by the next run
   std::filesystem::remove(path_, gone);
 }

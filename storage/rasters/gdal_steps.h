@@ -49,12 +49,12 @@ struct GdalStep {
 int ForwardGdalProgress(double fraction, const char* message, void* step);
 
 // Gone at the end of the scope, where it is still there.
-class TemporaryTiff {
+class TemporaryFile {
  public:
-  TemporaryTiff(std::filesystem::path path, const char* ending) : path_(std::move(path)) { path_ += ending; }
-  ~TemporaryTiff();
-  TemporaryTiff(const TemporaryTiff&) = delete;
-  TemporaryTiff& operator=(const TemporaryTiff&) = delete;
+  TemporaryFile(std::filesystem::path path, const char* ending) : path_(std::move(path)) { path_ += ending; }
+  ~TemporaryFile();
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
   const char* c_str() const { return path_.c_str(); }
   const std::filesystem::path& path() const { return path_; }
 

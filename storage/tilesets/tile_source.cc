@@ -7,13 +7,14 @@
 namespace skyquilt::storage {
 
 image::TileEncoding EncodingOf(const TilesetFacts& metadata) {
-  const auto is_webp = [&](const char* key) {
-    const auto found = metadata.find(key);
-    return found != metadata.end() && found->second == "webp";
-  };
-  return is_webp("fringe")   ? image::TileEncoding::kJpegWebp
-         : is_webp("format") ? image::TileEncoding::kWebp
-                             : image::TileEncoding::kJpegPng;
+  return TilesetText(metadata, "fringe") == "webp"   ? image::TileEncoding::kJpegWebp
+         : TilesetText(metadata, "format") == "webp" ? image::TileEncoding::kWebp
+                                                     : image::TileEncoding::kJpegPng;
+}
+
+std::string TilesetText(const TilesetFacts& metadata, const char* key) {
+  const auto found = metadata.find(key);
+  return found == metadata.end() ? "" : found->second;
 }
 
 int TilesetNumber(const TilesetFacts& metadata, const char* key, int fallback) {

@@ -42,6 +42,8 @@ class MapTiles : public TileSource {
 
 // What a tileset says of its tiles, where each may still be of any format.
 image::TileEncoding EncodingOf(const TilesetFacts& metadata);
+// "name", "format"; empty where it says nothing.
+std::string TilesetText(const TilesetFacts& metadata, const char* key);
 // "minzoom", "tile_size"; `fallback` where it says no number.
 int TilesetNumber(const TilesetFacts& metadata, const char* key, int fallback);
 std::optional<geo::LatLonBounds> TilesetBounds(const TilesetFacts& metadata);

@@ -1,7 +1,6 @@
 #include "storage/exports/custom/clip_tileset.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -89,11 +88,6 @@ class Clip {
   int max_zoom_ = -1;
 };
 
-std::string TextOf(const std::map<std::string, std::string>& metadata, const char* key) {
-  const auto found = metadata.find(key);
-  return found == metadata.end() ? "" : found->second;
-}
-
 }  // namespace
 
 Result<void> ClipTileset(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
@@ -116,9 +110,9 @@ Result<void> ClipTileset(const std::filesystem::path& mbtiles, const std::filesy
   if (clip.is_empty())
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kExportNothingWithin);
   TilesetMetadata written;
-  written.name = TextOf(metadata, "name");
-  written.description = TextOf(metadata, "description");
-  written.attribution = TextOf(metadata, "attribution");
+  written.name = TilesetText(metadata, "name");
+  written.description = TilesetText(metadata, "description");
+  written.attribution = TilesetText(metadata, "attribution");
   written.generator = "Skyquilt";
   written.bounds =
       options.boundary == nullptr ? facts.bounds : Common(facts.bounds, options.boundary->Bounds());

@@ -20,6 +20,7 @@
 #include "storage/exports/warped/warp_tiles.h"
 #include "storage/files/publish_file.h"
 #include "storage/rasters/band_raster.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {
@@ -29,31 +30,12 @@ namespace fs = std::filesystem;
 
 constexpr int kWebMercatorEpsg = 3857;
 
-// Gone at the end of the scope.
-class ScratchFile {
- public:
-  explicit ScratchFile(fs::path path) : path_(std::move(path)) {}
-  ~ScratchFile() {
-    std::error_code gone;  // what stays is its folder's owner's to remove
-    fs::remove(path_, gone);
-  }
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 Result<void> CopyWhole(const fs::path& from, const fs::path& path) {
-  fs::path temporary = path;
-  temporary += ".tmp";
+  const TemporaryFile copy(path, ".tmp");
   std::error_code error;
-  fs::copy_file(from, temporary, fs::copy_options::overwrite_existing, error);
-  if (!error) return PublishFile(temporary, path);
-  const Error failure = FileError("cannot write", temporary, error.value());
-  fs::remove(temporary, error);
-  return failure;
+  fs::copy_file(from, copy.path(), fs::copy_options::overwrite_existing, error);
+  if (error) return FileError("cannot write", copy.path(), error.value());
+  return PublishFile(copy.path(), path);
 }
 
 // The pixel of a GeoTIFF, in metres on the ground: as wanted, or the photos', but none finer than is stored.
@@ -82,7 +64,7 @@ Result<geo::Bounds2> ReachOfValues(const ExportRequest& request, const MapFacts&
 
 Result<void> WriteIndex(const IndexSource& source, const ExportRequest& request, const fs::path& work_folder,
                         const fs::path& path, const ExportOptions& options, Progress& progress) {
-  const ScratchFile grid(work_folder / "index.tif");
+  const TemporaryFile grid(work_folder / "index.tif", "");
   progress.BeginStage("gather");
   SKYQUILT_TRY(WriteIndexGrid(source, ExpressionOf(request), IndexNameOf(request),
                               request.boundary ? &*request.boundary : nullptr, grid.path(), progress));
@@ -132,7 +114,7 @@ Result<void> ExportMap(const ExportSource& source, const ExportRequest& request,
   const bool is_geotiff = request.format == ExportFormat::kGeotiff;
   const int zoom = is_geotiff ? map.max_zoom : ZoomOfExport(request, map);
   const bool is_cut = request.boundary.has_value() || zoom < map.max_zoom;
-  const ScratchFile cut(work_folder / "cut.mbtiles");
+  const TemporaryFile cut(work_folder / "cut.mbtiles", "");
   if (is_cut) {
     progress.BeginStage("cut");
     const ClipOptions clip{request.boundary ? &*request.boundary : nullptr, zoom, options.quality};

@@ -115,7 +115,7 @@ Result<void> WriteLines(GDALDataset& lines, const std::filesystem::path& folder,
                         Progress& progress) {
   const std::filesystem::path path = folder / fmt::format("contours{}", file.ending);
   // GDAL knows formats by their endings.
-  const TemporaryTiff made(folder / "contours.tmp", file.ending);
+  const TemporaryFile made(folder / "contours.tmp", file.ending);
   std::error_code gone;  // what cannot be removed cannot be written either, which is said
   std::filesystem::remove(made.path(), gone);
   CPLStringList words;

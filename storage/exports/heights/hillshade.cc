@@ -19,7 +19,7 @@ Result<void> WriteHillshade(const std::filesystem::path& heights, int threads, P
       GDALDataset::Open(heights.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(progress);
   const std::filesystem::path path = heights.parent_path() / "dsm_hillshade.tif";
-  const TemporaryTiff made(path, ".tmp");
+  const TemporaryFile made(path, ".tmp");
   CPLStringList words;
   AddGdalWords(words, {"-of", "COG", "-multidirectional", "-compute_edges", "-co", "COMPRESS=DEFLATE"});
   AddGdalWords(words, {"-co", "PREDICTOR=YES", "-co", "OVERVIEW_RESAMPLING=AVERAGE", "-co",

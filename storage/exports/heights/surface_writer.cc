@@ -21,8 +21,19 @@
 namespace skyquilt::storage {
 namespace {
 
-constexpr const char* kWritingHeights = "writing dsm.tif";
-constexpr const char* kWritingGround = "writing dtm.tif";
+// The files that are written, those of the ground on request alone.
+struct SurfaceFileFacts {
+  const char* name;
+  GDALDataType type;
+  WarpedPixels pixels;
+  const char* message;
+};
+constexpr std::array kSurfaceFiles = {
+    SurfaceFileFacts{"dsm.tif", GDT_Float32, WarpedPixels::kHeights, "writing dsm.tif"},
+    SurfaceFileFacts{"dsm_photos.tif", GDT_Byte, WarpedPixels::kCounts, "writing dsm.tif"},
+    SurfaceFileFacts{"dtm.tif", GDT_Float32, WarpedPixels::kHeights, "writing dtm.tif"},
+    SurfaceFileFacts{"dtm_ground.tif", GDT_Byte, WarpedPixels::kCounts, "writing dtm.tif"}};
+
 constexpr int kBlockCells = 512;
 constexpr double kMeanRadiusM = 6'371'000.0;
 // The Earth bends away from the frame's plane, by a square; between places so far apart a line follows it to
@@ -54,6 +65,7 @@ bool ReadOrWrite(GDALRWFlag way, GDALDataset& raster, const surface::CellBox& bo
 }  // namespace
 
 struct SurfaceWriter::Work {
+  enum Place : std::size_t { kHeights, kPhotos, kGround, kSeen };  // in kSurfaceFiles
   std::filesystem::path folder;
   geo::LocalFrame frame;
   geo::LatLon map_middle;
@@ -61,9 +73,9 @@ struct SurfaceWriter::Work {
   double mean_z_m;
   int threads;
   Progress& progress;
-  TemporaryTiff raw_heights, raw_photos, raw_ground, raw_seen;
-  std::unique_ptr<GDALDataset> heights, photos, ground, seen;
+  std::array<TemporaryFile, kSurfaceFiles.size()> raw;
   surface::GroundBelow* below;  // null: the ground is not wanted
+  std::array<std::unique_ptr<GDALDataset>, kSurfaceFiles.size()> rasters = {};
   double raised_m = 0.0;
   std::int64_t shown = 0, measured = 0;
 
@@ -76,8 +88,7 @@ struct SurfaceWriter::Work {
   std::vector<double> BendsOf(const surface::CellBox& box) const;
   // Once all heights are there.
   Result<void> PutGround();
-  Result<void> PublishAs(const char* name, const TemporaryTiff& raw, WarpedPixels pixels, int epsg,
-                         const char* message) const;
+  std::size_t FileCount() const { return below != nullptr ? kSurfaceFiles.size() : std::size_t{kGround}; }
 };
 
 Result<void> SurfaceWriter::Work::PutGround() {
@@ -88,27 +99,16 @@ Result<void> SurfaceWriter::Work::PutGround() {
                                  std::min(kBlockCells, grid.rows - row)};
       std::vector<float> heights_m(box.Count());
       std::vector<std::uint8_t> agreeing(box.Count());
-      if (!ReadOrWrite(GF_Read, *heights, box, heights_m.data(), GDT_Float32) ||
-          !ReadOrWrite(GF_Read, *photos, box, agreeing.data(), GDT_Byte))
+      if (!ReadOrWrite(GF_Read, *rasters[kHeights], box, heights_m.data(), GDT_Float32) ||
+          !ReadOrWrite(GF_Read, *rasters[kPhotos], box, agreeing.data(), GDT_Byte))
         return LastGdalError(progress);
       surface::GroundModel under = below->GroundOf(box, heights_m, agreeing);
-      if (!ReadOrWrite(GF_Write, *ground, box, under.heights_m.data(), GDT_Float32) ||
-          !ReadOrWrite(GF_Write, *seen, box, under.is_ground.data(), GDT_Byte))
+      if (!ReadOrWrite(GF_Write, *rasters[kGround], box, under.heights_m.data(), GDT_Float32) ||
+          !ReadOrWrite(GF_Write, *rasters[kSeen], box, under.is_ground.data(), GDT_Byte))
         return LastGdalError(progress);
     }
   }
   return {};
-}
-
-Result<void> SurfaceWriter::Work::PublishAs(const char* name, const TemporaryTiff& raw, WarpedPixels pixels,
-                                            int epsg, const char* message) const {
-  WarpOptions warp;
-  warp.target.epsg = epsg;
-  warp.target.pixel_x = warp.target.pixel_y = grid.cell_m;
-  warp.threads = threads;
-  warp.message = message;
-  warp.pixels = pixels;
-  return WarpGeotiff(raw.path(), folder / name, warp, progress);
 }
 
 std::vector<double> SurfaceWriter::Work::BendsOf(const surface::CellBox& box) const {
@@ -139,23 +139,19 @@ std::vector<double> SurfaceWriter::Work::BendsOf(const surface::CellBox& box) co
 SurfaceWriter::SurfaceWriter(const std::filesystem::path& folder, const geo::LocalFrame& frame,
                              const geo::LatLon& map_middle, const surface::SurfaceGrid& grid, double mean_z_m,
                              int threads, surface::GroundBelow* ground, Progress& progress, double raised_m)
-    : work_(new Work{folder,
-                     frame,
-                     map_middle,
-                     grid,
-                     mean_z_m,
-                     threads,
-                     progress,
-                     {folder / "dsm.tif", ".raw.tmp"},
-                     {folder / "dsm_photos.tif", ".raw.tmp"},
-                     {folder / "dtm.tif", ".raw.tmp"},
-                     {folder / "dtm_ground.tif", ".raw.tmp"},
-                     nullptr,
-                     nullptr,
-                     nullptr,
-                     nullptr,
-                     ground,
-                     raised_m}) {}
+    : work_(new Work{.folder = folder,
+                     .frame = frame,
+                     .map_middle = map_middle,
+                     .grid = grid,
+                     .mean_z_m = mean_z_m,
+                     .threads = threads,
+                     .progress = progress,
+                     .raw = {{{folder / kSurfaceFiles[0].name, ".raw.tmp"},
+                              {folder / kSurfaceFiles[1].name, ".raw.tmp"},
+                              {folder / kSurfaceFiles[2].name, ".raw.tmp"},
+                              {folder / kSurfaceFiles[3].name, ".raw.tmp"}}},
+                     .below = ground,
+                     .raised_m = raised_m}) {}
 SurfaceWriter::~SurfaceWriter() = default;
 
 Result<void> SurfaceWriter::Begin() {
@@ -178,17 +174,12 @@ Result<void> SurfaceWriter::Begin() {
       scale * (grid.south_west_in_enu - 0.5 * grid.cell_m * Eigen::Vector2d::Ones());
   const std::array<double, 6> transform = {corner.x(), cell_m, 0.0, corner.y() + grid.rows * cell_m,
                                            0.0,        -cell_m};
-  work.heights = CreateRaw(work.raw_heights.c_str(), grid, GDT_Float32, system, transform);
-  work.photos = CreateRaw(work.raw_photos.c_str(), grid, GDT_Byte, system, transform);
-  if (work.below) {
-    work.ground = CreateRaw(work.raw_ground.c_str(), grid, GDT_Float32, system, transform);
-    work.seen = CreateRaw(work.raw_seen.c_str(), grid, GDT_Byte, system, transform);
-  }
-  if (!work.heights || !work.photos || (work.below && (!work.ground || !work.seen)))
-    return LastGdalError(work.progress);
-  for (GDALDataset* raster : {work.heights.get(), work.ground.get()}) {
-    if (raster != nullptr &&
-        raster->GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN()) != CE_None)
+  for (std::size_t i = 0; i < work.FileCount(); ++i) {
+    const GDALDataType type = kSurfaceFiles[i].type;
+    work.rasters[i] = CreateRaw(work.raw[i].c_str(), grid, type, system, transform);
+    if (!work.rasters[i]) return LastGdalError(work.progress);
+    if (type == GDT_Float32 && work.rasters[i]->GetRasterBand(1)->SetNoDataValue(
+                                   std::numeric_limits<double>::quiet_NaN()) != CE_None)
       return LastGdalError(work.progress);
   }
   return {};
@@ -213,26 +204,30 @@ Result<void> SurfaceWriter::Put(const surface::SurfaceBlock& block) {
   }
   const surface::CellBox from_north{box.column, work.grid.rows - box.row - box.rows, box.columns, box.rows};
   if (work.below) work.below->Add(from_north, heights, photos);
-  if (!ReadOrWrite(GF_Write, *work.heights, from_north, heights.data(), GDT_Float32) ||
-      !ReadOrWrite(GF_Write, *work.photos, from_north, photos.data(), GDT_Byte))
+  if (!ReadOrWrite(GF_Write, *work.rasters[Work::kHeights], from_north, heights.data(), GDT_Float32) ||
+      !ReadOrWrite(GF_Write, *work.rasters[Work::kPhotos], from_north, photos.data(), GDT_Byte))
     return LastGdalError(work.progress);
   return {};
 }
 
 Result<void> SurfaceWriter::Publish() {
   Work& work = *work_;
-  SKYQUILT_CHECK(work.heights && work.photos, "heights are published once, after Begin");
+  SKYQUILT_CHECK(work.rasters[Work::kHeights] && work.rasters[Work::kPhotos],
+                 "heights are published once, after Begin");
   if (work.below) SKYQUILT_TRY(work.PutGround());
-  for (std::unique_ptr<GDALDataset>* raster : {&work.heights, &work.photos, &work.ground, &work.seen}) {
-    if (*raster && !IsClosedWell(std::move(*raster))) return LastGdalError(work.progress);
+  for (std::unique_ptr<GDALDataset>& raster : work.rasters) {
+    if (raster && !IsClosedWell(std::move(raster))) return LastGdalError(work.progress);
   }
-  SKYQUILT_TRY_ASSIGN(const int epsg, UtmEpsg(work.map_middle));
-  SKYQUILT_TRY(work.PublishAs("dsm.tif", work.raw_heights, WarpedPixels::kHeights, epsg, kWritingHeights));
-  SKYQUILT_TRY(
-      work.PublishAs("dsm_photos.tif", work.raw_photos, WarpedPixels::kCounts, epsg, kWritingHeights));
-  if (!work.below) return {};
-  SKYQUILT_TRY(work.PublishAs("dtm.tif", work.raw_ground, WarpedPixels::kHeights, epsg, kWritingGround));
-  return work.PublishAs("dtm_ground.tif", work.raw_seen, WarpedPixels::kCounts, epsg, kWritingGround);
+  WarpOptions warp;
+  SKYQUILT_TRY_ASSIGN(warp.target.epsg, UtmEpsg(work.map_middle));
+  warp.target.pixel_x = warp.target.pixel_y = work.grid.cell_m;
+  warp.threads = work.threads;
+  for (std::size_t i = 0; i < work.FileCount(); ++i) {
+    warp.message = kSurfaceFiles[i].message;
+    warp.pixels = kSurfaceFiles[i].pixels;
+    SKYQUILT_TRY(WarpGeotiff(work.raw[i].path(), work.folder / kSurfaceFiles[i].name, warp, work.progress));
+  }
+  return {};
 }
 
 double SurfaceWriter::MeasuredShare() const {

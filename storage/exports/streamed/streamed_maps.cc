@@ -20,7 +20,8 @@ Result<OpenStreamed> StreamedMaps::Open(const std::filesystem::path& mbtiles, co
   std::shared_ptr<const StreamedFile> file = files_.Find(name);
   if (file == nullptr) {
     SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
-    SKYQUILT_TRY_ASSIGN(file, is_pmtiles ? LayOutPmtiles(db) : LayOutCog(db, tiles->metadata()));
+    SKYQUILT_TRY_ASSIGN(file,
+                        is_pmtiles ? LayOutPmtiles(db, tiles->metadata()) : LayOutCog(db, tiles->metadata()));
     files_.Keep(name, file, file->memory_bytes());
   }
   // The name may be of any characters.

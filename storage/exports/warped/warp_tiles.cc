@@ -56,34 +56,30 @@ SourceLevel LevelFor(double pixel_in_merc_m, const WarpTilesOptions& options, in
   return {zoom, tile_size_px};
 }
 
-class Warper {
- public:
-  // `whole`: all that there is, for a source that no tiles are as coarse as; null: tiles are.
-  Warper(MapTiles& tiles, const TargetGrid& grid, const SourceLevel& source, double source_px_per_m,
-         const SourceReach& reach, const SourceWindow* whole, const ResamplingKernel& kernel,
-         const std::vector<GridLevel>& levels, const CogCells& cells)
-      : tiles_(tiles),
-        grid_(grid),
-        source_(source),
-        source_px_per_m_(source_px_per_m),
-        reach_(reach),
-        whole_(whole),
-        kernel_(kernel),
-        levels_(levels),
-        cells_(cells) {}
+struct Warper {
+  MapTiles& tiles;
+  const TargetGrid& grid;
+  SourceLevel source;
+  double source_px_per_m;
+  SourceReach reach;
+  // All that there is, for a source that no tiles are as coarse as; null: tiles are.
+  const SourceWindow* whole;
+  const ResamplingKernel& kernel;
+  const std::vector<GridLevel>& levels;
+  const CogCells& cells;
 
   Result<Unit> Make(const BlockId& top) const {
     Unit unit;
     std::optional<SourceWindow> window;
-    if (whole_ == nullptr) {
+    if (whole == nullptr) {
       SKYQUILT_TRY_ASSIGN(window, WindowBelow(top));
     }
-    SKYQUILT_TRY_ASSIGN(unit.top, MakeBlock(top, window ? &*window : whole_, unit));
+    SKYQUILT_TRY_ASSIGN(unit.top, MakeBlock(top, window ? &*window : whole, unit));
     return unit;
   }
 
   EncodedBlock Encode(const BlockId& id, const image::RgbaImage& pixels) const {
-    const CogCell cell = cells_.Encode(pixels);
+    const CogCell cell = cells.Encode(pixels);
     EncodedBlock block{id, {}, cell.image.size(), cell.mask.size()};
     if (cell.image.empty()) return block;
     AppendBlock(cell.image, block.bytes);
@@ -91,7 +87,6 @@ class Warper {
     return block;
   }
 
- private:
   Result<std::optional<image::RgbaImage>> MakeBlock(const BlockId& id, const SourceWindow* window,
                                                     Unit& unit) const {
     std::optional<image::RgbaImage> pixels;
@@ -100,7 +95,7 @@ class Warper {
     } else {
       std::vector<std::optional<image::RgbaImage>> children(4);
       for (int i = 0; i < 4; ++i) {
-        if (!IsWithin(levels_, id.Child(i))) continue;
+        if (!IsWithin(levels, id.Child(i))) continue;
         SKYQUILT_TRY_ASSIGN(children[static_cast<std::size_t>(i)], MakeBlock(id.Child(i), window, unit));
       }
       pixels = Above(children);
@@ -113,7 +108,7 @@ class Warper {
     std::optional<SourceWindow> own;
     if (window == nullptr) {
       SKYQUILT_TRY_ASSIGN(own, WindowBelow(id));
-      if (!own) return TargetGrid::Unreachable(grid_.place().epsg);
+      if (!own) return TargetGrid::Unreachable(grid.place().epsg);
       window = &*own;
     }
     const std::vector<Eigen::Vector2d> places = PlacesIn(id, kStepsOfBlock);
@@ -124,17 +119,17 @@ class Warper {
         corners[j][i] = places[j * corners[j].size() + i] - corner;
     }
     auto block = image::RgbaImage::Transparent(kWarpedBlockPx, kWarpedBlockPx);
-    if (!ResampleBlock(*window, corners, kernel_, block)) return std::optional<image::RgbaImage>();
+    if (!ResampleBlock(*window, corners, kernel, block)) return std::optional<image::RgbaImage>();
     return std::optional(std::move(block));
   }
 
   // In the source's pixels: of the corners of so many steps across and down a block of the finest level.
   std::vector<Eigen::Vector2d> PlacesIn(const BlockId& finest, int steps) const {
-    std::vector<Eigen::Vector2d> places = grid_.CornersInMerc(
+    std::vector<Eigen::Vector2d> places = grid.CornersInMerc(
         finest.column * kWarpedBlockPx, finest.row * kWarpedBlockPx, kWarpedStepPx, steps + 1, steps + 1);
     for (Eigen::Vector2d& place : places) {
       place = Eigen::Vector2d(place.x() + geo::kMercHalfWidthM, geo::kMercHalfWidthM - place.y()) *
-              source_px_per_m_;
+              source_px_per_m;
     }
     return places;
   }
@@ -147,21 +142,11 @@ class Warper {
          PlacesIn({0, block.column * side, block.row * side}, kStepsOfBlock * static_cast<int>(side))) {
       if (place.allFinite()) below.Include(place);
     }
-    const SourceReach window = reach_.Within(below, kernel_.size() + 1.0);
+    const SourceReach window = reach.Within(below, kernel.size() + 1.0);
     if (window.IsLargerThan(kMaxWindowPx)) return std::optional<SourceWindow>();
-    SKYQUILT_TRY_ASSIGN(SourceWindow loaded, LoadWindow(tiles_, source_, window));
+    SKYQUILT_TRY_ASSIGN(SourceWindow loaded, LoadWindow(tiles, source, window));
     return std::optional(std::move(loaded));
   }
-
-  MapTiles& tiles_;
-  const TargetGrid& grid_;
-  const SourceLevel source_;
-  const double source_px_per_m_;
-  const SourceReach reach_;
-  const SourceWindow* const whole_;
-  const ResamplingKernel& kernel_;
-  const std::vector<GridLevel>& levels_;
-  const CogCells& cells_;
 };
 
 Error Cancelled() { return {ErrorCode::kCancelled, "The job was cancelled.", ""}; }
@@ -234,8 +219,8 @@ Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const
       options.target.is_coarser ? ResamplingKernel::Average(ratio) : ResamplingKernel::Cubic(ratio);
   const std::vector<GridLevel> levels = LevelsOver(grid->width_px(), grid->height_px());
   const CogCells cells(TiffTiles::kJpeg, kWarpedBlockPx, options.jpeg_quality);
-  const Warper warper(tiles, *grid, source, source_px_per_m, reach, whole ? &*whole : nullptr, kernel, levels,
-                      cells);
+  const Warper warper{tiles,  *grid,  source, source_px_per_m, reach, whole ? &*whole : nullptr,
+                      kernel, levels, cells};
 
   std::filesystem::path beside = path;
   beside += ".blocks.tmp";
@@ -283,18 +268,11 @@ Result<int> UtmEpsg(const geo::LatLon& position) {
 }
 
 Result<void> WriteUtmGeotiff(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
-                             const UtmOptions& options, Progress& progress) {
-  WarpTilesOptions warp;
-  SKYQUILT_TRY_ASSIGN(warp.target.epsg, UtmEpsg(options.bounds.Middle()));
-  warp.bounds = options.bounds;
-  warp.min_zoom = options.min_zoom;
-  warp.max_zoom = options.max_zoom;
-  warp.target.pixel_x = warp.target.pixel_y = options.pixel_m;
-  warp.jpeg_quality = options.jpeg_quality;
-  warp.threads = options.threads;
-  warp.message = "writing the UTM GeoTIFF";
+                             WarpTilesOptions options, Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(options.target.epsg, UtmEpsg(options.bounds.Middle()));
+  options.message = "writing the UTM GeoTIFF";
   SKYQUILT_TRY_ASSIGN(const auto tiles, MbtilesReader::Open(mbtiles));
-  return WarpTiles(*tiles, path, warp, progress);
+  return WarpTiles(*tiles, path, options, progress);
 }
 
 }  // namespace skyquilt::storage

@@ -36,20 +36,13 @@ struct WarpTilesOptions {
 Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const WarpTilesOptions& options,
                        Progress& progress);
 
-struct UtmOptions {
-  geo::LatLonBounds bounds;        // of the map; their middle decides the zone
-  int min_zoom = 0, max_zoom = 0;  // that it has
-  double pixel_m = 0.05;           // on the ground
-  int jpeg_quality = 85;
-  int threads = 0;  // 0 = all cores
-};
-
 // The EPSG code of the UTM zone of a place (326xx, 327xx), Norway's and Svalbard's wider zones included.
 // kUnprocessable beyond 84 degrees north and 80 south.
 Result<int> UtmEpsg(const geo::LatLon& position);
 
-// For programs that measure in metres on the ground.
+// For programs that measure in metres on the ground. The middle of the bounds decides the zone, and with it
+// `options.target.epsg`.
 Result<void> WriteUtmGeotiff(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
-                             const UtmOptions& options, Progress& progress);
+                             WarpTilesOptions options, Progress& progress);
 
 }  // namespace skyquilt::storage

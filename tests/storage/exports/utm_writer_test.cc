@@ -37,8 +37,9 @@ TEST(WriteUtmGeotiff, KeepsEveryPlaceAndTheMask) {
       geo::LatLonFromMerc({middle_merc.x(), middle_merc.y() + geo::TileSizeInMercM(19)});
   const geo::Bounds2 whole{geo::TileId::Make(19, 272500, 184703)->BoundsInMerc().min,
                            geo::TileId::Make(19, 272503, 184700)->BoundsInMerc().max};
-  const auto written = WriteUtmGeotiff(folder.path() / "map.mbtiles", folder.path() / "utm.tif",
-                                       {geo::LatLonBoundsFromMerc(whole), 19, 19, 0.2, 90, 1}, progress);
+  const auto written = WriteUtmGeotiff(
+      folder.path() / "map.mbtiles", folder.path() / "utm.tif",
+      {geo::LatLonBoundsFromMerc(whole), 19, 19, {.pixel_x = 0.2, .pixel_y = 0.2}, 90, 1}, progress);
   ASSERT_TRUE(written.ok()) << written.error().message;
   const std::unique_ptr<GDALDataset> merc(GDALDataset::Open((folder.path() / "map.tif").c_str()));
   const std::unique_ptr<GDALDataset> utm(GDALDataset::Open((folder.path() / "utm.tif").c_str()));
