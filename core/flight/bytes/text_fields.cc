@@ -123,9 +123,9 @@ void SplitFields(std::string_view line, char separator, std::vector<std::string_
   }
 }
 
-bool NextRow(LineReader& lines, char separator, std::vector<std::string_view>& cells) {
+bool NextRow(LineReader& lines, char separator, std::vector<std::string_view>& cells, std::size_t end) {
   std::string_view line;
-  while (lines.Next(line)) {
+  while (lines.offset() < end && lines.Next(line)) {
     if (IsBlankOrComment(line)) continue;
     SplitFields(line, separator, cells);
     return true;

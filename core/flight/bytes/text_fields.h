@@ -90,8 +90,10 @@ inline bool NextFilledLine(LineReader& lines, ConsumedSteps& steps, std::string_
 void SplitFields(std::string_view line, char separator, std::vector<std::string_view>& fields);
 // Cuts at runs of blanks and tabs.
 void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields);
-// The cells of the next line that is neither blank nor a comment; false at the end.
-bool NextRow(LineReader& lines, char separator, std::vector<std::string_view>& cells);
+// The cells of the next line that is neither blank nor a comment; false at the end. Looks at no line that
+// begins at `end` or behind it.
+bool NextRow(LineReader& lines, char separator, std::vector<std::string_view>& cells,
+             std::size_t end = std::string_view::npos);
 // The separator that a header line uses: ',', ';', '|' or tab.
 char GuessSeparator(std::string_view header);
 

@@ -54,10 +54,15 @@ void DropRepeated(std::vector<CsvColumn>& columns) {
   }
 }
 
-bool AllCanonical(const std::vector<std::string_view>& header) {
-  return header.size() >= 2 && std::all_of(header.begin(), header.end(), [](std::string_view name) {
-           return MeaningOfCanonical(name) != M::kIgnored;
-         });
+// Of the header, where it has no others; else empty.
+std::vector<std::string_view> CanonicalNamesIn(LogBytes head) {
+  LineReader lines(TextOf(head));
+  std::vector<std::string_view> names;
+  const auto is_canonical = [](std::string_view name) { return MeaningOfCanonical(name) != M::kIgnored; };
+  const bool are_all = NextRow(lines, ',', names) && names.size() >= 2 &&
+                       std::all_of(names.begin(), names.end(), is_canonical);
+  if (!are_all) names.clear();
+  return names;
 }
 
 std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& header) {
@@ -92,25 +97,6 @@ CameraEvent EventOf(const CsvRow& row, AttitudeKind kind) {
   return event;
 }
 
-// Rows whose place cannot be one as the columns are named.
-struct OffTheEarth {
-  std::uint64_t rows = 0;
-  std::size_t first_line = 0;
-  WrittenPlace first;
-
-  void Look(const CameraEvent& event, std::size_t line) {
-    if (!event.written || geo::LatLon::Make(event.written->y, event.written->x)) return;
-    if (++rows > 1) return;
-    first_line = line;
-    first = *event.written;
-  }
-  void Tell(LogBuilder& builder) const {
-    if (rows == 0) return;
-    builder.Warn({RemarkCode::kRowsNowhere,
-                  {{"rows", rows}, {"line", first_line}, {"lat_deg", first.y}, {"lon_deg", first.x}}});
-  }
-};
-
 // Where the rows of one list are, as they are written and in the plain reading of it.
 class RowPlaces {
  public:
@@ -129,13 +115,17 @@ class RowPlaces {
       if (++placed_ <= kMaxPlaced) event.position = system_->ToLatLon(at.x, at.y);
       return;
     }
-    if (is_plane_ && !geo::LatLon::Make(at.y, at.x)) return;
+    const bool is_on_earth = geo::LatLon::Make(at.y, at.x).ok();
+    if (is_plane_ && !is_on_earth) return;
     event.position = geo::LatLon{at.y, at.x};  // LogBuilder looks at it
-    off_.Look(event, line);
+    if (!is_on_earth && ++off_earth_ == 1) first_off_ = {line, at};
   }
 
   void Tell(LogBuilder& builder) const {
-    off_.Tell(builder);
+    const auto& [line, at] = first_off_;
+    if (off_earth_ > 0)
+      builder.Warn({RemarkCode::kRowsNowhere,
+                    {{"rows", off_earth_}, {"line", line}, {"lat_deg", at.y}, {"lon_deg", at.x}}});
     FlightLog& log = builder.log();
     log.written_order_is_named = has_pair_ && order_ == PairOrder::kNamed;
     log.written_order_is_assumed = order_ == PairOrder::kOpen && are_degrees_ && system_ == nullptr;
@@ -153,7 +143,9 @@ class RowPlaces {
   PairOrder order_;
   bool are_degrees_ = true;
   std::uint64_t placed_ = 0;
-  OffTheEarth off_;
+  // Rows whose place cannot be one as the columns are named.
+  std::uint64_t off_earth_ = 0;
+  std::pair<std::size_t, WrittenPlace> first_off_;  // and its line
 };
 
 // Angles are used only as a whole.
@@ -176,17 +168,11 @@ std::optional<Remark> SayLackingAngles(const std::vector<CsvColumn>& columns) {
 }  // namespace
 
 bool LooksLikeFlightCsv(LogBytes head) {
-  LineReader lines(TextOf(head));
-  std::vector<std::string_view> cells;
-  return NextRow(lines, ',', cells) && AllCanonical(cells) &&
-         (IsOneOf("t", cells) || IsOneOf("utc", cells)) && !IsOneOf("image", cells);
+  const auto names = CanonicalNamesIn(head);
+  return (IsOneOf("t", names) || IsOneOf("utc", names)) && !IsOneOf("image", names);
 }
 
-bool LooksLikeImagesCsv(LogBytes head) {
-  LineReader lines(TextOf(head));
-  std::vector<std::string_view> cells;
-  return NextRow(lines, ',', cells) && AllCanonical(cells) && IsOneOf("image", cells);
-}
+bool LooksLikeImagesCsv(LogBytes head) { return IsOneOf("image", CanonicalNamesIn(head)); }
 
 Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   LogBuilder builder("flight_csv", name);

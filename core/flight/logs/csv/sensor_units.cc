@@ -222,16 +222,10 @@ void SettlePressureUnit(std::vector<CsvColumn>& columns, std::vector<CsvRow>& pr
   const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
   const double change = *greatest - *least, typical = Median(std::move(values));
   if (change > kMaxChange * typical) return;
-  const auto is_of = [&](double pascals) {
-    return typical > 40'000.0 / pascals && typical < 120'000.0 / pascals;
-  };
-  const CsvMeanings pressure{M::kPressure, M::kPressure};
-  if (is_of(100.0))
-    Rescale(columns, preview, pressure, 100.0, "hPa");
-  else if (is_of(1000.0))
-    Rescale(columns, preview, pressure, 1000.0, "kPa");
-  else if (is_of(3386.389))
-    Rescale(columns, preview, pressure, 3386.389, "inHg");
+  for (const auto& [pascals, unit] : {std::pair{100.0, "hPa"}, {1000.0, "kPa"}, {3386.389, "inHg"}}) {
+    if (typical > 40'000.0 / pascals && typical < 120'000.0 / pascals)
+      return Rescale(columns, preview, {M::kPressure, M::kPressure}, pascals, unit);
+  }
 }
 
 }  // namespace skyquilt::flight

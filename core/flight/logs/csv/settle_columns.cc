@@ -96,13 +96,10 @@ struct TableCounts {
 TableCounts CountCells(LineReader lines, char separator, const std::vector<CsvColumn>& columns) {
   TableCounts table;
   table.columns.resize(columns.size());
-  const std::size_t begin = lines.offset();
-  std::string_view line;
+  const std::size_t end = lines.offset() + kBytesLookedAt;
   std::vector<std::string_view> cells;
-  while (table.rows < kRowsLookedAt && lines.offset() - begin < kBytesLookedAt && lines.Next(line)) {
-    if (IsBlankOrComment(line)) continue;
+  while (table.rows < kRowsLookedAt && NextRow(lines, separator, cells, end)) {
     ++table.rows;
-    SplitFields(line, separator, cells);
     while (!cells.empty() && cells.back().empty()) cells.pop_back();
     if (cells.size() > columns.size() && ++table.rows_too_long == 1) {
       table.first_long_line = lines.line_number();
@@ -232,12 +229,9 @@ void SettleDates(const TableCounts& table, LineReader lines, char separator, std
   const CsvColumn* time_of_day = date->meaning == M::kDate ? ColumnOf(columns, M::kTimeOfDay) : nullptr;
   const auto time_at = static_cast<std::size_t>(time_of_day == nullptr ? 0 : time_of_day - columns.data());
   DateOrderFinder finder;
-  std::string_view line;
   std::vector<std::string_view> cells;
-  const std::size_t begin = lines.offset();
-  while (lines.offset() - begin < kDateBytesLookedAt && lines.Next(line)) {
-    if (IsBlankOrComment(line)) continue;
-    SplitFields(line, separator, cells);
+  const std::size_t end = lines.offset() + kDateBytesLookedAt;
+  while (NextRow(lines, separator, cells, end)) {
     if (date_at >= cells.size() || cells[date_at].empty()) continue;
     const bool has_time = time_of_day != nullptr && time_at < cells.size();
     finder.Take(cells[date_at], has_time ? cells[time_at] : std::string_view(), lines.line_number());

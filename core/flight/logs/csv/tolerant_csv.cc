@@ -82,14 +82,10 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
 
 std::vector<CsvRow> PreviewOf(LineReader lines, const CsvHeader& header) {
   std::vector<CsvRow> preview;
-  std::string_view line;
   std::vector<std::string_view> cells;
-  const std::size_t begin = lines.offset();
-  while (preview.size() < kPreviewRows && lines.offset() - begin < kPreviewBytes && lines.Next(line)) {
-    if (IsBlankOrComment(line)) continue;
-    SplitFields(line, header.separator, cells);
+  const std::size_t end = lines.offset() + kPreviewBytes;
+  while (preview.size() < kPreviewRows && NextRow(lines, header.separator, cells, end))
     preview.push_back(ReadCsvRow(header.columns, cells));
-  }
   return preview;
 }
 
