@@ -79,8 +79,7 @@ Result<TargetCrs> FindTargetCrs(int epsg, const geo::LatLon& middle) {
       geo::DegToRad(kStepDeg) * std::cos(geo::DegToRad(lat)) * geo::kWgs84SemiMajorM / std::sqrt(bend);
   const double metre_north = geo::DegToRad(kStepDeg) * geo::kWgs84SemiMajorM *
                              (1.0 - geo::kWgs84EccentricitySquared) / (bend * std::sqrt(bend));
-  TargetCrs crs{epsg, reference.GetName() != nullptr ? reference.GetName() : "",
-                std::hypot(x[1] - x[0], y[1] - y[0]) / metre_east,
+  TargetCrs crs{std::hypot(x[1] - x[0], y[1] - y[0]) / metre_east,
                 std::hypot(x[2] - x[0], y[2] - y[0]) / metre_north};
   if (reference.IsProjected()) {
     // Square pixels; and a metre of a surveyor's grid is taken for a metre on the ground.

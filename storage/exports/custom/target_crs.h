@@ -3,16 +3,12 @@
 // is not flat, or one that is not for this part of the Earth).
 #pragma once
 
-#include <string>
-
 #include "core/base/result.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::storage {
 
 struct TargetCrs {
-  int epsg = 0;
-  std::string name;
   double units_per_m_east = 1.0;
   double units_per_m_north = 1.0;
 };

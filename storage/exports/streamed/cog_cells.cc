@@ -139,7 +139,7 @@ Result<CogCell> CogCells::Make(const GridLevel& level, std::int64_t cell, MapTil
   SKYQUILT_TRY_ASSIGN(std::optional<CogCell> copied, Copied(level, cell, tiles));
   if (copied) return *std::move(copied);
   SKYQUILT_TRY_ASSIGN(const std::optional<image::RgbaImage> pixels, PixelsOf(level, cell, tiles));
-  return pixels ? Encoded(*pixels, quality_) : CogCell{};
+  return pixels ? Encode(*pixels) : CogCell{};
 }
 
 Result<CogCell> CogCells::MakeWithin(const GridLevel& level, std::int64_t cell, std::uint64_t bytes,
@@ -198,14 +198,14 @@ Result<std::optional<image::RgbaImage>> CogCells::PixelsOf(const GridLevel& leve
   return composed;
 }
 
-CogCell CogCells::Encoded(const image::RgbaImage& pixels, int quality) const {
+CogCell CogCells::Encode(const image::RgbaImage& pixels) const {
   CogCell cell;
   if (kind_ == TiffTiles::kWebp) {
-    const auto webp = image::EncodeWebp(image::RowsOf(pixels), static_cast<float>(quality));
+    const auto webp = image::EncodeWebp(image::RowsOf(pixels), static_cast<float>(quality_));
     cell.image.assign(webp.begin(), webp.end());
     return cell;
   }
-  FringeTile fringe = SplitAlpha(pixels, quality);
+  FringeTile fringe = SplitAlpha(pixels, quality_);
   if (fringe.is_empty) return cell;
   cell.image = std::move(fringe.jpeg);
   cell.mask = Deflated(fringe.mask_bits);

@@ -46,7 +46,7 @@ class CogCells {
   Result<CogCell> MakeWithin(const GridLevel& level, std::int64_t cell, std::uint64_t bytes,
                              MapTiles& tiles) const;
   // Of pixels with straight alpha, as large as a tile.
-  CogCell Encode(const image::RgbaImage& pixels) const { return Encoded(pixels, quality_); }
+  CogCell Encode(const image::RgbaImage& pixels) const;
   // `mask` of every cell that is encoded anew.
   CogRoom LeastRoom() const;
   // The mask of a tile that is covered everywhere.
@@ -61,7 +61,6 @@ class CogCells {
   // The tile that a cell is, where its bytes are copied.
   Result<std::optional<CogCell>> Copied(const GridLevel& level, std::int64_t cell, MapTiles& tiles) const;
   Result<std::optional<image::RgbaImage>> PixelsOfBytes(const std::string& bytes) const;
-  CogCell Encoded(const image::RgbaImage& pixels, int quality) const;
   CogCell Fitted(const image::RgbaImage& pixels, const CogRoom& room) const;
 
   const TiffTiles kind_;
