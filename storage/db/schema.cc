@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/check.h"
 #include "core/base/try.h"
 
 namespace skyquilt::storage {
@@ -15,26 +16,11 @@ extern const std::string_view kCatalogueSchema;    // storage/db/schema.sql
 extern const std::string_view kSqliteSchema;       // storage/db/schema_sqlite.sql
 extern const std::string_view kPostgresTables;     // storage/db/postgres/schema_postgres.sql
 extern const std::string_view kPostgresFunctions;  // storage/db/postgres/functions_postgres.sql
-extern const std::string_view kCatalogue13To14;    // storage/db/steps/schema_14.sql
-extern const std::string_view kCatalogue14To15;    // storage/db/steps/schema_15.sql
-extern const std::string_view kCatalogue15To16;    // storage/db/steps/schema_16.sql
-extern const std::string_view kCatalogue16To17;    // storage/db/steps/schema_17.sql
-extern const std::string_view kCatalogue17To18;    // storage/db/steps/schema_18.sql
-extern const std::string_view kCatalogue18To19;    // storage/db/steps/schema_19.sql
-extern const std::string_view kCatalogue19To20;    // storage/db/steps/schema_20.sql
-extern const std::string_view kCatalogue20To21;    // storage/db/steps/schema_21.sql
-extern const std::string_view kCatalogue21To22;    // storage/db/steps/schema_22.sql
-extern const std::string_view kCatalogue22To23;    // storage/db/steps/schema_23.sql
-extern const std::string_view kCatalogue23To24;    // storage/db/steps/schema_24.sql
+extern const std::string_view kCatalogueSteps;     // storage/db/schema_steps.sql
 
 namespace {
 
 constexpr int kFirstVersion = 13, kFirstPostgresVersion = 16;
-// From each version since the first to the next.
-constexpr std::array kSteps = {&kCatalogue13To14, &kCatalogue14To15, &kCatalogue15To16, &kCatalogue16To17,
-                               &kCatalogue17To18, &kCatalogue18To19, &kCatalogue19To20, &kCatalogue20To21,
-                               &kCatalogue21To22, &kCatalogue22To23, &kCatalogue23To24};
-static_assert(kFirstVersion + kSteps.size() == kSchemaVersion);
 
 // SQL as it is written for SQLite, in the words of the connection's engine. Texts are compared by their bytes
 // in either.
@@ -57,9 +43,9 @@ std::string WordsFor(const SqlConnection& db, std::string_view sql) {
 
 // A catalogue of an earlier version to this one.
 Result<void> StepFrom(SqlConnection& db, int version) {
-  for (auto step = static_cast<std::size_t>(version - kFirstVersion); step < kSteps.size(); ++step)
-    SKYQUILT_TRY(db.Exec(WordsFor(db, *kSteps[step])));
-  return {};
+  const std::size_t begin = kCatalogueSteps.find(fmt::format("-- To version {}:", version + 1));
+  SKYQUILT_CHECK(begin != std::string_view::npos, "each version has a step to the next");
+  return db.Exec(WordsFor(db, kCatalogueSteps.substr(begin)));
 }
 
 // What a catalogue of another version is refused with, in every engine.
