@@ -67,20 +67,12 @@ class CatalogueDb {
   Access Lock() { return Access(*this); }
 
   // A connection that only reads, for as long as this lives. Not while the same thread holds another.
-  class ReadAccess {
-   public:
-    explicit ReadAccess(CatalogueDb& owner) : owner_(owner), db_(owner.TakeReader()) {}
-    ~ReadAccess() { owner_.GiveBack(std::move(db_)); }
-    ReadAccess(const ReadAccess&) = delete;
-    ReadAccess& operator=(const ReadAccess&) = delete;
-    SqlConnection* operator->() const { return db_.get(); }
-    SqlConnection& operator*() const { return *db_; }
-
-   private:
-    CatalogueDb& owner_;
-    std::unique_ptr<SqlConnection> db_;
+  struct Returner {
+    CatalogueDb& owner;
+    void operator()(SqlConnection* db) const { owner.GiveBack(std::unique_ptr<SqlConnection>(db)); }
   };
-  ReadAccess Read() { return ReadAccess(*this); }
+  using ReadAccess = std::unique_ptr<SqlConnection, Returner>;
+  ReadAccess Read() { return ReadAccess(TakeReader().release(), Returner{*this}); }
 
   // For a change that frees space: where it finds the disk full, it gets the reserve and is tried again.
   // `change` takes the lock itself.

@@ -67,45 +67,32 @@ Result<std::unique_ptr<MbtilesReader::Connection>> MbtilesReader::Connect() cons
   return connection;
 }
 
-Result<std::unique_ptr<MbtilesReader::Connection>> MbtilesReader::Take() {
+// A connection for one call: back in the pool, its statements reset, however the call ends.
+struct MbtilesReader::Returner {
+  MbtilesReader& owner;
+  void operator()(Connection* connection) const {
+    connection->find.Reset();
+    connection->load.Reset();
+    const std::lock_guard lock(owner.mutex_);
+    owner.idle_.emplace_back(connection);
+  }
+};
+
+Result<MbtilesReader::Borrowed> MbtilesReader::Borrow() {
   {
     const std::lock_guard lock(mutex_);
     if (!idle_.empty()) {
-      std::unique_ptr<Connection> connection = std::move(idle_.back());
+      Borrowed connection(idle_.back().release(), Returner{*this});
       idle_.pop_back();
       return connection;
     }
   }
-  return Connect();
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> made, Connect());
+  return Borrowed(made.release(), Returner{*this});
 }
-
-void MbtilesReader::GiveBack(std::unique_ptr<Connection> connection) {
-  const std::lock_guard lock(mutex_);
-  idle_.push_back(std::move(connection));
-}
-
-// A connection for one call: back in the pool, its statements reset, however the call ends.
-class MbtilesReader::Borrowed {
- public:
-  Borrowed(MbtilesReader& owner, std::unique_ptr<Connection> connection)
-      : owner_(owner), connection_(std::move(connection)) {}
-  ~Borrowed() {
-    connection_->find.Reset();
-    connection_->load.Reset();
-    owner_.GiveBack(std::move(connection_));
-  }
-  Borrowed(const Borrowed&) = delete;
-  Borrowed& operator=(const Borrowed&) = delete;
-  Connection* operator->() { return connection_.get(); }
-
- private:
-  MbtilesReader& owner_;
-  std::unique_ptr<Connection> connection_;
-};
 
 Result<std::optional<FoundTile>> MbtilesReader::Find(const geo::TileId& tile) {
-  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> taken, Take());
-  Borrowed connection(*this, std::move(taken));
+  SKYQUILT_TRY_ASSIGN(const Borrowed connection, Borrow());
   Statement& find = connection->find;
   SKYQUILT_TRY_ASSIGN(const bool row,
                       find.BindAll(tile.z(), std::int64_t{tile.x()}, std::int64_t{tile.TmsRow()}).Step());
@@ -122,8 +109,7 @@ Result<std::optional<FoundTile>> MbtilesReader::Find(const geo::TileId& tile) {
 
 Result<std::string> MbtilesReader::Load(FoundTile tile) {
   if (tile.bytes) return *std::move(tile.bytes);
-  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> taken, Take());
-  Borrowed connection(*this, std::move(taken));
+  SKYQUILT_TRY_ASSIGN(const Borrowed connection, Borrow());
   SKYQUILT_TRY_ASSIGN(const bool row,
                       connection->load.Bind(1, static_cast<std::int64_t>(tile.content_id)).Step());
   if (!row) {

@@ -29,11 +29,11 @@ class MbtilesReader final : public MapTiles {
 
  private:
   struct Connection;
-  class Borrowed;
+  struct Returner;
+  using Borrowed = std::unique_ptr<Connection, Returner>;
   explicit MbtilesReader(std::filesystem::path path);
   Result<std::unique_ptr<Connection>> Connect() const;
-  Result<std::unique_ptr<Connection>> Take();
-  void GiveBack(std::unique_ptr<Connection> connection);
+  Result<Borrowed> Borrow();
 
   std::filesystem::path path_;
   bool is_deduplicated_ = false;

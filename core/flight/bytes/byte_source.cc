@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
@@ -19,11 +20,7 @@ namespace {
 
 class FileBytes final : public ByteSource {
  public:
-  FileBytes(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
-  ~FileBytes() override { ::close(descriptor_); }
-  FileBytes(const FileBytes&) = delete;
-  FileBytes& operator=(const FileBytes&) = delete;
-
+  FileBytes(FileDescriptor file, std::uint64_t size) : file_(std::move(file)), size_(size) {}
   std::uint64_t size() const override { return size_; }
 
   bool Read(std::uint64_t offset, std::span<std::uint8_t> into) override {
@@ -31,7 +28,7 @@ class FileBytes final : public ByteSource {
     std::size_t done = 0;
     while (done < into.size()) {
       const ssize_t got =
-          ::pread(descriptor_, into.data() + done, into.size() - done, static_cast<off_t>(offset + done));
+          ::pread(file_.get(), into.data() + done, into.size() - done, static_cast<off_t>(offset + done));
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) return false;
       done += static_cast<std::size_t>(got);
@@ -40,7 +37,7 @@ class FileBytes final : public ByteSource {
   }
 
  private:
-  int descriptor_;
+  FileDescriptor file_;
   std::uint64_t size_;
 };
 
@@ -60,8 +57,8 @@ bool MemoryBytes::Read(std::uint64_t offset, std::span<std::uint8_t> into) {
 }
 
 Result<std::unique_ptr<ByteSource>> OpenFileBytes(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) {
+  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file.is_open()) {
     const int reason = errno;
     return Because(reason == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
                    {RemarkCode::kFileUnread,
@@ -69,12 +66,12 @@ Result<std::unique_ptr<ByteSource>> OpenFileBytes(const std::filesystem::path& p
                    path.string());
   }
   struct stat status {};
-  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(descriptor);
+  if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
     return Because(ErrorCode::kUnsupportedFormat,
                    {RemarkCode::kFileIrregular, {{"file", path.filename().string()}}}, path.string());
   }
-  return std::unique_ptr<ByteSource>(new FileBytes(descriptor, static_cast<std::uint64_t>(status.st_size)));
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  return std::unique_ptr<ByteSource>(new FileBytes(std::move(file), size));
 }
 
 Result<MappedFile> MappedFile::Open(const std::filesystem::path& path) {
@@ -84,47 +81,29 @@ Result<MappedFile> MappedFile::Open(const std::filesystem::path& path) {
                     {{"file", path.filename().string()}, {"system_words", std::strerror(errno)}}},
                    fmt::format("{}: {}", act, path.string()));
   };
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return failed("open");
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open()) return failed("open");
   struct stat status {};
-  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(descriptor);
+  if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
     return Because(ErrorCode::kIo, {RemarkCode::kFileIrregular, {{"file", path.filename().string()}}},
                    path.string());
   }
   const auto size = static_cast<std::size_t>(status.st_size);
-  if (size == 0) {
-    ::close(descriptor);
-    return MappedFile(nullptr, 0);
-  }
-  void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0);
-  const int error_number = errno;
-  ::close(descriptor);
-  if (mapped == MAP_FAILED) {
-    errno = error_number;
-    return failed("map");
-  }
+  if (size == 0) return MappedFile(nullptr, 0);
+  void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
+  if (mapped == MAP_FAILED) return failed("map");
   ::madvise(mapped, size, MADV_SEQUENTIAL);
   return MappedFile(static_cast<const std::uint8_t*>(mapped), size);
 }
 
-MappedFile::MappedFile(MappedFile&& other) noexcept
-    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
-
-MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
-  std::swap(data_, other.data_);
-  std::swap(size_, other.size_);
-  return *this;
-}
-
-MappedFile::~MappedFile() {
-  if (data_ != nullptr) ::munmap(const_cast<std::uint8_t*>(data_), size_);
+void MappedFile::Unmap::operator()(const std::uint8_t* data) const {
+  ::munmap(const_cast<std::uint8_t*>(data), size);
 }
 
 void MappedFile::ReleaseBefore(std::size_t offset) const {
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  const std::size_t whole = std::min(offset, size_) / page * page;
-  if (whole > 0) ::madvise(const_cast<std::uint8_t*>(data_), whole, MADV_DONTNEED);
+  const std::size_t whole = std::min(offset, bytes().size()) / page * page;
+  if (whole > 0) ::madvise(const_cast<std::uint8_t*>(data_.get()), whole, MADV_DONTNEED);
 }
 
 }  // namespace skyquilt::flight

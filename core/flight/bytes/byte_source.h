@@ -47,18 +47,18 @@ Result<std::unique_ptr<ByteSource>> OpenFileBytes(const std::filesystem::path& p
 class MappedFile {
  public:
   static Result<MappedFile> Open(const std::filesystem::path& path);
-  MappedFile(MappedFile&& other) noexcept;
-  MappedFile& operator=(MappedFile&& other) noexcept;
-  ~MappedFile();
 
-  LogBytes bytes() const { return {data_, size_}; }
+  LogBytes bytes() const { return {data_.get(), data_.get_deleter().size}; }
   // Drops the resident pages that lie wholly before `offset`; they are read again if touched again.
   void ReleaseBefore(std::size_t offset) const;
 
  private:
-  MappedFile(const std::uint8_t* bytes, std::size_t size) : data_(bytes), size_(size) {}
-  const std::uint8_t* data_ = nullptr;
-  std::size_t size_ = 0;
+  struct Unmap {
+    std::size_t size = 0;
+    void operator()(const std::uint8_t* data) const;
+  };
+  MappedFile(const std::uint8_t* bytes, std::size_t size) : data_(bytes, Unmap{size}) {}
+  std::unique_ptr<const std::uint8_t, Unmap> data_;
 };
 
 }  // namespace skyquilt::flight
