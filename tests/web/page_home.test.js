@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { matches, orders, plain } from '../../web/src/home/flight_list.js';
 import { boxOf, fitted, gridOf, groups, outlinesOf, parted } from '../../web/src/home/overview_map.js';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { assertAccessible, options, usePages } from './support/pages.js';
 import { seedMany } from './support/mock_flight.js';
 
 const { setUp } = usePages();
@@ -44,8 +44,7 @@ test('marks that would cover each other are one until the view parts them', () =
 });
 
 test('three hundred flights are a light first view: 30 requests, 400 kB, pictures only in sight', options, async () => {
-  const opened = await setUp({ page_limit: 500 }, desk);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ page_limit: 500 }, desk);
   seedMany(mock, 300);
   const context = page.context();
   await page.close();
@@ -67,12 +66,10 @@ test('three hundred flights are a light first view: 30 requests, 400 kB, picture
   await fresh.locator('.flights li').nth(40).scrollIntoViewIfNeeded();
   await fresh.waitForFunction(() => /** @type {HTMLImageElement|null} */ (document.querySelectorAll('.flights li')[40].querySelector('img'))?.complete);
   await assertAccessible(fresh, 'home with three hundred flights');
-  await assertQuiet(opened);
 });
 
 test('the overview has a mark for each flight with a place, and a click opens the flight', options, async () => {
-  const opened = await setUp({}, laptop);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, laptop);
   const names = ['Brook', 'Quarry', 'Nowhere', 'Dam'];
   const [brook, quarry, nowhere, dam] = names.map((name) => mock.seedReady(name));
   Object.assign(quarry.place, { lon: 7.61, lat: 47.1 });
@@ -99,12 +96,10 @@ test('the overview has a mark for each flight with a place, and a click opens th
   await page.click('.overview-mark:has-text("Brook") .mark-dot');
   await mapIdle(page);
   assert.equal(new URL(page.url()).hash, `#/flights/${brook.id}`);
-  await assertQuiet(opened);
 });
 
 test('flights of one field are one mark that tells them apart, and a search leaves its own on the map', options, async () => {
-  const opened = await setUp({}, phone);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, phone);
   for (const name of ['Field in May', 'Field in June', 'Élevage', 'A', 'B', 'C']) mock.seedReady(name);
   Object.assign([...mock.flights.values()][2].place, { lon: 2.3, lat: 48.8 });
   await page.reload();
@@ -121,7 +116,6 @@ test('flights of one field are one mark that tells them apart, and a search leav
   await page.reload();
   await page.waitForSelector('.flights li');
   assert.equal(await page.inputValue('#flight-order'), 'area', 'the order is kept');
-  await assertQuiet(opened);
 });
 
 test('land across the antimeridian is drawn on both sides of the world, and nothing runs across it', () => {

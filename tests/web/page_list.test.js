@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
+import { assertAccessible, openReady, options, usePages } from './support/pages.js';
 import { hasTags, tagCounts } from '../../web/src/home/flight_list.js';
 import { typedTags } from '../../web/src/flight/flight_tags.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
@@ -11,8 +11,7 @@ import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 const { setUp, setUpReady } = usePages();
 
 test('names are shown as text, never as markup', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
+  const { page, mock } = await setUp();
   const evil = '<img src=x onerror="document.title=\'owned\'">';
   const flight = mock.seedReady(evil);
   flight.files.set(`${evil}.JPG`, 1);
@@ -23,12 +22,10 @@ test('names are shown as text, never as markup', options, async () => {
   await mapIdle(page);
   assert.equal(await page.textContent('#flight-title'), evil);
   assert.ok(!(await page.title()).startsWith('owned'));
-  await assertQuiet(opened);
 });
 
 test('a long list is searched and sorted', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
+  const { page, mock } = await setUp();
   for (const [i, name] of ['Field 10', 'Field 2', 'Brook', 'Quarry', 'Roof', 'Dam'].entries()) mock.seedReady(name, 3 + i);
   await page.reload();
   const names = () => page.locator('.flight-name').allTextContents();
@@ -41,12 +38,10 @@ test('a long list is searched and sorted', options, async () => {
   await page.fill('#flight-search', 'nothing');
   assert.match(await page.textContent('#flights-message'), /No flights match/);
   await assertAccessible(page, 'searched list');
-  await assertQuiet(opened);
 });
 
 test('a flight is renamed by keyboard', options, async () => {
-  const opened = await setUpReady('Old name');
-  const { page, flight } = opened;
+  const { page, flight } = await setUpReady('Old name');
   await page.focus('#flight-rename');
   await page.keyboard.press('Enter');
   await page.waitForSelector('#rename-input');
@@ -55,13 +50,10 @@ test('a flight is renamed by keyboard', options, async () => {
   await page.keyboard.press('Enter');
   await page.waitForFunction(() => document.querySelector('#flight-title')?.textContent === 'New name');
   assert.equal(flight.name, 'New name');
-  await assertQuiet(opened);
 });
 
 test('a deleted flight is in the trash at once, whatever happens to the page, and comes back from there', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const { page, mock, flight } = await setUpReady('Meadow');
   await page.click('#flight-delete');
   await page.waitForSelector('.note-action');
   assert.equal(mock.flights.size, 0);
@@ -96,8 +88,7 @@ test('a deleted flight is in the trash at once, whatever happens to the page, an
 });
 
 test('a server without a trash is asked before it deletes', options, async () => {
-  const opened = await setUp({ trash_days: 0 });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ trash_days: 0 });
   mock.seedReady('Meadow');
   await page.reload();
   await page.hover('.flights li');
@@ -110,28 +101,23 @@ test('a server without a trash is asked before it deletes', options, async () =>
   await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 0);
   assert.equal(mock.flights.size, 0);
   assert.equal(await page.locator('.note-action').count(), 0);
-  await assertQuiet(opened);
 });
 
 test('the first view is light, and the map library comes only with the first map', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
+  const { page, mock, transferred } = await setUp();
   await page.waitForLoadState('networkidle');
-  assert.ok(opened.transferred() < 400_000, `${opened.transferred()} bytes for the first view`);
+  assert.ok(transferred() < 400_000, `${transferred()} bytes for the first view`);
   await openReady({ page, mock }, 'Meadow');
-  await assertQuiet(opened);
 });
 
 test('the server away and back again: the list says so and recovers', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, { errors: /ERR_FAILED/ });
   mock.seedReady('Meadow');
   await page.route('**/api/v1/flights?*', (route) => route.abort());
   await page.reload();
   await page.waitForFunction(() => /could not be loaded/.test(document.querySelector('#flights-message')?.textContent ?? ''));
   await page.unroute('**/api/v1/flights?*');
   await page.waitForSelector('.flights li', { timeout: 15_000 });
-  await assertQuiet(opened, [/ERR_FAILED/]);
 });
 
 const laptop = { viewport: { width: 1440, height: 900 } };
@@ -162,8 +148,7 @@ function seed(mock) {
 }
 
 test('tags are on the list, filter it, and stay in the address through an open flight and a reload', options, async () => {
-  const opened = await setUp({}, laptop);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, laptop);
   seed(mock);
   await page.reload();
   await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 4);
@@ -191,12 +176,10 @@ test('tags are on the list, filter it, and stay in the address through an open f
   await page.click('#home-link');
   await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 4);
   assert.equal(await page.locator('[aria-pressed="true"]').count(), 0);
-  await assertQuiet(opened);
 });
 
 test('a tag is added by keyboard and taken off by its cross', options, async () => {
-  const opened = await setUp({}, laptop);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, laptop);
   seed(mock);
   const flight = mock.seedReady('New');
   await page.reload();
@@ -217,13 +200,10 @@ test('a tag is added by keyboard and taken off by its cross', options, async () 
   await page.waitForFunction(() => document.querySelectorAll('#flight-tags .tag').length === 1);
   assert.deepEqual(flight.tags, ['Größe']);
   assert.equal(await page.locator('#flight-keep').count(), 0, 'this server deletes no old flights');
-  await assertQuiet(opened);
 });
 
 test('a tag that is being typed when a job ends is taken whole', options, async () => {
-  const opened = await setUp({ job_ms: 1500 }, laptop);
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Again');
+  const { page, flight } = await setUpReady('Again', { job_ms: 1500 }, laptop);
   await page.click('#processing-details summary');
   await page.click('#run-again');
   await page.click('#options-submit');
@@ -236,13 +216,10 @@ test('a tag that is being typed when a job ends is taken whole', options, async 
   await page.keyboard.press('Enter');
   await page.waitForFunction(() => document.querySelectorAll('#flight-tags .tag').length === 1 && document.activeElement?.id === 'tag-add');
   assert.deepEqual(flight.tags, ['north']);
-  await assertQuiet(opened);
 });
 
 test('where old flights go to the trash, one is marked to be kept', options, async () => {
-  const opened = await setUp({ keep_days: 90 }, phone);
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Old');
+  const { page, flight } = await setUpReady('Old', { keep_days: 90 }, phone);
   await page.waitForSelector('#flight-keep');
   assert.match((await page.textContent('#flight-keep-hint')) ?? '', /90 days/);
   await page.focus('#flight-keep');
@@ -250,17 +227,14 @@ test('where old flights go to the trash, one is marked to be kept', options, asy
   await page.waitForFunction(() => document.activeElement?.id === 'flight-keep' && /** @type {HTMLInputElement} */ (document.activeElement).checked);
   assert.equal(flight.keep, true);
   await assertAccessible(page, 'a flight that is kept, on a phone');
-  await assertQuiet(opened);
 });
 
 test('who only reads sees the tags and no way to change them', options, async () => {
-  const opened = await setUp({ scope: 'read', keep_days: 90 }, laptop);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ scope: 'read', keep_days: 90 }, laptop);
   const flight = mock.seedReady('Theirs');
   flight.tags = ['maize'];
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await mapIdle(page);
   assert.deepEqual(await page.locator('#flight-tags .tag').allTextContents(), ['maize']);
   assert.equal(await page.locator('#tag-add, .tag-remove, #flight-keep').count(), 0);
-  await assertQuiet(opened);
 });

@@ -3,14 +3,12 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { mapIdle, screenshotPixels } from './support/browser.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
+import { assertAccessible, options, usePages } from './support/pages.js';
 
-const { setUp } = usePages();
+const { setUp, setUpReady } = usePages();
 
 test('measuring by keyboard gives the true distance', options, async () => {
-  const opened = await setUp({}, { locale: 'en-GB' });
-  const { page, mock } = opened;
-  await openReady({ page, mock }, 'Meadow');
+  const { page } = await setUpReady('Meadow', {}, { locale: 'en-GB' });
   const jump = (lon, lat) => page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), [lon, lat]);
   await page.click('#tool-distance');
   await page.locator('#map canvas').focus();
@@ -22,13 +20,10 @@ test('measuring by keyboard gives the true distance', options, async () => {
   assert.match(await page.textContent('#measure-result'), /^76\.13\s/);
   await page.click('#tool-area');
   assert.equal(await page.getAttribute('#tool-area', 'aria-pressed'), 'true');
-  await assertQuiet(opened);
 });
 
 test('an area after a distance starts anew, and an outline that crosses itself has none', options, async () => {
-  const opened = await setUp({}, { locale: 'en-GB' });
-  const { page, mock } = opened;
-  await openReady({ page, mock }, 'Meadow');
+  const { page } = await setUpReady('Meadow', {}, { locale: 'en-GB' });
   const add = async (/** @type {[number, number][]} */ places) => {
     for (const place of places) {
       await page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), place);
@@ -54,12 +49,10 @@ test('an area after a distance starts anew, and an outline that crosses itself h
   await assertAccessible(page, 'crossing outline');
   await page.click('#tool-distance');
   assert.equal(await points(), 0);
-  await assertQuiet(opened);
 });
 
 test('settings for other programs are saved and the download sizes are told', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
+  const { page, mock } = await setUp();
   const flight = mock.seedReady('Meadow & "brook"');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.click('#flight-download');
@@ -70,12 +63,10 @@ test('settings for other programs are saved and the download sizes are told', op
   const file = await download;
   assert.equal(file.suggestedFilename(), 'Meadow_brook_.qgis.xml');
   assert.match(readFileSync(await file.path(), 'utf8'), new RegExp(`name="Meadow &amp; &quot;brook&quot;" url="${mock.url}tiles/${flight.id}/`));
-  await assertQuiet(opened);
 });
 
 test('two flights are compared by swipe and by fade', options, async () => {
-  const opened = await setUp({}, { is_drawn: true });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, { is_drawn: true });
   const left = mock.seedReady('Before');
   const right = mock.seedReady('After');
   right.place.season = 40;
@@ -100,12 +91,10 @@ test('two flights are compared by swipe and by fade', options, async () => {
   await assertAccessible(page, 'comparison');
   await page.click('#compare-bar .icon-button');
   await page.waitForSelector('#map-above', { state: 'detached' });
-  await assertQuiet(opened);
 });
 
 test('outlines of the land lie below the map until nothing is chosen, and that is remembered', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
+  const { page, mock } = await setUp();
   const flight = mock.seedReady('Meadow');
   const layers = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getStyle().layers.map((/** @type {any} */ { id }) => id));
   await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -119,14 +108,11 @@ test('outlines of the land lie below the map until nothing is chosen, and that i
   await page.reload();
   await mapIdle(page);
   assert.ok(!(await layers()).some((/** @type {string} */ id) => id.startsWith('basemap-')));
-  await assertQuiet(opened);
 });
 
 test('the basemap of the server names its makers, and what they wrote is text', options, async () => {
   const makers = 'Makers <b>& "Sons"</b><img src=x onerror=alert(1)>';
-  const opened = await setUp({ basemap_makers: makers });
-  const { page, mock } = opened;
-  await openReady({ page, mock }, 'Meadow');
+  const { page } = await setUpReady('Meadow', { basemap_makers: makers });
   await page.click('#tool-layers');
   await page.selectOption('#basemap', 'server');
   await page.waitForFunction((text) => document.querySelector('#map .maplibregl-ctrl-attrib-inner')?.textContent === text, makers);
@@ -134,13 +120,10 @@ test('the basemap of the server names its makers, and what they wrote is text', 
   await assertAccessible(page, 'map with a basemap');
   await page.selectOption('#basemap', 'none');
   await page.waitForSelector('#map .maplibregl-ctrl-attrib.maplibregl-attrib-empty', { state: 'hidden' });
-  await assertQuiet(opened);
 });
 
 test('the view is in the address once it was moved, and a reload or a link shows it again', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const { page, mock, flight } = await setUpReady('Meadow');
   assert.equal(page.url(), `${mock.url}#/flights/${flight.id}`);
   const view = () => page.evaluate(() => {
     const { map } = /** @type {any} */ (window).skyquilt;
@@ -162,13 +145,10 @@ test('the view is in the address once it was moved, and a reload or a link shows
   await mapIdle(page);
   assert.deepEqual((await view()).map((value) => Number(value.toFixed(4))), [12, 7.42, 46.94]);
   assert.ok(!page.url().includes('sq_given'));
-  await assertQuiet(opened);
 });
 
 test('from afar a mark shows where the map is, and a click on it goes there', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const { page, flight } = await setUpReady('Meadow');
   const marks = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.queryRenderedFeatures({ layers: ['place-mark'] }).length);
   assert.equal(await marks(), 0);
   await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.jumpTo({ zoom: 7 }));
@@ -179,12 +159,10 @@ test('from afar a mark shows where the map is, and a click on it goes there', op
   await page.mouse.click(box.x + spot.x, box.y + spot.y);
   await page.waitForFunction(() => /** @type {any} */ (window).skyquilt.map.getZoom() > 16);
   assert.ok(await page.locator('#photo-card').isHidden());
-  await assertQuiet(opened);
 });
 
 test('a map that a job moves is seen where the page was loaded meanwhile, and where its old place is in the address', options, async () => {
-  const opened = await setUp({ is_unplaced: true, job_ms: 60_000 });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ is_unplaced: true, job_ms: 60_000 });
   const flight = mock.seedReady('Nowhere');
   Object.assign(flight.place, { lon: 0.0004, lat: 0.0003 });
   const old_place = 'at=19.00/0.0003000/0.0004000';
@@ -213,5 +191,4 @@ test('a map that a job moves is seen where the page was loaded meanwhile, and wh
   await page.goto(`${mock.url}#/flights/${flight.id}?${old_place}`);
   await mapIdle(page);
   assert.ok(await is_seen(), 'a view that has nothing of the map is none');
-  await assertQuiet(opened);
 });

@@ -6,9 +6,9 @@ import { formOf, jobArea, kChoices, kLimits, kPresets, kStandard, optionsOf, tim
 import { kLayers } from '../../web/src/shared/api.js';
 import { mapIdle } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
+import { assertAccessible, options, usePages } from './support/pages.js';
 
-const { setUp } = usePages();
+const { setUp, setUpReady } = usePages();
 const contract = JSON.parse(readFileSync(new URL('../../api/openapi.json', import.meta.url), 'utf8')).components.schemas.JobOptions.properties;
 
 const kArea = /** @type {GeoJSON.Polygon} */ ({ type: 'Polygon', coordinates: [[[7.1, 46.8], [7.2, 46.8], [7.2, 46.9], [7.1, 46.8]]] });
@@ -51,9 +51,7 @@ test('a resolution beyond reason is told from one that is meant', () => {
 });
 
 test('so coarse a map is asked about, with both numbers', options, async () => {
-  const opened = await setUp({ job_ms: 300 });
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const { page, flight } = await setUpReady('Meadow', { job_ms: 300 });
   await page.click('#processing-details summary');
   await page.click('#run-again');
   await page.fill('#option-resolution_cm', '500');
@@ -69,12 +67,10 @@ test('so coarse a map is asked about, with both numbers', options, async () => {
   await page.waitForSelector('#options-dialog', { state: 'detached' });
   assert.equal(flight.job.options.gsd_m, 5);
   assert.equal(flight.job.options.any_gsd, true);
-  await assertQuiet(opened);
 });
 
 test('where nothing foretells how fine the photos are, only what no slip of a unit leads to goes unasked', options, async () => {
-  const { page, mock } = await setUp({ job_ms: 300 });
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const { page, flight } = await setUpReady('Meadow', { job_ms: 300 }, { errors: /503/ });
   await page.route('**/verdict', (route) => route.fulfill({ status: 503, contentType: 'application/problem+json', body: '{"status":503,"code":"unavailable","detail":"busy"}' }));
   for (const [centimetres, is_asked] of /** @type {const} */ ([['50', false], ['500', true]])) {
     await page.locator('#processing-details:not([open]) summary').click({ timeout: 2000 }).catch(() => {});  // open already
@@ -103,8 +99,7 @@ test('an area is sent with as many digits as mean anything, or refused', () => {
 });
 
 test('a map is made again within an area from a file', options, async () => {
-  const { page, mock } = await setUp({ job_ms: 300 });
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const { page, flight } = await setUpReady('Meadow', { job_ms: 300 });
   await page.click('#processing-details summary');
   await page.click('#run-again');
   await page.waitForSelector('#options-dialog[open]');
@@ -122,9 +117,7 @@ test('a map is made again within an area from a file', options, async () => {
 
 for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true }]])) {
   test(`a map is made again with other options on a ${screen}, and a preset is kept`, options, async () => {
-    const opened = await setUp({ job_ms: 300 }, context);
-    const { page, mock } = opened;
-    const flight = await openReady({ page, mock }, 'Meadow');
+    const { page, flight } = await setUpReady('Meadow', { job_ms: 300 }, { ...context, errors: /422/ });
     await page.click('#processing-details summary');
     assert.match((await page.textContent('#processing-details')) ?? '', /Options\s*standard/);
     await page.click('#run-again');
@@ -167,13 +160,11 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
     assert.equal(await page.locator('#option-preset option', { hasText: 'Orchard' }).count(), 0);
     await page.keyboard.press('Escape');
     await page.waitForSelector('#options-dialog', { state: 'detached' });
-    await assertQuiet(opened, [/422/]);
   });
 }
 
 test('options chosen during an upload count for its map', options, async () => {
-  const opened = await setUp({ job_ms: 300 });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ job_ms: 300 });
   const release = mock.holdUploads();
   await page.setInputFiles('#files-input', photoFiles(4));
   await page.waitForSelector('#upload #options-open');
@@ -186,5 +177,4 @@ test('options chosen during an upload count for its map', options, async () => {
   release();
   await mapIdle(page);
   assert.equal([...mock.flights.values()][0].job.options.quality, 95);
-  await assertQuiet(opened);
 });

@@ -4,14 +4,13 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
+import { assertAccessible, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
-const { setUp } = usePages();
+const { setUp, setUpReady } = usePages();
 
 test('the server is asked what it makes of the first photos, and its doubts are amber', options, async () => {
-  const opened = await setUp({ upload_ms: 60 });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ upload_ms: 60 });
   const flight = mock.addFlight('Meadow');
   flight.verdict = { ...flight.verdict, left_out: [{ name: 'DJI_0002.JPG', reason: 'The photo is cut off.' }], warnings: ['No photo says how high it was above the ground: 91 m is assumed.'] };
   await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -28,13 +27,11 @@ test('the server is asked what it makes of the first photos, and its doubts are 
   await page.click('text=Stop');
   await page.waitForSelector('#waiting ~ * #server-verdict.verdict-amber');
   assert.match((await page.textContent('#server-verdict')) ?? '', /2\.43.ha · about 21.s to process/);
-  await assertQuiet(opened);
 });
 
 test('a map with photos left out or placed by record alone is amber and says so; a whole one is green', options, async () => {
   for (const is_whole of [false, true]) {
-    const opened = await setUp({ is_whole });
-    const { page, mock } = opened;
+    const { page, mock } = await setUp({ is_whole });
     const flight = mock.seedReady('Meadow');
     await page.reload();
     await page.waitForSelector('.flights .chip');
@@ -54,13 +51,11 @@ test('a map with photos left out or placed by record alone is amber and says so;
     assert.match(await page.innerText('#photo-notes'), /DJI_0001\.JPG: the recorded position is 46\sm/);
     await mapIdle(page);
     await assertAccessible(page, 'result');
-    await assertQuiet(opened);
   }
 });
 
 test('of a map that was made before anything judged it, nothing is claimed', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
+  const { page, mock } = await setUp();
   const flight = mock.seedReady('Meadow');
   await page.route('**/report', async (route) => {
     const { quality, ...report } = await (await route.fetch()).json();
@@ -70,13 +65,11 @@ test('of a map that was made before anything judged it, nothing is claimed', opt
   await page.waitForSelector('#report .facts');
   assert.match(await page.innerText('#result-verdict'), /^Accuracy not known\. This map was made before accuracy was judged\./);
   assert.doesNotMatch((await page.textContent('#report'))?.replace((await page.textContent('#result-verdict')) ?? '', '') ?? '', /aligned\.|accuracy/);
-  await assertQuiet(opened);
 });
 
 test('flights show when they were flown, by the clock of the place', options, async () => {
   // Whoever reads it is half a day away.
-  const opened = await setUp({}, { timezoneId: 'Pacific/Auckland', locale: 'en-GB' });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, { timezoneId: 'Pacific/Auckland', locale: 'en-GB' });
   const flight = mock.seedReady('Meadow');
   const other = mock.seedReady('Brook');
   flight.captured = { first: '2015-10-27T19:50:02-04:00', last: '2015-10-27T20:10:02-04:00' };
@@ -99,12 +92,10 @@ test('flights show when they were flown, by the clock of the place', options, as
   await page.click('.choice');
   await page.waitForSelector('#compare-bar');
   assert.match((await page.textContent('#compare-bar')) ?? '', /uploaded 12 May 2026.*27 Oct 2015/);
-  await assertQuiet(opened);
 });
 
 test('a guest who only reads is offered nothing that would be refused', options, async () => {
-  const opened = await setUp({ has_tokens: true, scope: 'read' });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ has_tokens: true, scope: 'read' });
   const flight = mock.seedReady('Meadow');
   await page.goto(`${mock.url}?token=sq_read`);
   await page.waitForSelector('#reads-only');
@@ -125,12 +116,10 @@ test('a guest who only reads is offered nothing that would be refused', options,
   const download = page.waitForEvent('download');
   await page.click('text=Settings for QGIS');
   assert.match(readFileSync(await (await download).path(), 'utf8'), /&amp;token=sq_read"/);
-  await assertQuiet(opened);
 });
 
 test('addresses for other programs never carry a token that may change things: one is made for them', options, async () => {
-  const opened = await setUp({ has_tokens: true, scope: 'upload' });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ has_tokens: true, scope: 'upload' });
   const flight = mock.seedReady('Meadow');
   await page.goto(`${mock.url}?token=sq_upload#/flights/${flight.id}`);
   await page.waitForSelector('#links-make');
@@ -141,12 +130,10 @@ test('addresses for other programs never carry a token that may change things: o
   await page.waitForSelector('.address');
   for (const address of await page.locator('.address input').all()) assert.match(await address.inputValue(), new RegExp(`token=${flight.shares[0].token}$`));
   assert.ok(!(await page.innerHTML('#map-addresses')).includes('sq_upload'));
-  await assertQuiet(opened);
 });
 
 test('the panel says what counts first, and what to do with the map', options, async () => {
-  const opened = await setUp({ is_whole: true });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ is_whole: true });
   const flight = mock.seedReady('Meadow');
   // The camera's name is in the first bytes of a photo.
   await page.route('**/files/DJI_0001.JPG*', (route) => route.fulfill({ body: photoFiles(1)[0].buffer, contentType: 'image/jpeg' }));
@@ -166,23 +153,18 @@ test('the panel says what counts first, and what to do with the map', options, a
   await page.click('#flight-qgis');
   assert.equal(await page.getAttribute('#qgis-file', 'href'), `/connect/${flight.id}/qgis.qlr`);
   assert.match(await page.innerText('#qgis-body'), /Drag it.*QGIS/);
-  await assertQuiet(opened);
 });
 
 test('QGIS is given a token of its own where the server asks for one', options, async () => {
-  const opened = await setUp({ has_tokens: true });
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const { page, flight } = await setUpReady('Meadow', { has_tokens: true });
   await page.click('#flight-qgis');
   await page.click('#qgis-body #links-make');
   await page.waitForSelector('#qgis-file');
   assert.equal(await page.getAttribute('#qgis-file', 'href'), `/connect/${flight.id}/qgis.qlr?token=${flight.shares[0].token}`);
-  await assertQuiet(opened);
 });
 
 test('of an imported map nothing is offered that takes its photos', options, async () => {
-  const opened = await setUp({ is_whole: true });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ is_whole: true });
   const [imported, own] = [mock.seedReady('Imported', 0), mock.seedReady('Own')];
   for (const flight of [imported, own]) flight.error = { code: 'internal', message: 'The job stopped.' };
   for (const flight of [imported, own]) {
@@ -195,16 +177,13 @@ test('of an imported map nothing is offered that takes its photos', options, asy
     assert.equal(await page.locator('#flight-move').count(), is_own, flight.name);
     assert.equal(await page.locator('#flight-download').count(), 1);
   }
-  await assertQuiet(opened);
 });
 
 test('heights can be downloaded where the map has them', options, async () => {
-  const opened = await setUp({ has_heights: true });
-  const { mock, page } = opened;
+  const { mock, page } = await setUp({ has_heights: true });
   const flight = mock.seedReady('Village');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.click('#flight-download');
   await page.waitForSelector('.download[href*="contours.dxf"] small:has-text("7")');
   assert.deepEqual((await page.locator('.download span').allTextContents()).slice(8), ['Surface model (DSM)', 'Terrain model (DTM)', 'Contours', 'Contours']);
-  await assertQuiet(opened);
 });

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { mapIdle } from '../support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+import { assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
 const laptop = { viewport: { width: 1366, height: 768 } };
@@ -11,16 +11,16 @@ const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch:
 const kPoster = '.poster:not([hidden])';
 
 /** Opens an address from nothing, while the library that draws maps is held back; the answer lets it through. */
-async function openHeld(opened, address) {
+async function openHeld(page, address) {
   /** @type {() => void} */
   let release = () => {};
   const gate = new Promise((resolve) => { release = () => resolve(undefined); });
-  await opened.page.route('**/vendor/maplibre-gl.mjs', async (route) => {
+  await page.route('**/vendor/maplibre-gl.mjs', async (route) => {
     await gate;
     await route.continue();
   });
-  await opened.page.goto('about:blank');
-  await opened.page.addInitScript(() => {
+  await page.goto('about:blank');
+  await page.addInitScript(() => {
     /** @type {any} */ (window).shifts = [];
     new PerformanceObserver((list) => {
       for (const entry of /** @type {any[]} */ (list.getEntries())) {
@@ -29,7 +29,7 @@ async function openHeld(opened, address) {
       }
     }).observe({ type: 'layout-shift', buffered: true });
   });
-  await opened.page.goto(address, { waitUntil: 'commit' });
+  await page.goto(address, { waitUntil: 'commit' });
   return release;
 }
 
@@ -59,9 +59,8 @@ function assertClose(poster, map, where) {
 }
 
 /** The poster of an address lies where the map comes to lie, then goes. */
-async function assertGivesWay(opened, flight, address, where) {
-  const { page, mock } = opened;
-  const release = await openHeld(opened, address);
+async function assertGivesWay({ page, mock }, flight, address, where) {
+  const release = await openHeld(page, address);
   await page.waitForSelector(kPoster);
   assert.equal(await page.evaluate(() => 'skyquilt' in window), false, 'before the map');
   const poster = await posterBox(page);
@@ -76,11 +75,11 @@ async function assertGivesWay(opened, flight, address, where) {
 
 test('before the map its picture lies exactly where the map will lie, on laptop and phone', options, async () => {
   for (const [name, screen] of /** @type {const} */ ([['laptop', laptop], ['phone', phone]])) {
-    const opened = await setUp({}, screen);
-    const flight = opened.mock.seedReady('Meadow');
+    const { page, mock } = await setUp({}, screen);
+    const flight = mock.seedReady('Meadow');
     const asked = [];
-    opened.page.on('request', (request) => asked.push(new URL(request.url())));
-    const shifts = await assertGivesWay(opened, flight, `${opened.mock.url}#/flights/${flight.id}`, name);
+    page.on('request', (request) => asked.push(new URL(request.url())));
+    const shifts = await assertGivesWay({ page, mock }, flight, `${mock.url}#/flights/${flight.id}`, name);
     const shift = shifts.reduce((/** @type {number} */ sum, /** @type {{value: number}} */ { value }) => sum + value, 0);
     assert.ok(shift < 0.03, `${name}: the layout moved: ${JSON.stringify(shifts)}`);
     assert.ok(!shifts.some(({ moved }) => moved.some((/** @type {string} */ part) => /poster|stage|^map/.test(part))), JSON.stringify(shifts));
@@ -88,33 +87,29 @@ test('before the map its picture lies exactly where the map will lie, on laptop 
     assert.equal(pictures.length, 1);
     assert.equal(asked.filter(({ pathname }) => pathname === `/api/v1/flights/${flight.id}`).length, 1, 'what was asked early is not asked again');
     assert.equal(asked.filter(({ pathname }) => pathname === `/tiles/${flight.id}.json`).length, 1);
-    await assertAccessible(opened.page, `map on a ${name}`);
-    await assertQuiet(opened);
+    await assertAccessible(page, `map on a ${name}`);
   }
 });
 
 test('the picture lies right in a view that was moved and turned, and stays away where it would be a blot', options, async () => {
-  const opened = await setUp({}, laptop);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, laptop);
   const flight = mock.seedReady('Meadow');
   const { lon, lat } = flight.place;
   const at = (/** @type {string} */ zoom, /** @type {string} */ turned) => `${mock.url}#/flights/${flight.id}?at=${zoom}/${(lat + 0.0002).toFixed(7)}/${(lon - 0.0003).toFixed(7)}${turned}`;
-  await assertGivesWay(opened, flight, at('18.30', ''), 'moved');
-  await assertGivesWay(opened, flight, at('17.20', '/40'), 'turned');
-  const release = await openHeld(opened, at('21.50', ''));
+  await assertGivesWay({ page, mock }, flight, at('18.30', ''), 'moved');
+  await assertGivesWay({ page, mock }, flight, at('17.20', '/40'), 'turned');
+  const release = await openHeld(page, at('21.50', ''));
   await page.waitForSelector('.poster', { state: 'attached' });
   assert.equal(await page.locator(kPoster).count(), 0);
   release();
   await mapIdle(page);
   await page.waitForFunction(() => !document.querySelector('.poster'));
-  await assertQuiet(opened);
 });
 
 test('the picture keeps its place when the window changes, and goes with the flight', options, async () => {
-  const opened = await setUp({}, laptop);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, laptop);
   const flight = mock.seedReady('Meadow');
-  const release = await openHeld(opened, `${mock.url}#/flights/${flight.id}`);
+  const release = await openHeld(page, `${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector(kPoster);
   const before = await posterBox(page);
   await page.setViewportSize({ width: 1000, height: 560 });
@@ -129,12 +124,10 @@ test('the picture keeps its place when the window changes, and goes with the fli
   await mapIdle(page);
   assertClose(resized, await page.evaluate(boundsOnScreen, await boundsOf(mock, flight)), 'resized');
   assert.equal(await page.locator('.poster').count(), 0, 'it is for what is opened first');
-  await assertQuiet(opened);
 });
 
 test('a flight without a map, one that is not there and one whose picture fails open as ever', options, async () => {
-  const opened = await setUp({}, { ...laptop, reducedMotion: 'reduce', colorScheme: 'dark' });
-  const { page, mock } = opened;
+  const { page, mock, console_errors } = await setUp({}, { ...laptop, reducedMotion: 'reduce', colorScheme: 'dark', errors: /status of 404/ });
   const empty = mock.addFlight('Later');
   const asked = [];
   page.on('request', (request) => asked.push(request.url()));
@@ -145,7 +138,7 @@ test('a flight without a map, one that is not there and one whose picture fails 
   await open(empty.id);
   await page.waitForSelector('#flight-title');
   assert.ok(!asked.some((url) => url.includes('thumbnail')));
-  await assertQuiet(opened);
+  assert.deepEqual(console_errors, []);
   await open('f99999999');
   await page.waitForSelector('.callout-error');
   assert.equal(await page.locator('.poster').count(), 0);
@@ -155,7 +148,7 @@ test('a flight without a map, one that is not there and one whose picture fails 
   await mapIdle(page);
   assert.equal(await page.locator('.poster').count(), 0);
   await page.unroute('**/thumbnail.webp?size=1024**');
-  const release = await openHeld(opened, `${mock.url}#/flights/${flight.id}`);
+  const release = await openHeld(page, `${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector(kPoster);
   // Dark around the map from the start, and no fading for who wants none.
   assert.equal(await page.$eval('#stage', (stage) => getComputedStyle(stage).backgroundColor), 'rgb(27, 33, 31)');
@@ -163,12 +156,10 @@ test('a flight without a map, one that is not there and one whose picture fails 
   release();
   await mapIdle(page);
   await page.waitForFunction(() => !document.querySelector('.poster'));
-  await assertQuiet(opened, [/status of 404/]);
 });
 
 test('who moves the map before its tiles are there takes the picture along', options, async () => {
-  const opened = await setUp({}, laptop);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, laptop);
   const flight = mock.seedReady('Meadow');
   /** @type {() => void} */
   let release = () => {};
@@ -186,17 +177,14 @@ test('who moves the map before its tiles are there takes the picture along', opt
   release();
   await mapIdle(page);
   await page.waitForFunction(() => !document.querySelector('.poster'));
-  await assertQuiet(opened);
 });
 
 test('the bare map has its picture too, with the token of its address', options, async () => {
-  const opened = await setUp({ has_tokens: true }, laptop);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ has_tokens: true }, laptop);
   const flight = mock.seedReady('Meadow');
   const asked = [];
   page.on('request', (request) => asked.push(new URL(request.url())));
-  await assertGivesWay(opened, flight, `${mock.url}embed/${flight.id}#token=sq_guest`, 'bare map');
+  await assertGivesWay({ page, mock }, flight, `${mock.url}embed/${flight.id}#token=sq_guest`, 'bare map');
   assert.equal(asked.find(({ pathname }) => pathname.endsWith('thumbnail.webp'))?.searchParams.get('token'), 'sq_guest');
   await assertAccessible(page, 'bare map');
-  await assertQuiet(opened);
 });

@@ -5,10 +5,10 @@ import { chartRange, knownRuns, roundTicks, sampleNear } from '../../../web/src/
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
 import { heightIn } from '../../../web/src/shared/units.js';
 import { mapIdle } from '../support/browser.js';
-import { allAsked, assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
+import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
-const { setUp } = usePages();
+const { setUp, setUpReady } = usePages();
 const laptop = { viewport: { width: 1440, height: 900 }, locale: 'de-CH' };
 const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, locale: 'de-CH' };
 
@@ -59,9 +59,7 @@ async function clickMap(page, at) {
 }
 
 test('a distance has the heights of the ground below it; pointer and keys show the place on the map', options, async () => {
-  const opened = await setUp({}, laptop);
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Hill');
+  const { page, flight } = await setUpReady('Hill', {}, laptop);
   await page.selectOption('#language', 'en').catch(() => undefined);
   await page.waitForSelector('#tool-distance');
   await mapIdle(page);
@@ -101,13 +99,10 @@ test('a distance has the heights of the ground below it; pointer and keys show t
   await page.click('#measure-undo');
   await page.waitForFunction(() => /** @type {HTMLElement} */ (document.querySelector('#heights')).hidden);
   assert.equal(await page.locator('.height-mark').count(), 0);
-  await assertQuiet(opened);
 });
 
 test('the server is asked when a line rests, not at each step of a drag', options, async () => {
-  const opened = await setUp({}, laptop);
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Drag');
+  const { page, flight } = await setUpReady('Drag', {}, laptop);
   await page.click('#tool-distance');
   await clickMap(page, [[0.4, 0.5], [0.6, 0.5]]);
   await page.waitForSelector('#height-chart');
@@ -121,12 +116,10 @@ test('the server is asked when a line rests, not at each step of a drag', option
   assert.equal(flight.asked_heights - before, 1);
   await page.click('#tool-area');
   assert.equal(await page.isVisible('#heights'), false);
-  await assertQuiet(opened);
 });
 
 test('maps without heights say so: made on level ground, or older', options, async () => {
-  const opened = await setUp({}, phone);
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, { ...phone, errors: /404/ });
   await page.clock.install();
   for (const [ground, says] of /** @type {['plane'|'none', RegExp][]} */ ([['plane', /ebenes Gelände|level ground/], ['none', /keine Geländehöhen|no ground heights/]])) {
     const flight = mock.seedReady(ground);
@@ -144,13 +137,10 @@ test('maps without heights say so: made on level ground, or older', options, asy
     if (ground === 'none') assert.equal(flight.asked_heights, 1, 'asked once');
   }
   await assertAccessible(page, 'a map without heights');
-  await assertQuiet(opened, [/404/]);
 });
 
 test('on a phone the profile lies within the card, which scrolls', options, async () => {
-  const opened = await setUp({}, phone);
-  const { page, mock } = opened;
-  await openReady({ page, mock }, 'Phone');
+  const { page } = await setUpReady('Phone', {}, phone);
   await page.click('#tool-distance');
   await clickMap(page, [[0.3, 0.85], [0.7, 0.8]]);
   await page.waitForSelector('#height-chart');
@@ -159,5 +149,4 @@ test('on a phone the profile lies within the card, which scrolls', options, asyn
   assert.ok(chart.x >= card.x && chart.x + chart.width <= card.x + card.width + 0.5, 'nothing is cut');
   assert.ok(chart.y + chart.height <= card.y + card.height + 0.5);
   await assertAccessible(page, 'a height profile on a phone');
-  await assertQuiet(opened);
 });

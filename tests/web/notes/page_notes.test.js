@@ -8,7 +8,7 @@ import { rebased, withChanges } from '../../../web/src/notes/note_merge.js';
 import { withRoom } from '../../../web/src/notes/note_labels.js';
 import { boundsOfNote, labelPlace, measurementOfNote, noteOf } from '../../../web/src/notes/note_shape.js';
 import { mapIdle } from '../support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+import { assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
 
@@ -60,11 +60,19 @@ test('of names that would overlap the first is shown', () => {
   assert.deepEqual(withRoom([]), []);
 });
 
-async function open(opened, flight) {
-  await opened.page.goto('about:blank');
-  await opened.page.goto(`${opened.mock.url}#/flights/${flight.id}`);
-  await mapIdle(opened.page);
-  await opened.page.waitForSelector('#notes', { state: 'attached' });
+/** A flight with these notes, opened; open() opens it once more. @param {object} [context] @param {object[]} [features] */
+async function openNotes(context = { locale: 'en-GB' }, features = []) {
+  const { page, mock } = await setUp({}, context);
+  const flight = mock.seedReady('Meadow');
+  if (features.length > 0) flight.notes = { features, number: 1 };
+  const open = async () => {
+    await page.goto('about:blank');
+    await page.goto(`${mock.url}#/flights/${flight.id}`);
+    await mapIdle(page);
+    await page.waitForSelector('#notes', { state: 'attached' });
+  };
+  await open();
+  return { page, flight, open };
 }
 const isSaved = (page) => page.waitForSelector('#notes-state[data-state="saved"]');
 const names = (page) => page.locator('#note-list .note-show').allTextContents();
@@ -78,10 +86,7 @@ async function write(page, name, text = '') {
 }
 
 test('a note is written where one clicks, changed, deleted, brought back, and others see it', options, async () => {
-  const opened = await setUp({}, { locale: 'en-GB' });
-  const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await open(opened, flight);
+  const { page, flight, open } = await openNotes();
   await page.click('#note-add');
   await page.fill('#note-name', '  Well ');
   await page.fill('#note-text', 'Cover is loose.\nTold to the farmer.');
@@ -115,7 +120,7 @@ test('a note is written where one clicks, changed, deleted, brought back, and ot
 
   // Who opens it anew sees it; who may not write is offered nothing that writes.
   flight.may_change = false;
-  await open(opened, flight);
+  await open();
   await page.waitForSelector('.note-mark');
   assert.deepEqual(await names(page), ['Old well']);
   assert.equal(await page.locator('#note-add, .note-edit, .note-remove').count(), 0);
@@ -123,17 +128,13 @@ test('a note is written where one clicks, changed, deleted, brought back, and ot
   assert.equal(await page.evaluate(() => document.activeElement?.className.includes('note-show')), true);
   flight.notes = { features: [], number: 0 };
   const answered = page.waitForResponse('**/notes').then((response) => response.finished());
-  await open(opened, flight);
+  await open();
   await answered;
   assert.equal(await page.locator('#notes').isVisible(), false, 'nothing to see, nothing to do');
-  await assertQuiet(opened);
 });
 
 test('a measurement is kept with the flight, with its figure in the list, and saved with the others', options, async () => {
-  const opened = await setUp({}, { locale: 'en-GB', acceptDownloads: true });
-  const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await open(opened, flight);
+  const { page, flight } = await openNotes({ locale: 'en-GB', acceptDownloads: true });
   const add = async (/** @type {[number, number][]} */ places) => {
     for (const place of places) {
       await page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), place);
@@ -165,15 +166,10 @@ test('a measurement is kept with the flight, with its figure in the list, and sa
   await page.waitForFunction(() => document.querySelector('.note-show')?.textContent === 'Fence');
   await isSaved(page);
   assert.equal(flight.notes.features[0].geometry.coordinates.length, 2);
-  await assertQuiet(opened);
 });
 
 test('of two who write at the same time nobody loses anything, and is told', options, async () => {
-  const opened = await setUp({}, { locale: 'en-GB' });
-  const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  flight.notes = { features: [pointAt('a', 'Well'), pointAt('b', 'Gate')], number: 1 };
-  await open(opened, flight);
+  const { page, flight } = await openNotes({ locale: 'en-GB', errors: /status of 412/ }, [pointAt('a', 'Well'), pointAt('b', 'Gate')]);
   await page.waitForSelector('#note-list li');
   // Another adds one and renames one.
   flight.notes = { features: [pointAt('a', 'Dry well'), pointAt('b', 'Gate'), pointAt('c', 'Tree')], number: 2 };
@@ -190,20 +186,16 @@ test('of two who write at the same time nobody loses anything, and is told', opt
   await isSaved(page);
   assert.deepEqual(kept(flight).sort(), ['Dry well', 'Iron gate (my version)', 'North gate', 'Stone', 'Tree']);
   assert.deepEqual((await names(page)).sort(), kept(flight).sort());
-  await assertQuiet(opened, [/status of 412/]);
 });
 
 test('without the server notes wait in this browser, through a reload, and are said to', options, async () => {
-  const opened = await setUp({}, { locale: 'en-GB' });
-  const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await open(opened, flight);
+  const { page, flight, open } = await openNotes({ locale: 'en-GB', errors: /ERR_FAILED|status of 422/ });
   await page.route('**/notes', (route) => (route.request().method() === 'PUT' ? route.abort() : route.continue()));
   await write(page, 'Well', 'Deep.');
   await page.waitForSelector('#notes-state[data-state="waiting"]');
   assert.match((await page.textContent('#notes-state')) ?? '', /Kept in this browser/);
   assert.equal(flight.notes.features.length, 0);
-  await open(opened, flight);
+  await open();
   await page.waitForSelector('#note-list li');
   assert.deepEqual(await names(page), ['Well']);
   await page.unroute('**/notes');
@@ -221,14 +213,10 @@ test('without the server notes wait in this browser, through a reload, and are s
   await page.click('#notes-retry');
   await isSaved(page);
   assert.deepEqual(kept(flight), ['Well', 'Gate']);
-  await assertQuiet(opened, [/ERR_FAILED/, /status of 422/]);
 });
 
 test('a name that is no markup stays text, one that is too long is refused, and German has its words', options, async () => {
-  const opened = await setUp({}, { locale: 'de-DE', viewport: { width: 390, height: 844 } });
-  const { page, mock } = opened;
-  const flight = mock.seedReady('Wiese');
-  await open(opened, flight);
+  const { page, flight } = await openNotes({ locale: 'de-DE', viewport: { width: 390, height: 844 } });
   assert.match((await page.textContent('#notes summary')) ?? '', /Notizen und Messungen/);
   await page.locator('#sheet-handle').click();
   await page.locator('#sheet-handle').click();
@@ -247,21 +235,15 @@ test('a name that is no markup stays text, one that is too long is refused, and 
   assert.equal(await page.locator('#note-form').count(), 0);
   await page.$eval('#notes', (notes) => notes.scrollIntoView({ block: 'start' }));
   await assertAccessible(page, 'German notes on a phone');
-  await assertQuiet(opened);
 });
 
 test('names on the map do not overlap: the later one comes when one zooms in, and is in the list all along', options, async () => {
-  const opened = await setUp({}, { locale: 'en-GB' });
-  const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
   const near = noteOf('Gate that is always open', '', { type: 'Point', coordinates: [7.43915, 46.95122] }, 'b');
-  flight.notes = { features: [pointAt('a', 'Well at the old mill'), near], number: 1 };
-  await open(opened, flight);
+  const { page } = await openNotes(undefined, [pointAt('a', 'Well at the old mill'), near]);
   await page.waitForSelector('.note-mark');
   const shown = () => page.locator('.note-mark:visible').allTextContents();
   assert.deepEqual(await shown(), ['Well at the old mill']);
   assert.equal(await page.locator('#note-list li').count(), 2);
   await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: [7.43912, 46.95121], zoom: 23 }));
   await page.waitForFunction(() => document.querySelectorAll('.note-mark:not([hidden])').length === 2);
-  await assertQuiet(opened);
 });

@@ -2,9 +2,9 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { embeddedPicture } from '../../../web/src/upload/exif_reader.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
+import { assertAccessible, options, usePages } from '../support/pages.js';
 
-const { setUp } = usePages();
+const { setUpReady } = usePages();
 
 /** A JPEG's first bytes with a small picture of `bytes` in its second directory. @param {number} bytes @param {number} [told] */
 function photoWithPicture(bytes, told = bytes) {
@@ -36,9 +36,7 @@ test('the small picture in a photo is found, and one that reaches past the bytes
 
 for (const [screen, context] of Object.entries({ laptop: { viewport: { width: 1440, height: 900 } }, phone: { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true } })) {
   test(`the photos of a place, the most vertical first, are stepped through on a ${screen}`, options, async () => {
-    const opened = await setUp({}, context);
-    const { page, mock } = opened;
-    await openReady({ page, mock }, 'Meadow');
+    const { page } = await setUpReady('Meadow', {}, context);
     await page.locator('#map canvas').focus();
     await page.keyboard.press('Enter');
     await page.waitForSelector('#photo-card:not([hidden])');
@@ -89,6 +87,5 @@ for (const [screen, context] of Object.entries({ laptop: { viewport: { width: 14
     await page.keyboard.press('Escape');
     await page.waitForSelector('#photo-viewer', { state: 'detached' });
     assert.match((await page.textContent('#photo-card .card-title')) ?? '', /DJI_0005/, 'the card shows the one that was looked at');
-    await assertQuiet(opened);
   });
 }

@@ -4,14 +4,12 @@ import { test } from 'node:test';
 import { isLoopback } from '../../../web/src/sharing/share_dialog.js';
 import { frameOn, mapIdle, startOuterPage } from '../support/browser.js';
 import { kNetworkAddress } from '../support/mock_server.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
+import { assertAccessible, options, usePages } from '../support/pages.js';
 
-const { cleanUp, setUp } = usePages();
+const { setUp, setUpReady, cleanUp } = usePages();
 
 test('a link is made for as long as chosen, listed, and revoked', options, async () => {
-  const opened = await setUp({ has_tokens: true });
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const { page, mock, flight } = await setUpReady('Meadow', { has_tokens: true });
   await page.click('#flight-share');
   await page.selectOption('#share-days', '7');
   await page.click('#share-make');
@@ -30,22 +28,19 @@ test('a link is made for as long as chosen, listed, and revoked', options, async
   assert.deepEqual(flight.shares.map(({ id }) => id), [share.id]);
   await page.keyboard.press('Escape');
   await page.waitForSelector('#share-dialog', { state: 'detached' });
-  await assertQuiet(opened);
 });
 
-/** Opens what is shared without a map being drawn. */
-async function openShare({ page, mock }) {
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
+/** A flight of a server, and its share dialog; no map is drawn. @param {object} [server_options] */
+async function openShare(server_options) {
+  let flight;
+  const { page, mock } = await setUp(server_options, {}, (started) => `#/flights/${(flight = started.seedReady('Meadow')).id}`);
   await page.click('#flight-share');
   await page.waitForSelector('#share-make');
-  return flight;
+  return { page, mock, flight };
 }
 
 test('on a server of this computer alone a link says so, and how others see the map', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
-  const flight = await openShare(opened);
+  const { page, mock, flight } = await openShare();
   assert.match(await page.textContent('#share-who'), /this computer only/);
   await page.click('#share-make');
   await page.waitForSelector('#share-made input');
@@ -56,13 +51,10 @@ test('on a server of this computer alone a link says so, and how others see the 
   await page.click('#share-file');
   await page.waitForSelector('#download-dialog .download');
   assert.equal(await page.locator('#share-dialog').count(), 0);
-  await assertQuiet(opened);
 });
 
 test('on a server of this computer alone others on the network are let in, and a phone reads the link', options, async () => {
-  const opened = await setUp();
-  const { page } = opened;
-  const flight = await openShare(opened);
+  const { page, flight } = await openShare();
   await page.click('#share-open-network');
   await page.waitForSelector('#share-network');
   assert.match(await page.textContent('#share-network'), new RegExp(`${kNetworkAddress}.*until Skyquilt is ended`));
@@ -74,13 +66,10 @@ test('on a server of this computer alone others on the network are let in, and a
   const dark = await page.getAttribute('#share-made .qr-code path', 'd');
   assert.ok((dark?.match(/M/g) ?? []).length > 400, 'a code of that many letters');
   await assertAccessible(page, 'share dialog of a server that was opened');
-  await assertQuiet(opened);
 });
 
 test('on an open server a link is one that others reach and that only reads, and what the server itself allows is said', options, async () => {
-  const opened = await setUp({ addresses: ['http://192.168.1.20:8080/maps', 'http://10.0.0.3:8080/maps'] });
-  const { page } = opened;
-  const flight = await openShare(opened);
+  const { page, flight } = await openShare({ addresses: ['http://192.168.1.20:8080/maps', 'http://10.0.0.3:8080/maps'] });
   assert.doesNotMatch(await page.textContent('#share-body'), /this computer/);
   assert.match(await page.textContent('#share-open'), /asks nobody for a token.*change and delete/);
   await page.click('#share-make');
@@ -88,12 +77,10 @@ test('on an open server a link is one that others reach and that only reads, and
   const { token } = flight.shares[0];
   assert.equal(await page.inputValue('#share-made input'), `http://192.168.1.20:8080/maps/#/flights/${flight.id}?token=${token}`);
   assert.match(await page.locator('#share-made input').nth(1).inputValue(), new RegExp(`src="http://192\\.168\\.1\\.20:8080/maps/embed/${flight.id}#token=${token}"`));
-  await assertQuiet(opened);
 });
 
 test('a link that is over says so to its reader, in German too', options, async () => {
-  const opened = await setUp({ has_tokens: true }, { locale: 'de-CH' });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ has_tokens: true }, { locale: 'de-CH', errors: /status of 401/ });
   const flight = mock.seedReady('Wiese');
   await page.route('**/*', (route) => {
     const { authorization } = route.request().headers();
@@ -109,7 +96,6 @@ test('a link that is over says so to its reader, in German too', options, async 
   await page.waitForSelector('.callout-error');
   assert.match(await page.textContent('.callout-error'), /abgelaufen oder wurde widerrufen/);
   assert.doesNotMatch(await page.textContent('body'), /asks for a token|Token angenommen/);
-  await assertQuiet(opened, [/status of 401/]);
 });
 
 test('this computer is known by its names', () => {
@@ -118,8 +104,7 @@ test('this computer is known by its names', () => {
 });
 
 test('a shared link shows the flight, sends its token and keeps it out of the address', options, async () => {
-  const opened = await setUp({ has_tokens: true });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ has_tokens: true });
   const flight = mock.seedReady('Meadow');
   flight.may_change = false;
   const shown = page.waitForRequest((request) => request.url().endsWith(`/api/v1/flights/${flight.id}`) && request.headers().authorization === 'Bearer sq_given');
@@ -135,12 +120,10 @@ test('a shared link shows the flight, sends its token and keeps it out of the ad
   await page.evaluate((id) => { location.hash = `#/flights/${id}?token=sq_other`; }, flight.id);
   await again;
   await mapIdle(page);
-  await assertQuiet(opened);
 });
 
 test('a map in a frame has its name, scale and makers, moves, and opens the page', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
+  const { page, mock, foreign_requests } = await setUp();
   const flight = mock.seedReady('Meadow <1>');
   flight.attribution = 'Survey <b>Office</b>';
   await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -175,16 +158,14 @@ test('a map in a frame has its name, scale and makers, moves, and opens the page
   await frame.evaluate(() => /** @type {any} */ (window).held_back);
   assert.equal(await zoom(), zoomed);
   assert.match(String(await frame.getAttribute('.embed-caption', 'href')), new RegExp(`#/flights/${flight.id}\\?token=${flight.shares[0].token}$`));
-  opened.foreign_requests = opened.foreign_requests.filter((url) => !url.startsWith(outer.url));
-  await assertQuiet(opened);
+  assert.deepEqual(foreign_requests.splice(0).filter((url) => !url.startsWith(outer.url)), []);
   await page.goto(`${mock.url}embed/${flight.id}`);
   await mapIdle(page);
   await assertAccessible(page, 'bare map');
 });
 
 test('the link made for a share carries its token in the frame, and the place that was shown', options, async () => {
-  const opened = await setUp({ has_tokens: true });
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({ has_tokens: true });
   const flight = mock.seedReady('Meadow');
   const [lon, lat] = [flight.place.lon, flight.place.lat];
   await page.goto(`${mock.url}#/flights/${flight.id}?at=19.50/${lat.toFixed(7)}/${lon.toFixed(7)}`);
@@ -209,12 +190,10 @@ test('the link made for a share carries its token in the frame, and the place th
   await page.goto(`${mock.url}embed/${flight.id}`);
   await without;
   await mapIdle(page);
-  await assertQuiet(opened);
 });
 
 test('what cannot be shown is said in the frame, and nobody is asked for a token there', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
+  const { page, mock } = await setUp({}, { errors: /40[14]/ });
   const flight = mock.addFlight('Meadow');
   await page.goto(`${mock.url}embed/${flight.id}`);
   await page.waitForSelector('#note:not([hidden])');
@@ -224,5 +203,4 @@ test('what cannot be shown is said in the frame, and nobody is asked for a token
   await page.waitForFunction(() => document.getElementById('note')?.textContent?.includes('expired or was revoked'));
   assert.equal(await page.locator('#token-dialog').count(), 0);
   await assertAccessible(page, 'bare map that is not shared');
-  await assertQuiet(opened, [/40[14]/]);
 });

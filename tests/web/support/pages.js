@@ -12,16 +12,21 @@ export const options = { skip: missing || false, timeout: 120_000 };
 let browser = null;
 /** @type {(() => Promise<void>)[]} */
 let cleanups = [];
+/** What each page of the case complains of or asks of others. @type {(() => string[])[]} */
+let noises = [];
 after(async () => (await browser)?.close());
 afterEach(async () => {
+  const noise = noises.flatMap((ofPage) => ofPage());
+  noises = [];
   for (const clean of cleanups.reverse()) await clean();
   cleanups = [];
+  assert.deepEqual(noise, [], 'a page asks nobody but its server and has no complaints');
 });
 
 /**
- * A server and a page of a case's own; both go with it.
+ * A server and a page of a case's own; both go with it, and the page is quiet to its end.
  * @param {object} [server_options]
- * @param {object} [context_options] is_drawn: true where a case looks at the pixels of a map
+ * @param {object} [context_options] is_drawn: true where a case looks at the pixels of a map; errors: those that it provokes
  * @param {(mock: any) => string} [view] of the page, by its hash; the list unless said
  */
 async function setUp(server_options = {}, context_options = {}, view = () => '') {
@@ -30,11 +35,12 @@ async function setUp(server_options = {}, context_options = {}, view = () => '')
   return { mock, ...(await openAt(mock.url + view(mock), context_options)) };
 }
 
-/** A page of another server. @param {string} url @param {object} [context_options] */
-async function openAt(url, context_options) {
+/** A page of another server. @param {string} url @param {{errors?: RegExp, [option: string]: any}} [context_options] */
+async function openAt(url, { errors, ...context_options } = {}) {
   browser ??= launchBrowser();
   const opened = await openPage(await browser, url, { is_drawn: false, ...context_options });
   cleanups.push(() => opened.context.close());
+  noises.push(() => [...opened.foreign_requests, ...opened.console_errors.filter((text) => !errors?.test(text))]);
   return opened;
 }
 
@@ -63,11 +69,6 @@ export const allAsked = (page) => page.evaluate(async () => void (await fetch('/
 /** A minute later the page's time stands still, of which there is a clock; page.clock.runFor() lets some pass. @param {any} page */
 export async function stopClock(page) {
   await page.clock.pauseAt(await page.evaluate(() => Date.now() + 60_000));
-}
-
-export async function assertQuiet(opened, expected_errors = []) {
-  assert.deepEqual(opened.foreign_requests, []);
-  assert.deepEqual(opened.console_errors.filter((text) => !expected_errors.some((pattern) => pattern.test(text))), []);
 }
 
 export async function assertAccessible(page, where) {
