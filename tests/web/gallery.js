@@ -6,7 +6,7 @@ import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'nod
 import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { launchBrowser, mapIdle, openPage } from './support/browser.js';
+import { holdRequests, kPhone, launchBrowser, mapIdle, openPage, openPhotoCard } from './support/browser.js';
 import { binary, findPhotos, realPhotos, startServer } from './support/real_server.js';
 
 const out = process.argv[2] ?? join(dirname(fileURLToPath(import.meta.url)), 'gallery');
@@ -16,7 +16,7 @@ const isWanted = (/** @type {string} */ name) => only.some((part) => name.includ
 const isStateWanted = (state) => only.some((part) => state.includes(part.split('-')[0]));
 const screens = {
   laptop: { viewport: { width: 1366, height: 768 } },
-  phone: { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
+  phone: { ...kPhone, deviceScaleFactor: 2 },
   '4k': { viewport: { width: 3840, height: 2160 } },
 };
 const kPatience_ms = 600_000;
@@ -61,13 +61,7 @@ async function openFlight(page, flight) {
 
 /** Chooses the photos on the page; from the ninth on their uploads wait until released. */
 async function dropHeld(page, photos) {
-  let release = () => {};
-  const rest = new Promise((resolve) => (release = () => resolve(undefined)));
-  let begun = 0;
-  await page.route('**/api/v1/uploads', async (route) => {
-    if (route.request().method() === 'POST' && (begun += 1) > 8) await rest;
-    await route.continue().catch(() => {});  // the page may be gone by then
-  });
+  const release = await holdRequests(page, '**/api/v1/uploads', 8);
   const text = join(work, 'notes.docx');
   writeFileSync(text, 'x');
   await page.setInputFiles('#files-input', [...photos, text]);
@@ -85,9 +79,7 @@ const states = {
   },
   async photo(page, { beach }) {
     await openFlight(page, beach);
-    await page.locator('#map canvas').focus();
-    await page.keyboard.press('Enter');
-    await page.waitForSelector('#photo-card:not([hidden])');
+    await openPhotoCard(page);
     await page.waitForTimeout(800);
     await mapIdle(page);
   },

@@ -1,13 +1,13 @@
 // axe over every view of the page, in Chromium against the mock server.
 import { test } from 'node:test';
-import { mapIdle } from './support/browser.js';
+import { kPhone, mapIdle, openPhotoCard } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
 const { setUp } = usePages();
 
 for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
-  for (const [screen, context] of Object.entries({ laptop: {}, phone: { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true } })) {
+  for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
     test(`axe finds no fault in any view on a ${screen} in the ${colorScheme} scheme`, options, async () => {
       const { page, mock } = await setUp({ upload_ms: 400, job_ms: 20_000 }, { ...context, colorScheme, reducedMotion: 'reduce', errors: /422/ });
       await page.click('summary');
@@ -33,9 +33,7 @@ for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
       await page.waitForSelector('.place-fault');
       await assertAccessible(page, 'placing the map');
       await page.keyboard.press('Escape');
-      await page.locator('#map canvas').focus();
-      await page.keyboard.press('Enter');
-      await page.waitForSelector('#photo-card:not([hidden])');
+      await openPhotoCard(page);
       await page.click('#tool-layers');
       await page.selectOption('#colour-by', 'error');
       await assertAccessible(page, 'map with cards');

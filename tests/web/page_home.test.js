@@ -3,14 +3,13 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { matches, orders, plain } from '../../web/src/home/flight_list.js';
 import { boxOf, fitted, gridOf, groups, outlinesOf, parted } from '../../web/src/home/overview_map.js';
-import { mapIdle } from './support/browser.js';
+import { drag, kPhone, mapIdle } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 import { seedMany } from './support/mock_flight.js';
 
 const { setUp } = usePages();
 const laptop = { viewport: { width: 1440, height: 900 } };
 const desk = { viewport: { width: 1920, height: 1080 } };
-const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };
 
 test('a search knows neither accents nor capitals, and finds words in any order and dates', () => {
   assert.equal(plain('Œuvre ÉTÉ Łódź Straße Ærø'), 'oeuvre ete lodz strasse aero');
@@ -87,10 +86,7 @@ test('the overview has a mark for each flight with a place, and a click opens th
   assert.match((await page.locator('.flights li.pointed').textContent()) ?? '', /Dam/);
   // A drag moves the map and opens nothing.
   const box = await page.locator('.overview-mark:has-text("Brook")').boundingBox();
-  await page.mouse.move(box.x + 14, box.y + 14);
-  await page.mouse.down();
-  await page.mouse.move(box.x + 94, box.y + 54, { steps: 4 });
-  await page.mouse.up();
+  await drag(page, [box.x + 14, box.y + 14], [box.x + 94, box.y + 54]);
   await page.waitForFunction((x) => Math.abs((document.querySelector('.overview-mark')?.getBoundingClientRect().x ?? 0) - x) > 40, box.x);
   assert.equal(new URL(page.url()).hash, '');
   await page.click('.overview-mark:has-text("Brook") .mark-dot');
@@ -99,7 +95,7 @@ test('the overview has a mark for each flight with a place, and a click opens th
 });
 
 test('flights of one field are one mark that tells them apart, and a search leaves its own on the map', options, async () => {
-  const { page, mock } = await setUp({}, phone);
+  const { page, mock } = await setUp({}, kPhone);
   for (const name of ['Field in May', 'Field in June', 'Élevage', 'A', 'B', 'C']) mock.seedReady(name);
   Object.assign([...mock.flights.values()][2].place, { lon: 2.3, lat: 48.8 });
   await page.reload();

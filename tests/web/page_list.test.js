@@ -2,7 +2,7 @@
 // flight, and flights that are to be kept.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle } from './support/browser.js';
+import { kPhone, mapIdle } from './support/browser.js';
 import { assertAccessible, openReady, options, usePages } from './support/pages.js';
 import { hasTags, tagCounts } from '../../web/src/home/flight_list.js';
 import { typedTags } from '../../web/src/flight/flight_tags.js';
@@ -121,7 +121,6 @@ test('the server away and back again: the list says so and recovers', options, a
 });
 
 const laptop = { viewport: { width: 1440, height: 900 } };
-const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };
 
 test('chosen tags are all asked for, and those that no flight has can be taken back', () => {
   const flights = /** @type {any[]} */ ([{ tags: ['maize', 'north'] }, { tags: ['maize'] }, {}]);
@@ -219,7 +218,7 @@ test('a tag that is being typed when a job ends is taken whole', options, async 
 });
 
 test('where old flights go to the trash, one is marked to be kept', options, async () => {
-  const { page, flight } = await setUpReady('Old', { keep_days: 90 }, phone);
+  const { page, flight } = await setUpReady('Old', { keep_days: 90 }, kPhone);
   await page.waitForSelector('#flight-keep');
   assert.match((await page.textContent('#flight-keep-hint')) ?? '', /90 days/);
   await page.focus('#flight-keep');

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { mapIdle, screenshotPixels } from './support/browser.js';
+import { addCentres, drag, mapIdle, screenshotPixels } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 
 const { setUp, setUpReady } = usePages();
@@ -24,26 +24,20 @@ test('measuring by keyboard gives the true distance', options, async () => {
 
 test('an area after a distance starts anew, and an outline that crosses itself has none', options, async () => {
   const { page } = await setUpReady('Meadow', {}, { locale: 'en-GB' });
-  const add = async (/** @type {[number, number][]} */ places) => {
-    for (const place of places) {
-      await page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), place);
-      await page.click('text=Add centre');
-    }
-  };
   const points = () => page.evaluate(async () => {
     const data = await /** @type {any} */ (window).skyquilt.map.getSource('measure').getData();
     return data.features.filter((/** @type {any} */ f) => f.geometry.type === 'Point').length;
   });
   const [a, b, c, d] = /** @type {[number, number][]} */ ([[7.4388, 46.951], [7.4396, 46.951], [7.4396, 46.9515], [7.4388, 46.9515]]);
   await page.click('#tool-distance');
-  await add([a, c]);
+  await addCentres(page, [a, c]);
   await page.click('#tool-area');
   assert.equal(await points(), 0);
-  await add([a, b, c, d]);
+  await addCentres(page, [a, b, c, d]);
   // GeographicLib: 3385 m2 of the quadrangle.
   assert.match((await page.textContent('#measure-result')) ?? '', /^3,38\d\sm²$/);
   await page.click('text=Clear');
-  await add([a, c, b, d]);
+  await addCentres(page, [a, c, b, d]);
   assert.equal(await page.textContent('#measure-result'), '');
   assert.match((await page.textContent('#measure-card')) ?? '', /crosses itself/);
   await assertAccessible(page, 'crossing outline');
@@ -130,10 +124,7 @@ test('the view is in the address once it was moved, and a reload or a link shows
     return [map.getZoom(), map.getCenter().lng, map.getCenter().lat];
   });
   const box = await page.locator('#map').boundingBox();
-  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
-  await page.mouse.down();
-  await page.mouse.move(box.x + box.width / 2 + 180, box.y + box.height / 2 + 60, { steps: 5 });
-  await page.mouse.up();
+  await drag(page, [box.x + box.width / 2, box.y + box.height / 2], [box.x + box.width / 2 + 180, box.y + box.height / 2 + 60]);
   await page.waitForFunction(() => location.hash.includes('?at='));
   await mapIdle(page);
   const before = await view();

@@ -6,7 +6,7 @@ import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../web
 import { boundsOfData, OwnDataError, readOwnData } from '../../web/src/map/own_data.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { areaIn, lengthIn, usualUnits } from '../../web/src/shared/units.js';
-import { mapIdle } from './support/browser.js';
+import { drag, kPhone, mapIdle } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 
 await loadFlightStrings();
@@ -82,10 +82,7 @@ test('points are dragged and undone, parts have their lengths, units are kept, t
 
   // The corner is dragged to make the first part half as long, and comes back by one step.
   const corner = await page.locator('.measure-point >> nth=1').boundingBox();
-  await page.mouse.move(corner.x + 13, corner.y + 13);
-  await page.mouse.down();
-  await page.mouse.move(corner.x - 87, corner.y + 13, { steps: 5 });
-  await page.mouse.up();
+  await drag(page, [corner.x + 13, corner.y + 13], [corner.x - 87, corner.y + 13]);
   assert.ok(Math.abs(metres((await labels())[0]) - first / 2) < 0.3, `${await labels()}`);
   assert.equal(await page.locator('.measure-point').count(), 3, 'a drag adds no point');
   await page.click('#measure-undo');
@@ -143,7 +140,7 @@ test('points are dragged and undone, parts have their lengths, units are kept, t
 });
 
 test('a file that cannot be laid over the map is named with what to do', options, async () => {
-  const { page } = await setUpReady('Meadow', {}, { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, errors: /inline style/ });  // Chromium's own words on damaged XML
+  const { page } = await setUpReady('Meadow', {}, { ...kPhone, errors: /inline style/ });  // Chromium's own words on damaged XML
   await page.click('#tool-layers');
   const kml = (/** @type {string} */ inside) => `<?xml version="1.0"?><kml xmlns="http://www.opengis.net/kml/2.2"><Document>${inside}</Document></kml>`;
   for (const [text, says] of /** @type {[string, RegExp][]} */ ([
@@ -163,7 +160,7 @@ test('a file that cannot be laid over the map is named with what to do', options
   await page.waitForFunction(() => Math.abs(/** @type {any} */ (window).skyquilt.map.getCenter().lng + 70) < 0.01);
 });
 
-for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true }]])) {
+for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', kPhone]])) {
   test(`what is measured is covered by nothing on a ${screen}; a band follows, and an area is offered for an export`, options, async () => {
     const { page, flight } = await setUpReady('Meadow', {}, { locale: 'en-GB', ...context });
     await page.click('#tool-area');

@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { formOf, jobArea, kChoices, kLimits, kPresets, kStandard, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
 import { kLayers } from '../../web/src/shared/api.js';
-import { mapIdle } from './support/browser.js';
+import { kPhone, mapIdle } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 
@@ -115,7 +115,7 @@ test('a map is made again within an area from a file', options, async () => {
   assert.deepEqual(flight.job?.options?.boundary, kArea);
 });
 
-for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true }]])) {
+for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', kPhone]])) {
   test(`a map is made again with other options on a ${screen}, and a preset is kept`, options, async () => {
     const { page, flight } = await setUpReady('Meadow', { job_ms: 300 }, { ...context, errors: /422/ });
     await page.click('#processing-details summary');

@@ -5,7 +5,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { before, test } from 'node:test';
 import { setTimeout } from 'node:timers/promises';
-import { mapIdle, screenshotPixels, until } from './support/browser.js';
+import { holdRequests, mapIdle, openPhotoCard, screenshotPixels, until } from './support/browser.js';
 import { tilePosition } from '../../web/src/map/tile_addresses.js';
 import { addToken, assertOpensAtItsPixel, options, useSimulatedFlight } from './support/real_flights.js';
 import { findPhotos } from './support/real_server.js';
@@ -167,14 +167,7 @@ test('the preview grows while photos arrive and gives way to the map without a f
     await mapIdle(page);
     return (await middleOfMap()).colours;
   };
-  /** @type {(() => void)|null} */
-  let release = null;
-  const rest = new Promise((resolve) => (release = () => resolve(undefined)));
-  let begun = 0;
-  await page.route('**/api/v1/uploads', async (route) => {
-    if (route.request().method() === 'POST' && (begun += 1) > 1) await rest;
-    await route.continue();
-  });
+  const release = await holdRequests(page, '**/api/v1/uploads', 1);
   await page.setInputFiles('#files-input', photos);
   assert.ok((await drawn(1)) > 60, 'the first photo is on the map while the others wait');
   const phone = await used.open(server.url, { viewport: { width: 390, height: 560 } });
@@ -190,7 +183,7 @@ test('the preview grows while photos arrive and gives way to the map without a f
   assert.ok(room_px >= 0, `the note covers ${-room_px} px of the preview on a phone`);
   await phone.context.close();
   const zoom_of_one = await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getZoom());
-  release?.();
+  release();
   // The middle of what has come may be where no photo has come yet. With all of them, and from there to the map, it
   // is never empty.
   await page.waitForFunction((/** @type {number} */ all) => {
@@ -299,9 +292,7 @@ test('dropped photos become a map on the real server, even when it is killed in 
     assert.ok(properties.camera_lat > south && properties.camera_lat < north, properties.name);
   }
   await assertLayersLieOverTheMap(page, server.url, id, clip);
-  await page.locator('#map canvas').focus();
-  await page.keyboard.press('Enter');
-  await page.waitForSelector('#photo-card:not([hidden])');
+  await openPhotoCard(page);
   await assertOpensAtItsPixel(page, server.url, id);
 
   const download = page.waitForEvent('download');

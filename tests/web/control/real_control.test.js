@@ -2,7 +2,7 @@
 // flown by a list that is imported and marks that are clicked; they are saved as they are made.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle } from '../support/browser.js';
+import { drag, mapIdle } from '../support/browser.js';
 import { assertAccessible } from '../support/pages.js';
 import { geodesicLength } from '../../../web/src/map/geodesy.js';
 import { applyPoints, choosePhoto, clickPixel, importList, markPoint, openPoint, saved } from './marking.js';
@@ -73,10 +73,7 @@ test('a map without any position is placed by points that are imported and click
   await page.click('#marking-undo');
   // Dragged away and back again by undoing.
   const mark = await page.locator('#marking-mark').boundingBox();
-  await page.mouse.move(mark.x + 16, mark.y + 16);
-  await page.mouse.down();
-  await page.mouse.move(mark.x + 60, mark.y + 50, { steps: 4 });
-  await page.mouse.up();
+  await drag(page, [mark.x + 16, mark.y + 16], [mark.x + 60, mark.y + 50]);
   await saved(page);
   assert.ok((await kept()).x > first.x + 1);
   await page.keyboard.press('Control+z');

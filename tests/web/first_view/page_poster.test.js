@@ -2,23 +2,17 @@
 // map will lie, in whatever view, and that it comes and goes unnoticed.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle } from '../support/browser.js';
+import { holdRequests, kPhone, mapIdle } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
 const laptop = { viewport: { width: 1366, height: 768 } };
-const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, deviceScaleFactor: 2 };
+const phone = { ...kPhone, deviceScaleFactor: 2 };
 const kPoster = '.poster:not([hidden])';
 
 /** Opens an address from nothing, while the library that draws maps is held back; the answer lets it through. */
 async function openHeld(page, address) {
-  /** @type {() => void} */
-  let release = () => {};
-  const gate = new Promise((resolve) => { release = () => resolve(undefined); });
-  await page.route('**/vendor/maplibre-gl.mjs', async (route) => {
-    await gate;
-    await route.continue();
-  });
+  const release = await holdRequests(page, '**/vendor/maplibre-gl.mjs');
   await page.goto('about:blank');
   await page.addInitScript(() => {
     /** @type {any} */ (window).shifts = [];
@@ -161,13 +155,7 @@ test('a flight without a map, one that is not there and one whose picture fails 
 test('who moves the map before its tiles are there takes the picture along', options, async () => {
   const { page, mock } = await setUp({}, laptop);
   const flight = mock.seedReady('Meadow');
-  /** @type {() => void} */
-  let release = () => {};
-  const gate = new Promise((resolve) => { release = () => resolve(undefined); });
-  await page.route('**/tiles/*/*/*/*', async (route) => {
-    await gate;
-    await route.continue();
-  });
+  const release = await holdRequests(page, '**/tiles/*/*/*/*');
   await page.goto('about:blank');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector(kPoster);

@@ -1,7 +1,7 @@
 // The poster of the real server lies on the map that comes after it, pixel upon pixel.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle, screenshotPixels, twoFrames } from '../support/browser.js';
+import { holdRequests, mapIdle, screenshotPixels, twoFrames } from '../support/browser.js';
 import { options, stitchedFlight, useSimulatedFlight } from '../support/real_flights.js';
 
 const used = useSimulatedFlight();
@@ -31,13 +31,7 @@ test('the poster lies on the map to a pixel, on the page and in the bare map', o
   assert.ok(Number(picture.headers.get('content-length')) < 130_000);
   for (const path of [`#/flights/${id}`, `embed/${id}`]) {
     const { page, console_errors } = await used.open('about:blank');
-    /** @type {() => void} */
-    let release = () => {};
-    const gate = new Promise((resolve) => { release = () => resolve(undefined); });
-    await page.route(/\/tiles\/[^/]+\/\d+\//, async (route) => {
-      await gate;
-      await route.continue();
-    });
+    const release = await holdRequests(page, /\/tiles\/[^/]+\/\d+\//);
     await page.goto(server.url + path, { waitUntil: 'commit' });
     await page.waitForSelector('.poster:not([hidden])');
     await page.waitForFunction(() => /** @type {any} */ (window).skyquilt?.map.getLayer('mosaic-1'));

@@ -7,7 +7,7 @@ import { mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { atRest, mapIdle } from '../support/browser.js';
+import { atRest, kPhone, mapIdle } from '../support/browser.js';
 import { options, usePages } from '../support/pages.js';
 import { binary, missingBinary, startServer } from '../support/real_server.js';
 
@@ -20,7 +20,7 @@ const prints = ['weasyprint', 'chromium', 'chromium-browser', 'google-chrome', '
 const wanting = options.skip || missingBinary();
 const visitors = /** @type {[string, object][]} */ ([
   ['laptop-en-light', { viewport: { width: 1366, height: 768 }, locale: 'en-GB' }],
-  ['phone-de-dark', { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true, locale: 'de-DE', colorScheme: 'dark' }],
+  ['phone-de-dark', { ...kPhone, deviceScaleFactor: 2, locale: 'de-DE', colorScheme: 'dark' }],
 ]);
 
 /** @param {string} folder */

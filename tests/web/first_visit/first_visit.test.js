@@ -13,7 +13,7 @@ import { test } from 'node:test';
 import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
 import { kLanguages } from '../../../web/src/shared/language.js';
 import { loadPageWords } from '../../../web/src/shared/strings.js';
-import { atRest, mapIdle } from '../support/browser.js';
+import { atRest, holdRequests, kPhone, mapIdle, openPhotoCard } from '../support/browser.js';
 import { faultsOf, foreignWords } from '../support/page_faults.js';
 import { options, usePages } from '../support/pages.js';
 import { photoFiles } from '../support/photo_files.js';
@@ -22,7 +22,7 @@ import { binary, findPhotos, missingBinary, realPhotos, startServer } from '../s
 const { SKYQUILT_PICTURES: pictures = '', SKYQUILT_VISIT: visited = '' } = process.env;
 const screens = {
   laptop: { viewport: { width: 1366, height: 768 } },
-  phone: { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
+  phone: { ...kPhone, deviceScaleFactor: 2 },
 };
 const kPatience_ms = 600_000;
 /** Of the real server besides. */
@@ -57,17 +57,7 @@ async function openVisit(context, is_real) {
   const server = await startServer(join(folder, 'data'));
   cleanUp(server.stop);
   const opened = await openAt(server.url, drawn);
-  const holdUploads = () => {
-    /** @type {(value?: unknown) => void} */
-    let release = () => {};
-    const gate = new Promise((resolve) => (release = resolve));
-    void opened.page.route('**/api/v1/uploads**', async (/** @type {any} */ route) => {
-      await gate;
-      await route.continue();
-    });
-    return release;
-  };
-  return { ...opened, photos: photosOf(join(folder, 'flight')), holdUploads };
+  return { ...opened, photos: photosOf(join(folder, 'flight')), holdUploads: () => holdRequests(opened.page, '**/api/v1/uploads**') };
 }
 
 /** What is opened on the map, in turn, and closed again by closeAll. @type {[string, (page: any) => Promise<void>][]} */
@@ -174,9 +164,7 @@ async function openPhoto(page) {
     map.jumpTo({ center: map.querySourceFeatures('cameras')[0].geometry.coordinates });
   });
   await mapIdle(page);
-  await page.locator('#map canvas').focus();
-  await page.keyboard.press('Enter');
-  await page.waitForSelector('#photo-card:not([hidden])');
+  await openPhotoCard(page);
 }
 
 /** @param {any} page @param {'distance'|'area'} kind */
@@ -256,7 +244,7 @@ for (const [screen, context] of Object.entries(screens)) {
           };
           await page.waitForSelector('#flights-message:not([hidden])');
           await look('empty');
-          const release = holdUploads();
+          const release = await holdUploads();
           await page.setInputFiles('#files-input', photos);
           await page.waitForSelector('#upload-progress');
           await look('uploading');

@@ -4,13 +4,13 @@ import { test } from 'node:test';
 import { chartRange, knownRuns, roundTicks, sampleNear } from '../../../web/src/heights/height_chart.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
 import { heightIn } from '../../../web/src/shared/units.js';
-import { mapIdle } from '../support/browser.js';
+import { kPhone, mapIdle } from '../support/browser.js';
 import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
 const { setUp, setUpReady } = usePages();
 const laptop = { viewport: { width: 1440, height: 900 }, locale: 'de-CH' };
-const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, locale: 'de-CH' };
+const phone = { ...kPhone, locale: 'de-CH' };
 
 test('ticks are round and lie within what the chart shows', () => {
   assert.deepEqual(roundTicks(540.3, 566.1), [550, 560]);

@@ -1,7 +1,7 @@
 // A map with heights on the page, in Chromium against the mock server; what the server knows of heights is made up here.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle, until } from '../support/browser.js';
+import { addCentres, drag, mapIdle, until } from '../support/browser.js';
 import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 import { encodePng } from '../support/tile_picture.js';
 
@@ -247,16 +247,11 @@ test('in three dimensions the map is tilted, one measures on it, and it lies lev
   await mapIdle(page);
   // The right button tilts it.
   const box = await page.locator('.maplibregl-canvas').boundingBox();
-  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
-  await page.mouse.down({ button: 'right' });
-  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2 + 40, { steps: 6 });
-  await page.mouse.up({ button: 'right' });
+  const middle = [box.x + box.width / 2, box.y + box.height / 2];
+  await drag(page, middle, [middle[0], middle[1] + 40], 'right');
   await until(async () => (await mapState(page)).pitch < 50);
   await page.click('#tool-distance');
-  for (const centre of [[7.4391, 46.9512], [7.4401, 46.9512]]) {
-    await page.evaluate((center) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center }), centre);
-    await page.click('text=Add centre');
-  }
+  await addCentres(page, [[7.4391, 46.9512], [7.4401, 46.9512]]);
   assert.match((await page.textContent('#measure-result')) ?? '', /^76\.\d/);
   await page.click('#tool-3d');
   await until(async () => (await mapState(page)).max_pitch === 0);

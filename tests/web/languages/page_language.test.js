@@ -2,13 +2,12 @@
 // without a name, and English where the words do not come.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle } from '../support/browser.js';
+import { kPhone, mapIdle, openPhotoCard } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 import { photoFiles } from '../support/photo_files.js';
 
 const { setUp, setUpReady } = usePages();
 const german = { locale: 'de-DE' };
-const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };
 
 /** @param {any} page @returns {string[]} the languages whose words it fetches from now on */
 function fetchedLanguages(page) {
@@ -165,7 +164,7 @@ test('a browser of another language gets English; the bare map has the language 
   assert.equal(await page.locator('.tool').first().getAttribute('aria-label'), 'Vergrößern');
 });
 
-for (const [screen, context] of Object.entries({ laptop: {}, phone })) {
+for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
   test(`in German nothing is cut and axe finds no fault on a ${screen}`, options, async () => {
     const { page, mock } = await setUp({ upload_ms: 400, job_ms: 20_000, has_tokens: true }, { ...german, ...context, reducedMotion: 'reduce', errors: /422/ });
     const check = async (/** @type {string} */ where) => {
@@ -207,9 +206,7 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone })) {
     await page.waitForSelector('.place-fault');
     await check('placing the map');
     await escape();
-    await page.locator('#map canvas').focus();
-    await page.keyboard.press('Enter');
-    await page.waitForSelector('#photo-card:not([hidden])');
+    await openPhotoCard(page);
     await check('photo card');
     await page.goto(`${mock.url}#/`);
     await page.setInputFiles('#files-input', [...photoFiles(9), { ...photoFiles(1)[0], name: 'refused.JPG' }]);

@@ -7,7 +7,7 @@ import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../../
 import { rebased, withChanges } from '../../../web/src/notes/note_merge.js';
 import { withRoom } from '../../../web/src/notes/note_labels.js';
 import { boundsOfNote, labelPlace, measurementOfNote, noteOf } from '../../../web/src/notes/note_shape.js';
-import { mapIdle } from '../support/browser.js';
+import { addCentres, mapIdle } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
@@ -135,21 +135,15 @@ test('a note is written where one clicks, changed, deleted, brought back, and ot
 
 test('a measurement is kept with the flight, with its figure in the list, and saved with the others', options, async () => {
   const { page, flight } = await openNotes({ locale: 'en-GB', acceptDownloads: true });
-  const add = async (/** @type {[number, number][]} */ places) => {
-    for (const place of places) {
-      await page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), place);
-      await page.click('text=Add centre');
-    }
-  };
   await page.click('#tool-distance');
   assert.equal(await page.locator('#measure-keep').isVisible(), false);
-  await add([[7.4391, 46.9512], [7.4401, 46.9512]]);
+  await addCentres(page, [[7.4391, 46.9512], [7.4401, 46.9512]]);
   await page.click('#measure-keep');
   await isSaved(page);
   assert.equal(await page.locator('#measure-card').isVisible(), false);
   assert.match((await page.textContent('.note-figure')) ?? '', /^76\.1\d?\s*m/);
   await page.click('#tool-area');
-  await add([[7.4388, 46.951], [7.4396, 46.951], [7.4396, 46.9515], [7.4388, 46.9515]]);
+  await addCentres(page, [[7.4388, 46.951], [7.4396, 46.951], [7.4396, 46.9515], [7.4388, 46.9515]]);
   await page.click('#measure-keep');
   await page.waitForFunction(() => document.querySelectorAll('#note-list li').length === 2);
   await isSaved(page);

@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { embeddedPicture } from '../../../web/src/upload/exif_reader.js';
+import { kPhone, openPhotoCard } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUpReady } = usePages();
@@ -34,12 +35,10 @@ test('the small picture in a photo is found, and one that reaches past the bytes
   for (let cut = 0; cut < 90; cut += 1) assert.equal(embeddedPicture(photoWithPicture(40).slice(0, cut)), null);
 });
 
-for (const [screen, context] of Object.entries({ laptop: { viewport: { width: 1440, height: 900 } }, phone: { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true } })) {
+for (const [screen, context] of Object.entries({ laptop: { viewport: { width: 1440, height: 900 } }, phone: kPhone })) {
   test(`the photos of a place, the most vertical first, are stepped through on a ${screen}`, options, async () => {
     const { page } = await setUpReady('Meadow', {}, context);
-    await page.locator('#map canvas').focus();
-    await page.keyboard.press('Enter');
-    await page.waitForSelector('#photo-card:not([hidden])');
+    await openPhotoCard(page);
     // On a phone the panel makes room: nothing of the card is cut.
     await page.waitForFunction((is_phone) => document.getElementById('panel')?.classList.contains('sheet-closed') === is_phone, screen === 'phone');
     await page.waitForFunction(() => {

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { basename, join } from 'node:path';
 import { test } from 'node:test';
-import { mapIdle, screenshotPixels } from '../support/browser.js';
+import { holdRequests, mapIdle, openPhotoCard, screenshotPixels } from '../support/browser.js';
 import { realPhotos } from '../support/real_server.js';
 import { assertOpensAtItsPixel, optionsOf, run, useRealServer } from '../support/real_flights.js';
 
@@ -63,14 +63,7 @@ test('a real flight goes from the drop to the map, and every tool on it says wha
   const server = await used.serve('data');
   const { page, foreign_requests, console_errors } = await used.open(server.url);
   // Half of them wait until the first are on the map.
-  /** @type {(() => void)|null} */
-  let release = null;
-  const rest = new Promise((resolve) => (release = () => resolve(undefined)));
-  let begun = 0;
-  await page.route('**/api/v1/uploads', async (route) => {
-    if (route.request().method() === 'POST' && (begun += 1) > 9) await rest;
-    await route.continue();
-  });
+  const release = await holdRequests(page, '**/api/v1/uploads', 9);
   await page.setInputFiles('#files-input', [...photos, ...Object.keys(bad).map((name) => join(folder, name))]);
   await page.waitForSelector('#verdict');
   assert.match(await page.textContent('#verdict'), /18|19|20/);
@@ -79,7 +72,7 @@ test('a real flight goes from the drop to the map, and every tool on it says wha
   const box = await page.locator('#map').boundingBox();
   const clip = { x: box.x + box.width * 0.4, y: box.y + box.height * 0.4, width: box.width * 0.2, height: box.height * 0.2 };
   assert.ok((await screenshotPixels(page, clip)).colours > 200, 'the first photos lie on the map');
-  release?.();
+  release();
   await page.waitForSelector('#job-progress', { timeout: 60_000 });
   await page.waitForSelector('#report', { timeout: 240_000 });
   await mapIdle(page);
@@ -90,9 +83,7 @@ test('a real flight goes from the drop to the map, and every tool on it says wha
   assert.ok((await screenshotPixels(page, clip)).colours > 500, 'the map is there');
 
   const id = (await page.evaluate(() => location.hash)).split('/')[2];
-  await page.locator('#map canvas').focus();
-  await page.keyboard.press('Enter');
-  await page.waitForSelector('#photo-card:not([hidden])');
+  await openPhotoCard(page);
   await assertOpensAtItsPixel(page, server.url, id);
   await assertProgramLocates(page, server.url, id, data);
   await assertMeasures(page, server.url, id);

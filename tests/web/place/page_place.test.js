@@ -2,11 +2,10 @@
 // refused, failed, left, and by who may not.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle } from '../support/browser.js';
+import { drag, kPhone, mapIdle } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
-const kPhone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };
 
 /** Opens the map of a flight, and the tool. */
 async function openTool({ page, mock }, flight) {
@@ -122,10 +121,7 @@ test('points are dragged, moved by arrow keys and removed, and are there again a
   await page.keyboard.press('ArrowDown');
   const keyed = await at();
   assertNear([keyed.x - before.x, keyed.y - before.y], [10, 1], 0.6);
-  await page.mouse.move(keyed.x + 14, keyed.y + 14);
-  await page.mouse.down();
-  await page.mouse.move(keyed.x + 74, keyed.y - 26, { steps: 6 });
-  await page.mouse.up();
+  await drag(page, [keyed.x + 14, keyed.y + 14], [keyed.x + 74, keyed.y - 26]);
   const dragged = await at();
   assertNear([dragged.x - keyed.x, dragged.y - keyed.y], [60, -40], 1.5);
   assert.equal(await page.locator('.place-row').count(), 1, 'the end of dragging is no click');

@@ -4,6 +4,7 @@ import { test } from 'node:test';
 import { exportWords, wishOf } from '../../../web/src/flight/export_view.js';
 import { outlineOf } from '../../../web/src/map/outlines.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
+import { kPhone } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
@@ -32,7 +33,7 @@ test('an outline is all polygons of a file and nothing else in it', () => {
   assert.deepEqual(of(one, two)?.geometry, { type: 'MultiPolygon', coordinates: [[ring], [ring], [ring]] });
 });
 
-for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true }]])) {
+for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', kPhone]])) {
   test(`a map is exported, downloaded and deleted on a ${screen}, and refusals are said`, options, async () => {
     const { page, flight } = await setUpReady('Meadow', {}, { ...context, errors: /422/ });
     await page.click('#flight-download');

@@ -90,6 +90,45 @@ export async function openPage(browser, url, { is_drawn = true, ...options } = {
   return { page, context, foreign_requests, console_errors, transferred: () => bytes };
 }
 
+/** Options of a page's context on a phone. */
+export const kPhone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };
+
+/** Holds what a page asks of these addresses, but for the first requests; the answer lets it through. @param {any} page @param {string|RegExp} addresses @param {number} [first] */
+export async function holdRequests(page, addresses, first = 0) {
+  /** @type {() => void} */
+  let release = () => {};
+  const gate = new Promise((resolve) => { release = () => resolve(undefined); });
+  let begun = 0;
+  await page.route(addresses, async (/** @type {any} */ route) => {
+    if ((begun += 1) > first) await gate;
+    await route.continue().catch(() => {});  // the page may be gone by then
+  });
+  return release;
+}
+
+/** @param {any} page @param {number[]} from @param {number[]} to in px of the window @param {'left'|'right'} [button] */
+export async function drag(page, from, to, button = 'left') {
+  await page.mouse.move(...from);
+  await page.mouse.down({ button });
+  await page.mouse.move(...to, { steps: 5 });
+  await page.mouse.up({ button });
+}
+
+/** The card of the photo in the middle of the map, by keyboard. @param {any} page */
+export async function openPhotoCard(page) {
+  await page.locator('#map canvas').focus();
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('#photo-card:not([hidden])');
+}
+
+/** Adds places to what is being measured, each where the middle of the map is. @param {any} page @param {number[][]} places */
+export async function addCentres(page, places) {
+  for (const place of places) {
+    await page.evaluate((/** @type {any} */ center) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center }), place);
+    await page.click('text=Add centre');
+  }
+}
+
 /** @param {any} page @param {string} [selector] waits until everything of the map is drawn */
 export async function mapIdle(page, selector = '#map') {
   await page.waitForSelector(`${selector}[data-map-state="idle"]`, { timeout: 60_000 });
