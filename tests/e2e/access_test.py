@@ -17,8 +17,7 @@ class AccessCase(ServerTestCase):
         run("token", "revoke", name, "--data", self.data, *catalogue_words(self.data))
 
     def new_flight(self, server, who):
-        status, _, body = server.request("POST", "/api/v1/flights", "{}", {**AS_JSON, **who})
-        self.assertEqual(status, 201, body)
+        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**AS_JSON, **who}, code=201)
         return json.loads(body)["id"]
 
 
@@ -30,8 +29,7 @@ class LastToken(AccessCase):
         self.revoke("one")
         time.sleep(1.5)  # a running server looks at its tokens once a second
         for method, path in (("GET", "/api/v1/flights"), ("POST", "/api/v1/flights"), ("GET", "/metrics")):
-            status, _, body = server.request(method, path, headers=AS_JSON)
-            self.assertEqual(status, 401, path)
+            _, _, body = server.request(method, path, headers=AS_JSON, code=401)
             self.assertIn(b"--open", body)
         server.stop()
         server = self.serve("--workers", "0")
@@ -90,8 +88,7 @@ class Quotas(AccessCase):
         self.assertEqual(send("POST", "/api/v1/flights", form, length)[0], 413)
         status, body = send("POST", "/task/new", form, length)
         self.assertEqual((status, b"10.0 kB" in body), (200, True), body)
-        status, headers, _ = server.request("POST", "/api/v1/uploads", headers={**small, **TUS, **tus_metadata(flight), "Upload-Defer-Length": "1"})
-        self.assertEqual(status, 201)
+        _, headers, _ = server.request("POST", "/api/v1/uploads", headers={**small, **TUS, **tus_metadata(flight), "Upload-Defer-Length": "1"}, code=201)
         upload = headers["Location"]
         self.assertEqual(send("PATCH", upload, slices, {**CHUNK, "Upload-Offset": "0", "Content-Length": str(20 << 20)})[0], 413)
         archive = io.BytesIO()
@@ -212,8 +209,7 @@ class OneFlight(AccessCase):
         _, flight = server.json("POST", "/api/v1/flights", {})
         at = f"/api/v1/flights/{flight['id']}/shares"
         self.assertEqual(server.json("GET", at), (200, {"needs_token": False, "may_open_network": True, "addresses": [], "shares": []}))
-        status, made = server.json("POST", at, {})
-        self.assertEqual(status, 201, made)
+        _, made = server.json("POST", at, {}, code=201)
         share = bearer(made["token"])
         one = f"/api/v1/flights/{flight['id']}"
         self.assertEqual(server.request("GET", one, headers=share)[0], 200)

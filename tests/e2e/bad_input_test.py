@@ -195,8 +195,7 @@ class BadInput(ServerTestCase):
 
     def map_of_good_and(self, bad):
         """The report of a job over the good photos and these files, which must not stop it."""
-        status, made = self.shared.upload([*self.photos, *bad.items()], options='{"gsd_m": 0.4}')
-        self.assertEqual(status, 202, made)
+        _, made = self.shared.upload([*self.photos, *bad.items()], options='{"gsd_m": 0.4}', code=202)
         job = self.shared.wait_for_job(made["job"]["id"])
         self.assertEqual((job["state"], job["attempts"]), ("successful", 1), job)
         _, report = self.shared.json("GET", f"/api/v1/flights/{made['flight']['id']}/report")
@@ -307,8 +306,7 @@ class BadInput(ServerTestCase):
         wait_until(is_over, "not all were refused")
         inside.close()
         self.assertEqual(heard, [])
-        status, told = server.json("POST", "/task/new?", None)
-        self.assertEqual(status, 200)
+        _, told = server.json("POST", "/task/new?", None, code=200)
         self.assertIn("error", told)
 
     def test_14_other_hosts(self):

@@ -99,8 +99,7 @@ class Confinement(ServerTestCase):
         self.assertIn("begins threads as it is loaded", (told["error"] or told["workers_aside"][0])["message"])
 
     def start_job(self, server, photos=None):
-        status, made = server.upload(photos or self.photos)
-        self.assertEqual(status, 202, made)
+        _, made = server.upload(photos or self.photos, code=202)
         return made["flight"]["id"], made["job"]["id"]
 
     def find(self, server, kind):

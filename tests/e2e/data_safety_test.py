@@ -42,8 +42,7 @@ class DataSafety(ServerTestCase):
         _, listed = server.json("GET", f"/api/v1/flights/{flight_id}/files")
         files = {}
         for file in listed["files"]:
-            status, _, body = server.request("GET", f"/api/v1/flights/{flight_id}/files/{file['name']}")
-            self.assertEqual(status, 200, file)
+            _, _, body = server.request("GET", f"/api/v1/flights/{flight_id}/files/{file['name']}", code=200)
             files[file["name"]] = body
         tiles = {}
         if flight["state"] == "ready":
@@ -91,8 +90,7 @@ class DataSafety(ServerTestCase):
     def test_a_lost_catalogue_is_never_made_anew_in_silence_and_repair_brings_all_back(self):
         server = self.serve()
         mapped = self.make_map(server)
-        status, plain = server.json("POST", "/api/v1/flights", {"name": "plain"})
-        self.assertEqual(status, 201, plain)
+        _, plain = server.json("POST", "/api/v1/flights", {"name": "plain"}, code=201)
         server.request("PUT", f"/api/v1/flights/{plain['id']}/files/høyde 1.jpg".replace("ø", "%C3%B8").replace(" ", "%20"),
                        self.photos[0][1])
         server.json("PATCH", f"/api/v1/flights/{plain['id']}", {"name": "renamed"})
@@ -134,8 +132,7 @@ class DataSafety(ServerTestCase):
         backup = pathlib.Path(self.data, "catalogue.db").read_bytes()
         server = self.serve()
         second = self.make_map(server, "newer")
-        status, more = server.json("POST", f"/api/v1/flights/{first}/jobs", {})
-        self.assertEqual(status, 202, more)
+        _, more = server.json("POST", f"/api/v1/flights/{first}/jobs", {}, code=202)
         self.assertEqual(server.wait_for_job(more["id"])["state"], "successful")
         before = {flight: self.view(server, flight) for flight in (first, second)}
         self.assertEqual(server.stop(), 0)
@@ -209,13 +206,10 @@ class DataSafety(ServerTestCase):
             self.assertEqual(server.request("GET", "/readyz")[0], 503)
             self.assertEqual(server.request("GET", "/healthz")[0], 200)
             for method, path, body in (("PUT", f"{address}/files/a.jpg", b"x"), ("DELETE", address, None)):
-                status, _, answer = server.request(method, path, body)
-                self.assertEqual(status, 503, answer)
+                _, _, answer = server.request(method, path, body, code=503)
                 self.assertIn(b"data folder", answer)
-            status, answer = server.json("POST", "/api/v1/flights", {})
-            self.assertEqual(status, 503, answer)
-            status, answer = server.upload([("a.jpg", b"x")])
-            self.assertEqual(status, 503, answer)
+            server.json("POST", "/api/v1/flights", {}, code=503)
+            server.upload([("a.jpg", b"x")], code=503)
             wait_until(lambda: server.workers() == [], "workers go on in a folder that is gone")
         shutil.rmtree(self.data)
         os.rename(away, self.data)

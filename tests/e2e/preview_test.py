@@ -45,8 +45,7 @@ class Preview(ServerTestCase):
             self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight_id}/files/{name}", content)[0], 201)
 
     def middle_tile(self, server, tilejson_path):
-        status, tilejson = server.json("GET", tilejson_path)
-        self.assertEqual(status, 200, tilejson)
+        _, tilejson = server.json("GET", tilejson_path, code=200)
         url = middle_tile(tilejson)
         return url, server.request("GET", url)
 
@@ -113,8 +112,7 @@ class Preview(ServerTestCase):
         _, job = server.json("POST", f"/api/v1/flights/{flight_id}/jobs", {})
         kinds = []
         while True:
-            status, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
-            self.assertEqual(status, 200)
+            _, tilejson = server.json("GET", f"/tiles/{flight_id}.json", code=200)
             is_preview = "rev=preview" in tilejson["tiles"][0]
             self.assertEqual(tilejson["version"].startswith("0."), is_preview)
             kinds.append(is_preview)

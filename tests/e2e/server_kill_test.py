@@ -10,8 +10,7 @@ from server_support import POSTGRES, ServerTestCase, kept_of_flights, limits_of,
 
 class Kills(ServerTestCase):
     def start_job(self, server, **fields):
-        status, made = server.upload(self.photos, **fields)
-        self.assertEqual(status, 202, made)
+        _, made = server.upload(self.photos, **fields, code=202)
         return made["flight"]["id"], made["job"]["id"]
 
     def wait_for_stage(self, server, job_id):
@@ -23,8 +22,7 @@ class Kills(ServerTestCase):
         self.assertEqual(job["state"], "successful", f"{job} {server.errors()}")
         _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
         self.assertEqual(flight["state"], "ready")
-        status, tilejson = server.json("GET", flight["tilejson"])
-        self.assertEqual(status, 200)
+        server.json("GET", flight["tilejson"], code=200)
         wait_until(lambda: server.garbage() == [], f"left over: {server.garbage()}")
         self.assertEqual(server.stop(), 0)
         self.assertEqual(parts_of(server.data, flight_id), ["files", f"r{flight['revision']}"])
@@ -94,8 +92,7 @@ class Kills(ServerTestCase):
     def test_a_cancelled_job_is_dismissed(self):
         server = self.serve()
         _, job_id = self.start_job(server)
-        status, _ = server.json("DELETE", f"/api/v1/jobs/{job_id}")
-        self.assertEqual(status, 200)
+        server.json("DELETE", f"/api/v1/jobs/{job_id}", code=200)
         self.assertEqual(server.wait_for_job(job_id)["state"], "dismissed")
         wait_until(lambda: server.garbage() == [], "the work of a cancelled job is left over")
 

@@ -101,10 +101,9 @@ class Sharing(ServerTestCase):
         _, flight = server.json("POST", "/api/v1/flights", {})
         for name, content in self.photos:
             server.request("PUT", f"/api/v1/flights/{flight['id']}/files/{name}", content)
-        status, headers, body = server.request("POST", "/ogc/processes/stitch/execution",
+        _, headers, body = server.request("POST", "/ogc/processes/stitch/execution",
                                                json.dumps({"inputs": {"flight": flight["id"], "options": {"gsd_m": 0.4}}}),
-                                               AS_JSON)
-        self.assertEqual(status, 201, body)
+                                               AS_JSON, code=201)
         info = json.loads(body)
         self.assertEqual(server.wait_for_job(info["jobID"])["state"], "successful")
         _, info = server.json("GET", path_of(headers["Location"]))
@@ -126,8 +125,7 @@ class Sharing(ServerTestCase):
         receiver = Receiver()
         url = f"http://127.0.0.1:{receiver.server_port}/hook?x=1"
         server = self.serve("--webhooks", "any")
-        status, hook = server.json("POST", "/api/v1/webhooks", {"url": url})
-        self.assertEqual(status, 201)
+        _, hook = server.json("POST", "/api/v1/webhooks", {"url": url}, code=201)
         _, listed = server.json("GET", "/api/v1/webhooks")
         self.assertEqual([("secret" in entry, entry["url"]) for entry in listed["webhooks"]], [(False, url)])
         _, made = server.upload(self.photos[:2])

@@ -52,8 +52,7 @@ class TrashCase(ServerTestCase):
         return flight, job
 
     def new_flight(self, server, photos):
-        status, made = server.upload(self.photos[:photos])
-        self.assertEqual(status, 202, made)
+        _, made = server.upload(self.photos[:photos], code=202)
         return made["flight"]["id"], made["job"]["id"]
 
     def job_row(self, job):
@@ -61,8 +60,7 @@ class TrashCase(ServerTestCase):
         return rows[0] if rows else None
 
     def trash_of(self, server):
-        status, trash = server.json("GET", "/api/v1/trash")
-        self.assertEqual(status, 200, trash)
+        _, trash = server.json("GET", "/api/v1/trash", code=200)
         return trash
 
     def flights_of(self, server):
@@ -98,8 +96,7 @@ class Trash(TrashCase):
         server.kill()
         server = self.serve()
         self.assertEqual(self.names_of(flight), before)
-        status, restored = server.json("POST", f"/api/v1/flights/{flight}/restore")
-        self.assertEqual(status, 200, restored)
+        _, restored = server.json("POST", f"/api/v1/flights/{flight}/restore", code=200)
         self.assertEqual(restored["state"], "ready")
         self.assertEqual(server.json("GET", f"/tiles/{flight}.json")[1]["bounds"], tilejson["bounds"])
         self.assertEqual(self.trash_of(server)["flights"], [])
@@ -236,8 +233,7 @@ class FullDisk(TrashCase):
         for flight in ids:
             self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}")[0], 204, flight)
         for flight in ids:
-            status, _, answer = server.request("DELETE", f"/api/v1/trash/{flight}")
-            self.assertEqual(status, 204, answer)
+            server.request("DELETE", f"/api/v1/trash/{flight}", code=204)
         self.assertGreater(os.statvfs(self.data).f_bavail * os.statvfs(self.data).f_frsize, 4 << 20)
         self.assertEqual(kept_of_flights(self.data), {})
 
@@ -267,8 +263,7 @@ class WrongClock(TrashCase):
 
     def begin_upload(self, server, flight):
         photo = self.photos[0][1]
-        status, headers, _ = server.request("POST", "/api/v1/uploads", photo[:1000], {**CHUNK, **tus_metadata(flight, "late.jpg"), "Upload-Length": str(len(photo))})
-        self.assertEqual(status, 201)
+        _, headers, _ = server.request("POST", "/api/v1/uploads", photo[:1000], {**CHUNK, **tus_metadata(flight, "late.jpg"), "Upload-Length": str(len(photo))}, code=201)
         return headers["Location"]
 
     def offset(self, server, upload):

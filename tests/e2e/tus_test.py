@@ -102,17 +102,15 @@ class Tus(ServerTestCase):
         self.assertIn("concatenation", headers["Tus-Extension"].split(","))
         places = []
         for part in (content[:MIB], content[MIB:]):
-            status, headers, _ = server.request("POST", "/api/v1/uploads", headers={
-                **TUS, "Upload-Concat": "partial", "Upload-Length": str(len(part))})
-            self.assertEqual(status, 201)
+            _, headers, _ = server.request("POST", "/api/v1/uploads", headers={
+                **TUS, "Upload-Concat": "partial", "Upload-Length": str(len(part))}, code=201)
             places.append(headers["Location"])
             self.assertEqual(server.request("PATCH", places[-1], part, {**CHUNK, "Upload-Offset": "0"})[0], 204)
         server.kill()
         server = self.start()
         self.assertEqual(self.stored(flight["id"]), [])
         final = {**TUS, **tus_metadata(flight["id"]), "Upload-Concat": "final;" + " ".join(places)}
-        status, headers, _ = server.request("POST", "/api/v1/uploads", headers=final)
-        self.assertEqual(status, 201)
+        _, headers, _ = server.request("POST", "/api/v1/uploads", headers=final, code=201)
         status, told, _ = server.request("HEAD", headers["Location"], headers=TUS)
         self.assertEqual((told["Upload-Length"], told["Upload-Offset"], told["Upload-Concat"]),
                          (str(len(content)), str(len(content)), final["Upload-Concat"]))
@@ -128,9 +126,8 @@ class Tus(ServerTestCase):
         dice = random.Random(11)
         server = self.start()
         _, flight = server.json("POST", "/api/v1/flights", {})
-        status, headers, _ = server.request("POST", "/api/v1/uploads", headers={
-            **TUS, "Upload-Length": str(len(content)), **tus_metadata(flight["id"])})
-        self.assertEqual(status, 201)
+        _, headers, _ = server.request("POST", "/api/v1/uploads", headers={
+            **TUS, "Upload-Length": str(len(content)), **tus_metadata(flight["id"])}, code=201)
         place, promised = headers["Location"], 0
         for _ in range(12):
             status, headers, _ = server.request("HEAD", place, headers=TUS)
@@ -155,8 +152,7 @@ class Tus(ServerTestCase):
         status, headers, _ = server.request("HEAD", place, headers=TUS)
         offset = int(headers["Upload-Offset"])
         if offset < len(content):
-            status, _, _ = server.request("PATCH", place, content[offset:], {**CHUNK, "Upload-Offset": str(offset)})
-            self.assertEqual(status, 204)
+            server.request("PATCH", place, content[offset:], {**CHUNK, "Upload-Offset": str(offset)}, code=204)
         [stored] = self.stored(flight["id"])
         self.assertEqual(stored.read_bytes(), content)
         self.assertEqual(server.garbage(), [])

@@ -217,8 +217,7 @@ class Gis(MapFileTestCase):
     def test_a_place_tells_its_photo_and_an_area_its_figures(self):
         west, south, east, north = self.tilejson["bounds"]
         lon, lat = (west + east) / 2, (south + north) / 2
-        status, point = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/point?lon={lon}&lat={lat}")
-        self.assertEqual(status, 200)
+        _, point = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/point?lon={lon}&lat={lat}", code=200)
         _, seen = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/at?lon={lon}&lat={lat}")
         self.assertEqual(point["photo"]["name"], seen["photos"][0]["name"])
         mbtiles = self.gdal.Open(str(self.path("mbtiles")))
@@ -227,8 +226,7 @@ class Gis(MapFileTestCase):
         want = mbtiles.ReadAsArray(int((x - left) / pixel_m), int((top - y) / pixel_m), 1, 1)[:3, 0, 0]
         self.assertEqual([point["colour"][name] for name in ("red", "green", "blue")], [int(value) for value in want])
         ring = [[west, south], [east, south], [east, north], [west, north], [west, south]]
-        status, told = self.server.json("POST", f"/api/v1/flights/{self.flight_id}/statistics", {"type": "Polygon", "coordinates": [ring]})
-        self.assertEqual(status, 200)
+        _, told = self.server.json("POST", f"/api/v1/flights/{self.flight_id}/statistics", {"type": "Polygon", "coordinates": [ring]}, code=200)
         pixels = mbtiles.ReadAsArray()
         shown = pixels[3] >= 128
         self.assertEqual((told["zoom"], told["pixels"]), (self.tilejson["maxzoom"], int(shown.sum())))
@@ -313,13 +311,11 @@ class Gis(MapFileTestCase):
     def test_a_photos_pixel_and_its_place_find_each_other(self):
         west, south, east, north = self.tilejson["bounds"]
         lon, lat = (west + east) / 2, (south + north) / 2
-        status, seen = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/at?lon={lon}&lat={lat}")
-        self.assertEqual(status, 200)
+        _, seen = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/at?lon={lon}&lat={lat}", code=200)
         self.assertTrue(seen["photos"])
         for photo in seen["photos"]:
             path = f"/api/v1/flights/{self.flight_id}/photos/{photo['name']}/ground?x={photo['x']}&y={photo['y']}"
-            status, ground = self.server.json("GET", path)
-            self.assertEqual(status, 200)
+            _, ground = self.server.json("GET", path, code=200)
             self.assertAlmostEqual(ground["lon"], lon, places=8)
             self.assertAlmostEqual(ground["lat"], lat, places=8)
         self.assertEqual(self.server.json("GET", f"/api/v1/flights/{self.flight_id}/at?lon=x&lat=1")[0], 400)
@@ -406,8 +402,7 @@ class LargeTiles(GdalTestCase):
         cls.row = int((WORLD_M - math.asinh(math.tan(lat)) / math.pi * WORLD_M) / tile_m)
 
     def picture(self, path):
-        status, _, content = self.server.request("GET", path)
-        self.assertEqual(status, 200, path)
+        _, _, content = self.server.request("GET", path, code=200)
         file = pathlib.Path(self.data, "tile")
         file.write_bytes(content)
         return self.gdal.Open(str(file)).ReadAsArray()[:3].astype(int)

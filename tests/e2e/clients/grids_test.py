@@ -20,8 +20,7 @@ class Grids(MapFileTestCase):
         cls.utm = f"UTM{cls.zone:02}WGS84Quad"
 
     def document(self, path):
-        status, document = self.server.json("GET", path)
-        self.assertEqual(status, 200, path)
+        _, document = self.server.json("GET", path, code=200)
         return document
 
     def warped(self, dataset):
@@ -111,8 +110,7 @@ class Grids(MapFileTestCase):
 
     def picture(self, query, crs):
         """A map as a dataset that lies where its headers say."""
-        status, headers, content = self.server.request("GET", f"/ogc/collections/{self.flight_id}/map?{query}")
-        self.assertEqual(status, 200, query + str(content[:300]))
+        _, headers, content = self.server.request("GET", f"/ogc/collections/{self.flight_id}/map?{query}", code=200)
         file = f"/vsimem/{abs(hash(query))}"
         self.gdal.FileFromMemBuffer(file, content)
         dataset = self.gdal.GetDriverByName("MEM").CreateCopy("", self.gdal.Open(file))

@@ -80,8 +80,7 @@ class Plugin(MapFileTestCase):
     def test_heights_become_layers_where_the_map_has_them(self):
         server = Server(tempfile.mkdtemp(dir=self.scratch), "--workers", "1")
         self.servers.append(server)
-        status, made = server.upload(self.photos, name="Village", options=json.dumps({"heights": "dtm"}))
-        self.assertEqual(status, 202, made)
+        _, made = server.upload(self.photos, name="Village", options=json.dumps({"heights": "dtm"}), code=202)
         server.wait_for_job(made["job"]["id"])
         flight, url = made["flight"]["id"], f"http://127.0.0.1:{server.port}"
         kinds = ("surface", "hillshade", "ground", "contours")

@@ -62,15 +62,12 @@ class Flow(S3TestCase):
         self.assertEqual(server.request("GET", f"{base}/files/other.jpg")[0], 404)
         status, _, archive = server.request("GET", f"{base}/download.zip")
         self.assertEqual((status, archive[:4]), (200, b"PK\x03\x04"))
-        status, stac = server.json("GET", f"/stac/{flight_id}")
-        self.assertEqual(status, 200)
+        _, stac = server.json("GET", f"/stac/{flight_id}", code=200)
         self.assertIn("pmtiles", stac["assets"])
         west, south, east, north = stac["bbox"]
-        status, at = server.json("GET", f"{base}/at?lon={(west + east) / 2}&lat={(south + north) / 2}")
-        self.assertEqual(status, 200)
+        _, at = server.json("GET", f"{base}/at?lon={(west + east) / 2}&lat={(south + north) / 2}", code=200)
         self.assertGreater(len(at["photos"]), 0)
-        status, verdict = server.json("GET", f"{base}/verdict")
-        self.assertEqual(status, 200, verdict)
+        server.json("GET", f"{base}/verdict", code=200)
 
     def test_a_photo_more_goes_on_from_the_map_that_is_there(self):
         server = self.serve_s3("--trash-days", "0")
@@ -80,8 +77,7 @@ class Flow(S3TestCase):
         finally:
             self.photos.append(last)
         shutil.rmtree(pathlib.Path(self.data, "cache"))  # as another machine would have it
-        status, _, _ = server.request("PUT", f"/api/v1/flights/{flight_id}/files/{last[0]}", last[1])
-        self.assertEqual(status, 201)
+        server.request("PUT", f"/api/v1/flights/{flight_id}/files/{last[0]}", last[1], code=201)
         _, job = server.json("POST", f"/api/v1/flights/{flight_id}/jobs", {})
         self.assertEqual(server.wait_for_job(job["id"])["state"], "successful")
         _, report = server.json("GET", f"/api/v1/flights/{flight_id}/report")
@@ -263,8 +259,7 @@ class Places(S3TestCase):
 class Faults(S3TestCase):
     def test_a_worker_that_starts_before_the_store_waits_for_it(self):
         server = self.serve_s3("--workers", "0")
-        status, made = server.upload(self.photos)
-        self.assertEqual(status, 202, made)
+        _, made = server.upload(self.photos, code=202)
         self.proxy.is_cut.set()
         worker = subprocess.Popen([BINARY, "worker", "--once", "--data", self.data, "--blobs", self.address()])
         time.sleep(8)
@@ -337,8 +332,7 @@ class Faults(S3TestCase):
         self.proxy.fails = 1.0  # every request
         self.assertEqual(server.request("GET", tile)[0], 503)
         self.assertEqual(server.request("GET", hot)[2], whole[2])  # in memory
-        status, _, said = server.request("PUT", f"/api/v1/flights/{flight_id}/files/more.jpg", self.photos[0][1])
-        self.assertEqual(status, 503)
+        _, _, said = server.request("PUT", f"/api/v1/flights/{flight_id}/files/more.jpg", self.photos[0][1], code=503)
         self.assertIn("Try again later", json.loads(said)["detail"])
         self.assertEqual(len(server.json("GET", f"/api/v1/flights/{flight_id}/files")[1]["files"]), 6)
         self.proxy.fails = 0
@@ -347,8 +341,7 @@ class Faults(S3TestCase):
 
     def test_a_worker_that_is_killed_while_it_stores_leaves_no_orphan(self):
         server = self.serve_s3()
-        status, made = server.upload(self.photos)
-        self.assertEqual(status, 202)
+        _, made = server.upload(self.photos, code=202)
         flight_id = made["flight"]["id"]
         wait_until(lambda: any("/r1/" in key for key in self.keys("flights/")) or None, "no product was stored")
         for pid in server.workers():
@@ -361,8 +354,7 @@ class Faults(S3TestCase):
 
     def test_processes_that_decode_photos_are_told_no_keys(self):
         server = self.serve_s3()
-        status, made = server.upload(self.photos)
-        self.assertEqual(status, 202)
+        _, made = server.upload(self.photos, code=202)
         seen = []
 
         def looked():

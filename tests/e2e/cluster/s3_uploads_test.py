@@ -16,9 +16,8 @@ MIB = 1 << 20
 class Uploads(S3TestCase):
     def begin(self, server, content):
         _, flight = server.json("POST", "/api/v1/flights", {})
-        status, headers, _ = server.request("POST", "/api/v1/uploads", headers={
-            **TUS, "Upload-Length": str(len(content)), **tus_metadata(flight["id"])})
-        self.assertEqual(status, 201)
+        _, headers, _ = server.request("POST", "/api/v1/uploads", headers={
+            **TUS, "Upload-Length": str(len(content)), **tus_metadata(flight["id"])}, code=201)
         return flight["id"], headers["Location"]
 
     def send(self, server, place, content, begin, end):
@@ -85,16 +84,14 @@ class Uploads(S3TestCase):
         _, flight = server.json("POST", "/api/v1/flights", {})
         places = []
         for part in (content[:MIB], content[MIB:], content[:10]):
-            status, headers, _ = server.request("POST", "/api/v1/uploads", headers={
-                **TUS, "Upload-Concat": "partial", "Upload-Length": str(len(part))})
-            self.assertEqual(status, 201)
+            _, headers, _ = server.request("POST", "/api/v1/uploads", headers={
+                **TUS, "Upload-Concat": "partial", "Upload-Length": str(len(part))}, code=201)
             places.append(headers["Location"])
             self.send(server, places[-1], part, 0, len(part))
         self.assertEqual(server.request("DELETE", places.pop(), headers=TUS)[0], 204)
         self.assertEqual(len(self.keys("uploads/")), 2)
-        status, _, _ = server.request("POST", "/api/v1/uploads", headers={
-            **TUS, **tus_metadata(flight["id"]), "Upload-Concat": "final;" + " ".join(places)})
-        self.assertEqual(status, 201)
+        server.request("POST", "/api/v1/uploads", headers={
+            **TUS, **tus_metadata(flight["id"]), "Upload-Concat": "final;" + " ".join(places)}, code=201)
         self.check_whole(server, flight["id"], content)
 
     def test_a_store_that_fails_and_stalls_loses_no_byte(self):

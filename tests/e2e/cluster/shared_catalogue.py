@@ -69,8 +69,7 @@ class SharedCatalogueCase(ServerTestCase):
         return self.workers[-1]
 
     def upload(self, server):
-        status, made = server.upload(self.photos)
-        self.assertEqual(status, 202, made)
+        _, made = server.upload(self.photos, code=202)
         return made["flight"]["id"], made["job"]["id"]
 
     def query(self, sql):
@@ -79,9 +78,7 @@ class SharedCatalogueCase(ServerTestCase):
     def check_map(self, server, flight_id):
         _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
         self.assertEqual(flight["state"], "ready", server.errors())
-        status, tilejson = server.json("GET", flight["tilejson"])
-        self.assertEqual(status, 200)
-        status, _, bytes_of_tile = server.request("GET", middle_tile(tilejson))
-        self.assertEqual(status, 200)
+        _, tilejson = server.json("GET", flight["tilejson"], code=200)
+        _, _, bytes_of_tile = server.request("GET", middle_tile(tilejson), code=200)
         self.assertGreater(len(bytes_of_tile), 100)
         self.assertEqual(self.query("SELECT count(*) FROM revision"), "1")

@@ -73,15 +73,13 @@ class UnitsTest(ScratchCase):
         return pathlib.Path(f"{self.folder.name}.log").read_text()
 
     def upload(self):
-        status, made = self.server.upload(self.photos, name="field")
-        self.assertEqual(status, 202, made)
+        _, made = self.server.upload(self.photos, name="field", code=202)
         return made["flight"]["id"], made["job"]["id"]
 
     def map_of(self, flight):
         answers = {}
         for name in ("mbtiles", "pmtiles", "tif"):
-            status, _, content = self.server.request("GET", f"/api/v1/flights/{flight}/download.{name}")
-            self.assertEqual(status, 200, content[:300])
+            _, _, content = self.server.request("GET", f"/api/v1/flights/{flight}/download.{name}", code=200)
             answers[f"mosaic.{name}"] = hashlib.sha256(content).hexdigest()
         return answers
 
@@ -160,8 +158,7 @@ class UnitsTest(ScratchCase):
         wait_until(lambda: self.start_worker(*once, "--job-memory", "1").wait(timeout=120) is not None and state() == "failed",
                    f"it does not fail: {self.errors()}")
         pathlib.Path(f"{self.folder.name}.log").write_text("")
-        status, again = self.server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
-        self.assertEqual(status, 202, again)
+        _, again = self.server.json("POST", f"/api/v1/flights/{flight}/jobs", {}, code=202)
         self.start_worker(*CUT)
         ended = self.server.wait_for_job(again["id"])
         self.assertEqual(ended["state"], "successful", (ended, self.errors()))
@@ -175,8 +172,7 @@ class UnitsTest(ScratchCase):
         self.start_worker(*CUT)
         self.start_worker(*CUT)
         self.server.wait_for_job(job, lambda answer: answer["state"] == "running")
-        status, _ = self.server.json("DELETE", f"/api/v1/jobs/{job}")
-        self.assertEqual(status, 200)
+        self.server.json("DELETE", f"/api/v1/jobs/{job}", code=200)
         ended = self.server.wait_for_job(job)
         self.assertEqual(ended["state"], "dismissed")
         wait_until(lambda: not any(children_of(worker.pid) for worker in self.workers), "a unit went on")
@@ -228,8 +224,7 @@ class MachinesTest(SharedCatalogueTest):
         try:
             self.start_worker(*CUT)
             self.assertEqual(second.wait_for_job(job)["state"], "successful")
-            status, _, content = second.request("GET", f"/api/v1/flights/{flight}/download.pmtiles")
-            self.assertEqual(status, 200)
+            _, _, content = second.request("GET", f"/api/v1/flights/{flight}/download.pmtiles", code=200)
             self.assertEqual(hashlib.sha256(content).hexdigest(), self.map_of(flight)["mosaic.pmtiles"])
             _, tilejson = second.json("GET", f"/tiles/{flight}.json")
             self.assertEqual(tilejson, self.tilejson_of_first(flight, second))

@@ -50,17 +50,14 @@ class Films(ScratchCase):
             server = Server(data)
             try:
                 files = [(p.name, p.read_bytes()) for p in (self.film, self.subtitles)]
-                status, made = server.upload(files, name="A film")
-                self.assertEqual(status, 202, made)
+                _, made = server.upload(files, name="A film", code=202)
                 flight = f"/api/v1/flights/{made['flight']['id']}"
-                status, verdict = server.json("GET", flight + "/verdict")
-                self.assertEqual(status, 200, verdict)
+                _, verdict = server.json("GET", flight + "/verdict", code=200)
                 self.assertTrue(any("DJI_0007.MP4 is a film" in text for text in verdict["warnings"]), verdict)
                 self.assertFalse(any("nothing to place" in text for text in verdict["warnings"]), verdict)
                 job = server.wait_for_job(made["job"]["id"])
                 self.assertEqual(job["state"], "successful", job)
-                status, report = server.json("GET", flight + "/report")
-                self.assertEqual(status, 200)
+                _, report = server.json("GET", flight + "/report", code=200)
                 self.look_at(report)
                 frame = report["alignment"]["photo_reports"][0]["name"]
                 status, headers, bytes_of_frame = server.request("GET", f"{flight}/files/{frame}")

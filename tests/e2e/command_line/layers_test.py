@@ -22,8 +22,7 @@ class Layers(ServerTestCase):
         _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
         self.assertEqual([layer["id"] for layer in tilejson["layers"]], LAYERS)
         for layer in tilejson["layers"]:
-            status, document = server.json("GET", path_of(layer["tilejson"]))
-            self.assertEqual(status, 200, document)
+            _, document = server.json("GET", path_of(layer["tilejson"]), code=200)
             self.assertEqual(document["bounds"], tilejson["bounds"])
             self.assertLess(document["maxzoom"], tilejson["maxzoom"])
             self.assertEqual(document.get("encoding"), "terrarium" if layer["id"] == "height" else None)
@@ -35,8 +34,7 @@ class Layers(ServerTestCase):
             self.assertIn("immutable", headers["Cache-Control"])
             self.assertEqual(server.request("GET", url, headers={"If-None-Match": headers["ETag"]})[0], 304)
 
-            status, headers, file = server.request("GET", f"/api/v1/flights/{flight_id}/layer_{layer['id']}.mbtiles")
-            self.assertEqual(status, 200)
+            _, headers, file = server.request("GET", f"/api/v1/flights/{flight_id}/layer_{layer['id']}.mbtiles", code=200)
             with tempfile.TemporaryDirectory() as folder:
                 path = pathlib.Path(folder, "layer.mbtiles")
                 path.write_bytes(file)
@@ -59,8 +57,7 @@ class Layers(ServerTestCase):
         flight_id = self.map_of(server, {"layers": ["error"]})
         _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
         self.assertEqual([layer["id"] for layer in tilejson["layers"]], ["error"])
-        status, problem = server.json("GET", f"/tiles/{flight_id}/height.json")
-        self.assertEqual(status, 404)
+        _, problem = server.json("GET", f"/tiles/{flight_id}/height.json", code=404)
         self.assertIn('"layers": ["height"]', problem["detail"])
         for path in (f"/tiles/{flight_id}/depth.json", f"/tiles/{flight_id}/depth/1/0/0", f"/tiles/{flight_id}/error",
                      f"/tiles/{flight_id}/height/1/0/0"):
@@ -72,8 +69,7 @@ class Layers(ServerTestCase):
     def test_what_is_no_list_of_layers_is_refused(self):
         server = self.serve()
         for layers in ("photo", ["photo", "photo"], ["depth"], [1], {"photo": True}):
-            status, answer = server.upload(self.photos[:1], options=json.dumps({"layers": layers}))
-            self.assertEqual(status, 422, answer)
+            _, answer = server.upload(self.photos[:1], options=json.dumps({"layers": layers}), code=422)
             self.assertIn("layers", answer["detail"])
 
 

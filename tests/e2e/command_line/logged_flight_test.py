@@ -115,8 +115,7 @@ class LoggedFlightTest(ScratchCase):
         files.append(("flight.BIN", (self.flight / "logs/flight.BIN").read_bytes()))
         server = Server(tempfile.mkdtemp(dir=self.scratch))
         try:
-            status, made = server.upload(files, options='{"method": "imu"}')
-            self.assertEqual(status, 202)
+            _, made = server.upload(files, options='{"method": "imu"}', code=202)
             flight = made["flight"]["id"]
             status, verdict = server.json("GET", f"/api/v1/flights/{flight}/verdict")
             self.assertEqual((status, verdict["photos_placeable"]), (200, 60))
@@ -268,8 +267,7 @@ class TablesTest(ScratchCase):
             flight = server.stitched(files, options='{"method": "imu"}')["flight"]["id"]
             status, verdict = server.json("GET", f"/api/v1/flights/{flight}/verdict")
             self.assertEqual((status, verdict["photos_placeable"]), (200, 6))
-            status, report = server.json("GET", f"/api/v1/flights/{flight}/report")
-            self.assertEqual(status, 200)
+            _, report = server.json("GET", f"/api/v1/flights/{flight}/report", code=200)
             for warnings in (verdict["warnings"], report["warnings"]):
                 self.assertTrue(any("track.csv is a table, but not used" in text for text in warnings), warnings)
         finally:

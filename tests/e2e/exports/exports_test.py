@@ -87,8 +87,7 @@ class Exports(ServerTestCase):
             self.assertAlmostEqual(found, expected, delta=3e-6)
         self.assertEqual(cut["job"]["options"]["takeoff_height_m"], 321)
         lon, lat = (middle[0] + middle[2]) / 2, (middle[1] + middle[3]) / 2
-        status, seen = server.json("GET", f"/api/v1/flights/{flight}/at?lon={lon}&lat={lat}")
-        self.assertEqual(status, 200, seen)
+        _, seen = server.json("GET", f"/api/v1/flights/{flight}/at?lon={lon}&lat={lat}", code=200)
         qualities = [photo["quality"] for photo in seen["photos"]]
         self.assertEqual(qualities, sorted(qualities, reverse=True))
         self.assertTrue(any(photo["sharpness"] is not None for photo in seen["photos"]), seen)
@@ -118,8 +117,7 @@ class Exports(ServerTestCase):
             self.assertEqual(export["state"], "successful", (wish, export, server.errors()))
             self.assertIsNotNone(export["expires_at"])
             self.assertTrue(export["is_current"])
-            status, headers, body = server.request("GET", export["download"])
-            self.assertEqual(status, 200)
+            _, headers, body = server.request("GET", export["download"], code=200)
             self.assertEqual(len(body), export["bytes"])
             self.assertTrue(body.startswith(starts[wish["format"]]), body[:16])
             self.assertIn("attachment", headers["Content-Disposition"])

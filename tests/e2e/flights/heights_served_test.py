@@ -208,8 +208,7 @@ class HeightsServed(ScratchCase):
         self.assertEqual(self.post_polygon("volume?base=1e9", polygon)[0], 400)
         self.assertEqual(self.post_polygon("volume?of=dem", polygon)[0], 400)
         self.assertEqual(self.post_polygon("volume", {"type": "Point", "coordinates": [1, 2]})[0], 422)
-        status, _, _ = self.server.request("POST", f"{self.path}/volume", b"polygon", {"Content-Type": "text/plain"})
-        self.assertEqual(status, 415)
+        self.server.request("POST", f"{self.path}/volume", b"polygon", {"Content-Type": "text/plain"}, code=415)
 
     def test_no_cubic_metres_of_a_map_whose_scale_is_a_guess(self):
         flight = self.scratch / "adrift"
@@ -222,8 +221,7 @@ class HeightsServed(ScratchCase):
         west, south, east, north = report["bounds"]
         middle = {"type": "Polygon", "coordinates": [[[west + x * (east - west), south + y * (north - south)] for x, y in
                                                       ((0.4, 0.4), (0.6, 0.4), (0.6, 0.6), (0.4, 0.4))]]}
-        status, told = self.server.json("POST", f"{path}/volume?base=0", middle)
-        self.assertEqual(status, 422, told)
+        _, told = self.server.json("POST", f"{path}/volume?base=0", middle, code=422)
         self.assertIn("how large", json.dumps(told))
 
     def test_terrain_tiles_and_places_say_the_heights_of_the_file(self):
@@ -299,8 +297,7 @@ class HeightsServed(ScratchCase):
         self.assertEqual((status, as_placed["shift"]["up_m"], as_placed["net_sigma_m3"]), (200, 0, None), as_placed)
         self.assertAlmostEqual(as_placed["net_m3"] - built["net_m3"], built["shift"]["up_m"] * built["covered_m2"], delta=0.03 * volume_m3)
         plain = self.server.stitched(self.files, name="Plain village")["flight"]["id"]
-        status, told = self.server.json("POST", f"{path}?since={plain}", around(1.5))
-        self.assertEqual(status, 404, told)
+        _, told = self.server.json("POST", f"{path}?since={plain}", around(1.5), code=404)
         self.assertIn('"Plain village"', told["detail"])
 
         status, change = self.server.json("GET", f"/tiles/{after}/change.json?since={before}")
@@ -316,8 +313,7 @@ class HeightsServed(ScratchCase):
             self.assertEqual(self.server.json("GET", f"/tiles/{after}/change.json{query}")[0], wanted, query)
 
     def test_without_being_asked_there_are_none(self):
-        status, made = self.server.upload(self.files, name="Plain")
-        self.assertEqual(status, 202)
+        _, made = self.server.upload(self.files, name="Plain", code=202)
         self.server.wait_for_job(made["job"]["id"])
         path = f"/api/v1/flights/{made['flight']['id']}"
         for name in OF_SURFACE + OF_GROUND:
@@ -329,11 +325,9 @@ class HeightsServed(ScratchCase):
         self.assertNotIn("enclosure", [link["rel"] for link in links])
         for address in (f"/tiles/{flight}/terrain.json", f"/tiles/{flight}/terrain/0/0/0.png"):
             self.assertEqual(self.server.request("GET", address)[0], 404, address)
-        status, told = self.server.json("POST", f"{path}/volume", {"type": "Polygon", "coordinates": [[[1, 1], [2, 1], [2, 2], [1, 1]]]})
-        self.assertEqual(status, 404, told)
+        _, told = self.server.json("POST", f"{path}/volume", {"type": "Polygon", "coordinates": [[[1, 1], [2, 1], [2, 2], [1, 1]]]}, code=404)
         self.assertIn('"heights"', told["detail"])
-        status, job = self.server.json("POST", f"{path}/jobs", {"options": {"heights": "all"}})
-        self.assertEqual(status, 422, job)
+        _, job = self.server.json("POST", f"{path}/jobs", {"options": {"heights": "all"}}, code=422)
         self.assertIn('"dtm"', job["detail"])
 
     def test_the_archive_of_a_node_has_them_where_clients_look(self):

@@ -84,8 +84,7 @@ class ServerImport(ServerTestCase):
 
     def test_one_form_is_enough(self):
         server = self.serve("--workers", "1")
-        status, made = server.upload([("old.mbtiles", self.mbtiles.read_bytes())], name="By a form", options='{"import_file": "old.mbtiles"}')
-        self.assertEqual(status, 202, made)
+        _, made = server.upload([("old.mbtiles", self.mbtiles.read_bytes())], name="By a form", options='{"import_file": "old.mbtiles"}', code=202)
         job = server.wait_for_job(made["job"]["id"])
         self.assertEqual((job["state"], job["options"]), ("successful", {"import_file": "old.mbtiles"}), job)
         self.assertEqual(self.middle_of(server, made["flight"]["id"])[0], 200)

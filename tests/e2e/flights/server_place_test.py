@@ -21,8 +21,7 @@ class PlaceOnTheServer(ServerTestCase):
         return server.stitched(self.photos[:6])["flight"]["id"]
 
     def place(self, server, flight, pairs):
-        status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": pairs}})
-        self.assertEqual(status, 202, job)
+        _, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": pairs}}, code=202)
         return server.wait_for_job(job["id"])
 
     def bounds(self, server, flight):
@@ -50,8 +49,7 @@ class PlaceOnTheServer(ServerTestCase):
         for now, was in zip(scaled["size_m"], shifted["size_m"]):
             self.assertAlmostEqual(now / was, 2.0, delta=0.1)
         # Once more would move it again.
-        status, refused = server.json("POST", f"/api/v1/jobs/{job['id']}/retry")
-        self.assertEqual(status, 409, refused)
+        server.json("POST", f"/api/v1/jobs/{job['id']}/retry", code=409)
         # What comes after keeps the place.
         status, again = server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
         self.assertEqual(server.wait_for_job(again["id"])["state"], "successful")
@@ -75,8 +73,7 @@ class PlaceOnTheServer(ServerTestCase):
         self.assertEqual(failed["state"], "failed")
         self.assertIn("No surveyed point is marked", failed["error"]["message"])
         self.assertEqual(server.json("GET", address)[1]["points"], [])
-        status, kept = server.json("PUT", address, {"reference_system": "EPSG:4326", "points": list(points.values())})
-        self.assertEqual(status, 200, kept)
+        _, kept = server.json("PUT", address, {"reference_system": "EPSG:4326", "points": list(points.values())}, code=200)
         self.assertEqual(len(server.json("GET", address)[1]["points"]), 3)
         before = self.bounds(server, flight)
         status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": "control"}})
@@ -93,13 +90,11 @@ class PlaceOnTheServer(ServerTestCase):
         # A mark that changed is no reason to align anew where the map is moved by hand.
         kept["points"][0]["marks"][0]["x"] += 1
         self.assertEqual(server.wait_for_job(server.json("GET", f"/api/v1/jobs?flight={flight}")[1]["jobs"][0]["id"])["state"], "successful")
-        status, changed = server.json("PUT", address, kept)
-        self.assertEqual(status, 200, changed)
+        server.json("PUT", address, kept, code=200)
         corner = self.bounds(server, flight)["south_west"]
         job = self.place(server, flight, [{"shown": corner, "is": moved(corner, 5, 5)}])
         self.assertEqual(job["state"], "successful", job)
-        status, refused = server.json("PUT", address, {"points": [{"name": "a", "x": 1}]})
-        self.assertEqual(status, 422, refused)
+        server.json("PUT", address, {"points": [{"name": "a", "x": 1}]}, code=422)
 
     def test_refusals(self):
         server = self.serve()
@@ -109,14 +104,11 @@ class PlaceOnTheServer(ServerTestCase):
         job = self.place(server, flight, [pair, pair])
         self.assertEqual(job["state"], "failed")
         self.assertIn("too near together", job["error"]["message"])
-        status, refused = server.json("PATCH", f"/api/v1/flights/{flight}", {"options": {"place": [pair]}})
-        self.assertEqual(status, 422, refused)
-        status, refused = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": [{"is": corner}]}})
-        self.assertEqual(status, 422, refused)
+        server.json("PATCH", f"/api/v1/flights/{flight}", {"options": {"place": [pair]}}, code=422)
+        server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": [{"is": corner}]}}, code=422)
         # A flight without a map has nothing to place.
         status, made = server.json("POST", "/api/v1/flights", {"name": "empty"})
-        status, refused = server.json("POST", f"/api/v1/flights/{made['id']}/jobs", {"options": {"place": [pair]}})
-        self.assertEqual(status, 409, refused)
+        server.json("POST", f"/api/v1/flights/{made['id']}/jobs", {"options": {"place": [pair]}}, code=409)
 
 
 if __name__ == "__main__":

@@ -14,13 +14,11 @@ from server_support import ServerTestCase  # noqa: E402
 
 class Tags(ServerTestCase):
     def flight(self, server, **fields):
-        status, made = server.json("POST", "/api/v1/flights", fields)
-        self.assertEqual(status, 201, made)
+        _, made = server.json("POST", "/api/v1/flights", fields, code=201)
         return made
 
     def tagged(self, server, tag, more=""):
-        status, page = server.json("GET", "/api/v1/flights?tag=" + urllib.parse.quote(tag) + more)
-        self.assertEqual(status, 200, page)
+        _, page = server.json("GET", "/api/v1/flights?tag=" + urllib.parse.quote(tag) + more, code=200)
         return page
 
     def test_flights_are_found_by_their_tags(self):
@@ -51,8 +49,7 @@ class Tags(ServerTestCase):
         server = self.serve("--workers", "0")
         flight = self.flight(server, name="f", tags=["a"])["id"]
         for tags in ("a", [1], [""], ["a,b"], [" a"], ["a\n"], ["x" * 41], [f"t{i}" for i in range(21)], None, {"a": 1}):
-            status, problem = server.json("PATCH", f"/api/v1/flights/{flight}", {"name": "renamed", "tags": tags})
-            self.assertEqual(status, 422, tags)
+            _, problem = server.json("PATCH", f"/api/v1/flights/{flight}", {"name": "renamed", "tags": tags}, code=422)
             self.assertIn("tag", problem["detail"])
         status, problem = server.json("PATCH", f"/api/v1/flights/{flight}", {"keep": "yes"})
         self.assertEqual((status, "keep" in problem["detail"]), (422, True))

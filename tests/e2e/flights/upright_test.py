@@ -84,8 +84,7 @@ class Upright(ScratchCase):
         server = Server(self.scratch / "data")
         self.addCleanup(server.stop)
         photos = photos_in(self.flight / "photos")
-        status, made = server.upload(photos, name="Village", options=json.dumps({"surface": "dense", "layers": ["height"]}))
-        self.assertEqual(status, 202, made)
+        _, made = server.upload(photos, name="Village", options=json.dumps({"surface": "dense", "layers": ["height"]}), code=202)
         job = server.wait_for_job(made["job"]["id"])
         self.assertEqual((job["state"], job["options"]["surface"]), ("successful", "dense"), job)
         flight = made["flight"]["id"]

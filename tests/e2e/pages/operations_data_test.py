@@ -103,8 +103,7 @@ class OperationsData(OperationsCase):
     def test_exports(self):
         flight = put_map(self.data)
         server = self.serve("--workers", "0")
-        status, asked = server.json("POST", f"{FLIGHTS}/{flight}/exports", {"format": "geotiff"})
-        self.assertEqual(status, 202, asked)
+        server.json("POST", f"{FLIGHTS}/{flight}/exports", {"format": "geotiff"}, code=202)
         wait_until(lambda: list(pathlib.Path(self.data, "flights", flight, "exports").glob("*.tif")), server.errors())
 
     # Watching it
@@ -114,14 +113,12 @@ class OperationsData(OperationsCase):
         server = self.serve()
         for request in requests:
             method, path = request.split()
-            status, _, body = server.request(method, path)
-            self.assertEqual(status, 200, path)
+            _, _, body = server.request(method, path, code=200)
         self.assertRegex(body.decode(), r"(?m)^# TYPE skyquilt_\w+ ")
         # What fails is written down, without what follows the question mark.
         away = f"{self.data}-away"
         os.rename(self.data, away)
-        status, headers, _ = server.request("GET", "/readyz?token=sq_secret")
-        self.assertEqual(status, 503)
+        _, headers, _ = server.request("GET", "/readyz?token=sq_secret", code=503)
         os.rename(away, self.data)
         [line] = [json.loads(line) for line in server.errors().splitlines() if '"/readyz' in line]
         self.assertEqual([line[name] for name in ("method", "path", "status", "request_id")], ["GET", "/readyz", 503, headers["X-Request-Id"]])

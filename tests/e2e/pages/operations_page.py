@@ -66,8 +66,7 @@ class OperationsCase(ServerTestCase):
         return server.request(method, path, body, {name.replace("_", "-"): value for name, value in headers.items()})[0]
 
     def new_flight(self, server, who=None):
-        status, _, body = server.request("POST", FLIGHTS, "{}", {**AS_JSON, **(who or {})})
-        self.assertEqual(status, 201, body)
+        _, _, body = server.request("POST", FLIGHTS, "{}", {**AS_JSON, **(who or {})}, code=201)
         return json.loads(body)["id"]
 
     def photos_in(self, name, count=2):
