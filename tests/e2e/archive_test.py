@@ -4,7 +4,6 @@ import hashlib
 import io
 import json
 import os
-import pathlib
 import signal
 import struct
 import tarfile
@@ -12,7 +11,7 @@ import threading
 import unittest
 import zipfile
 
-from server_support import CHUNK, ServerTestCase, limits_of, photos_of, tus_metadata, wait_until
+from server_support import CHUNK, ServerTestCase, children_called, limits_of, photos_of, tus_metadata, wait_until
 
 
 def zip_of(*entries, method=zipfile.ZIP_STORED):
@@ -120,14 +119,7 @@ class Archives(ServerTestCase):
 
     def unpacker(self):
         """The process that unpacks, once there is one."""
-        found = []
-
-        def is_there():
-            tasks = pathlib.Path(f"/proc/{self.server.process.pid}/task").iterdir()
-            found[:] = [int(pid) for task in tasks for pid in (task / "children").read_text().split()]
-            return any(b"unpack" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes() and self.server.garbage() for pid in found)
-        wait_until(is_there, "nothing unpacks")
-        return found[0]
+        return wait_until(lambda: self.server.garbage() and children_called(self.server.process.pid, "unpack"), "nothing unpacks")[0]
 
     def test_an_unpacker_that_dies_leaves_nothing_and_nobody_else_notices(self):
         self.assertEqual(self.put("photos.zip", zip_of(*self.photos))[0], 201)

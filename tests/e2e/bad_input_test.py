@@ -18,8 +18,8 @@ import zipfile
 import contract
 from archive_test import zip_of
 from program import BINARY
-from server_support import (AS_JSON, BLOBS, CHUNK, POSTGRES, TUS, Server, ServerTestCase, add_token, bearer, in_catalogue,
-                            middle_of, photos_of, tus_metadata, wait_until)
+from server_support import (AS_JSON, BLOBS, CHUNK, POSTGRES, TUS, Server, ServerTestCase, add_token, bearer,
+                            in_catalogue, middle_of, photos_of, side_by_side, tus_metadata, wait_until)
 
 OF_B = "multipart/form-data; boundary=b"
 EVIL = '<img src=x onerror="alert(1)">&\'"; DROP TABLE flight; --'
@@ -161,11 +161,7 @@ class BadInput(ServerTestCase):
         self.assertEqual(self.shared.request("PATCH", place, b"01234", {**offset, "Upload-Length": "10"})[0], 204)
         at = {**CHUNK, "Upload-Offset": "5"}
         self.refused("PATCH", place, b"5", {**at, "Upload-Length": "12"}, (409,))
-        two = [threading.Thread(target=lambda: self.shared.request("PATCH", place, b"56789", at)) for _ in range(2)]
-        for thread in two:
-            thread.start()
-        for thread in two:
-            thread.join()
+        side_by_side([lambda: self.shared.request("PATCH", place, b"56789", at)] * 2)
         # One may have cut the other off: as the protocol has it, whoever was refused asks where to go on.
         done = int(self.shared.request("HEAD", place, headers=TUS)[1]["Upload-Offset"])
         if done < 10:

@@ -159,8 +159,7 @@ class Confinement(ServerTestCase):
     def test_a_file_made_to_keep_a_decoder_busy_ends_its_job_and_no_other(self):
         server = self.serve("--no-previews", "--job-timeout", "4")
         _, job_id = self.start_job(server, [("slow.jpg", slow_photo(self.photos[0][1], coefficients=45))])
-        job = server.wait_for_job(job_id)
-        self.assertEqual(job["state"], "failed", job)
+        job = server.ended(job_id, "failed")
         self.assertEqual(job["attempts"], 1)
         self.assertRegex(str(job["error"]), r"took more than 4 seconds and was still in the stage \\?\"check")
         self.assertIn("--job-timeout", str(job["error"]))

@@ -15,7 +15,7 @@ import time
 import unittest
 
 import crafted_inputs
-from server_support import AS_JSON, ServerTestCase, wait_until
+from server_support import AS_JSON, ServerTestCase, children_of, side_by_side, wait_until
 
 STRICT = "--strict" in sys.argv
 MOST_S = 2.0 if STRICT else 10.0  # of CPU where others use the machine as well, on the clock where it is idle
@@ -122,12 +122,7 @@ class CraftedInputs(ServerTestCase):
 
     def test_the_verdict_is_found_once_and_kept(self):
         address, _ = self.flight_with("a.csv", crafted_inputs.csv_rows(50_000))
-        answers = []
-        asking = [threading.Thread(target=lambda: answers.append(self.verdict(address))) for _ in range(12)]
-        for each in asking:
-            each.start()
-        for each in asking:
-            each.join()
+        answers = side_by_side([lambda: self.verdict(address)] * 12)
         self.assertLessEqual({status for status, _ in answers}, {200, 503})
         self.assertIn(200, {status for status, _ in answers})
         self.assertEqual(self.verdict(address)[0], 200)
@@ -155,14 +150,8 @@ class CraftedInputs(ServerTestCase):
         answers = []
         asking = threading.Thread(target=lambda: answers.append(self.verdict(address)))
         asking.start()
-        found = []
-
-        def is_there():
-            tasks = pathlib.Path(f"/proc/{self.server.process.pid}/task").iterdir()
-            found[:] = [int(pid) for task in tasks for pid in (task / "children").read_text().split()]
-            return found or answers
-        wait_until(is_there, "nothing inspects")
-        if found:
+        found = wait_until(lambda: children_of(self.server.process.pid) or answers, "nothing inspects")
+        if found is not answers:
             os.kill(found[0], signal.SIGKILL)
         asking.join()
         [(status, problem)] = answers

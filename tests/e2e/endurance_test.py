@@ -8,7 +8,7 @@ import tempfile
 import threading
 import unittest
 
-from server_support import Server, ServerTestCase, middle_of, path_of, wait_until
+from server_support import Server, ServerTestCase, fill_disk, middle_of, path_of, wait_until
 
 REPLACEMENTS = int(os.environ.get("SKYQUILT_REPLACEMENTS", "4"))  # more for a night
 
@@ -32,13 +32,7 @@ class Endurance(ServerTestCase):
             for name, content in self.photos:
                 self.assertEqual(server.request("PUT", f"{files}/{name}", content)[0], 201)
             # Full to the last page: the job fails with a reason, or waits for room.
-            with pathlib.Path(folder, "rest").open("wb") as rest:
-                try:
-                    while True:
-                        rest.write(bytes(1 << 16))
-                        rest.flush()
-                except OSError:
-                    pass
+            fill_disk(pathlib.Path(folder, "rest"))
             status, job = server.json("POST", f"/api/v1/flights/{flight['id']}/jobs", {})
             if status == 202:
                 job = server.wait_for_job(job["id"], until=lambda job: job["finished_at"] or job["attempts"] >= 2)
@@ -83,8 +77,7 @@ class Endurance(ServerTestCase):
         for thread in threads:
             thread.start()
         for replacement in range(REPLACEMENTS):
-            _, job = server.json("POST", f"/api/v1/flights/{flight_id}/jobs", {"options": {"gsd_m": 0.4, "quality": 50 + replacement % 40}})
-            self.assertEqual(server.wait_for_job(job["id"])["state"], "successful")
+            server.remade(flight_id, {"gsd_m": 0.4, "quality": 50 + replacement % 40})
         done.set()
         for thread in threads:
             thread.join()

@@ -77,8 +77,7 @@ class Preview(ServerTestCase):
         status, headers, webp = server.request("GET", url.replace("?", ".webp?"))
         self.assertTrue(webp.startswith(b"RIFF"))
 
-        _, job = server.json("POST", f"/api/v1/flights/{flight_id}/jobs", {})
-        self.assertEqual(server.wait_for_job(job["id"])["state"], "successful")
+        server.remade(flight_id)
         events.join(60)
         grown = events.of("preview")
         self.assertEqual([body["edition"] for body in grown], list(range(1, whole["edition"] + 1)))

@@ -11,7 +11,6 @@ import os
 import pathlib
 import random
 import shutil
-import signal
 import sqlite3
 import subprocess
 import threading
@@ -21,7 +20,7 @@ import urllib.parse
 import zipfile
 
 from program import BINARY, run
-from server_support import CHUNK, TUS, ServerTestCase, is_running, parts_of, tus_metadata, wait_until
+from server_support import CHUNK, TUS, ServerTestCase, is_running, kill_if_there, parts_of, tus_metadata, wait_until
 
 KILLS = int(os.environ.get("SKYQUILT_KILLS", "8"))
 SEED = int(os.environ.get("SKYQUILT_KILL_SEED", "1"))
@@ -198,10 +197,7 @@ class RandomKills(ServerTestCase):
         if dice.random() < 0.3:
             self.is_up.clear()
             for pid in [self.server.process.pid, *below]:
-                try:
-                    os.kill(pid, signal.SIGKILL)
-                except ProcessLookupError:
-                    pass
+                kill_if_there(pid)
             self.server.process.wait()
             for pid in below:
                 wait_until(lambda: not is_running(pid), "a killed process goes on")
@@ -211,10 +207,7 @@ class RandomKills(ServerTestCase):
         victim = dice.choice(below)
         role = role_of(victim)
         self.alone_kills += 1
-        try:
-            os.kill(victim, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
+        kill_if_there(victim)
         return role
 
     def test_nothing_accepted_is_lost(self):

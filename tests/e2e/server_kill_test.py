@@ -18,8 +18,7 @@ class Kills(ServerTestCase):
         return server.wait_for_job(job_id, until=lambda job: job["stage"] != "" or job["finished_at"])
 
     def check_ended_well(self, server, flight_id, job_id):
-        job = server.wait_for_job(job_id)
-        self.assertEqual(job["state"], "successful", f"{job} {server.errors()}")
+        job = server.ended(job_id)
         _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
         self.assertEqual(flight["state"], "ready")
         server.json("GET", flight["tilejson"], code=200)

@@ -1,5 +1,6 @@
 """What the server's end-to-end tests share: the real binary on a free port, plain HTTP, a simulated flight."""
 import base64
+import concurrent.futures
 import contextlib
 import http.client
 import json
@@ -156,9 +157,19 @@ class Server:
     def stitched(self, files, **fields):
         """What the upload answers, once its job, in it as it ended, has made a map."""
         _, made = self.upload(files, 202, **fields)
-        made["job"] = self.wait_for_job(made["job"]["id"])
-        assert made["job"]["state"] == "successful", (made["job"], self.errors())
+        made["job"] = self.ended(made["job"]["id"])
         return made
+
+    def remade(self, flight, options=None, state="successful"):
+        """The job that makes a flight's map with these options, once it has ended so."""
+        _, job = self.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": options} if options else {}, code=202)
+        return self.ended(job["id"], state)
+
+    def ended(self, job_id, state="successful"):
+        """The job, once it has ended so."""
+        job = self.wait_for_job(job_id)
+        assert job["state"] == state, (job, self.errors())
+        return job
 
     def wait_for_job(self, job_id, until=lambda job: job["finished_at"] is not None):
         end = time.monotonic() + PATIENCE_S
@@ -186,6 +197,12 @@ class Server:
             wait_until(lambda: not is_running(pid), "a worker outlived its server")
         self.close()
 
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stop()
+
     def stop(self):
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)
@@ -210,34 +227,52 @@ def children_of(pid):
     """Process ids of a process's children, whichever of its threads made them."""
     children = []
     for task in pathlib.Path(f"/proc/{pid}/task").glob("*"):
-        try:
+        with contextlib.suppress(FileNotFoundError):
             children += [int(child) for child in (task / "children").read_text().split()]
-        except FileNotFoundError:
-            continue
     return children
+
+
+def children_called(pid, word):
+    """Those of them that have a word in their command line."""
+    found = []
+    for child in children_of(pid):
+        with contextlib.suppress(FileNotFoundError):
+            if word.encode() in pathlib.Path(f"/proc/{child}/cmdline").read_bytes():
+                found.append(child)
+    return found
 
 
 def confined_of(server, kind):
     """Process ids of the processes that a server's workers have started to decode what others made."""
-    found = []
-    for worker in server.workers():
-        for pid in children_of(worker):
-            try:
-                if kind.encode() in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
-                    found.append(pid)
-            except FileNotFoundError:
-                continue
-    return found
+    return [pid for worker in server.workers() for pid in children_called(worker, kind)]
+
+
+def kill_if_there(pid):
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(pid, signal.SIGKILL)
+
+
+def fill_disk(path):
+    """Takes all that is left of a disk, to the last byte."""
+    with open(path, "ab", buffering=0) as file:
+        for size in (1 << 20, 4096, 512, 1):
+            with contextlib.suppress(OSError):
+                while True:
+                    file.write(b"\0" * size)
+
+
+def side_by_side(calls):
+    """What calls answer that are made at the same time, each in a thread of its own."""
+    with concurrent.futures.ThreadPoolExecutor(len(calls)) as threads:
+        return list(threads.map(lambda call: call(), calls))
 
 
 def open_files_of(pid):
     """What the descriptors of a process point to; those that it closes meanwhile are left out."""
     targets = []
     for entry in pathlib.Path(f"/proc/{pid}/fd").iterdir():
-        try:
+        with contextlib.suppress(FileNotFoundError):
             targets.append(os.readlink(entry))
-        except FileNotFoundError:
-            continue
     return targets
 
 
@@ -248,11 +283,13 @@ def limits_of(pid):
 
 
 def wait_until(condition, complaint):
+    """What the condition answers once it is neither false nor empty."""
     end = time.monotonic() + PATIENCE_S
-    while not condition():
+    while not (answer := condition()):
         if time.monotonic() > end:
             raise AssertionError(complaint() if callable(complaint) else complaint)
         time.sleep(0.05)
+    return answer
 
 
 def photos_in(folder):
@@ -274,11 +311,8 @@ def small_photos():
 
 def make_map(data, photos, **fields):
     """Has a server of its own make a flight and its map in a data folder; the flight's id."""
-    server = Server(data, "--workers", "1")
-    try:
+    with Server(data, "--workers", "1") as server:
         return server.stitched(photos, **fields)["flight"]["id"]
-    finally:
-        server.stop()
 
 
 def put_map(data):

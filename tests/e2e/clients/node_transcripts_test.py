@@ -9,14 +9,13 @@ import json
 import pathlib
 import re
 import sys
-import threading
 import unittest
 import urllib.parse
 import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from node_test import form  # noqa: E402
-from server_support import FORM, ServerTestCase, add_token, wait_until  # noqa: E402
+from server_support import FORM, ServerTestCase, add_token, side_by_side, wait_until  # noqa: E402
 
 TRANSCRIPTS = pathlib.Path(__file__).resolve().parent / "transcripts"
 KINDS = {"any": object, "str": str, "int": int, "list": list, "number": (int, float)}
@@ -80,16 +79,8 @@ class Play:
         return [self.send(exchange)]
 
     def photos_side_by_side(self, exchange):
-        answers = []
-        senders = [threading.Thread(target=lambda file=(name, content): answers.append(
-            self.send(exchange, form(files=[file]), AS_FORM)))
-            for name, (_, content) in zip(exchange["photos"], self.photos)]
-        for sender in senders:
-            sender.start()
-        for sender in senders:
-            sender.join()
-        assert len(answers) == len(exchange["photos"]), f"an upload had no answer: {exchange}"
-        return answers
+        files = zip(exchange["photos"], (content for _, content in self.photos))
+        return side_by_side([lambda file=file: self.send(exchange, form(files=[file]), AS_FORM) for file in files])
 
     def complaint(self, wanted, answer):
         """How an answer differs from what an exchange, or a failing test, wants; empty: not at all."""

@@ -8,7 +8,7 @@ import threading
 import time
 
 import program
-from server_support import wait_until
+from server_support import fill_disk, wait_until
 
 AWAKE_AFTER_S = 18  # a lease lasts 15
 LATE_S = 25  # longer than the store is waited for at first
@@ -115,13 +115,7 @@ def full_disk(run):
     """Of a worker at work, for a while. Where it is no small disk nothing can be written below the worker's folder of work."""
     work, others, aside = (run.small_disk / name for name in ("work", "others", "work-aside"))
     if os.path.ismount(run.small_disk):
-        with open(others, "ab", buffering=0) as file:
-            for size in (1 << 16, 512, 1):
-                try:
-                    while True:
-                        file.write(b"\0" * size)
-                except OSError:
-                    pass
+        fill_disk(others)
         time.sleep(FULL_S)
         others.unlink()
     else:

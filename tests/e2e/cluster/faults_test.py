@@ -31,7 +31,7 @@ from cluster.store_proxy import StoreProxy
 from flights import made_flights
 from postgres_server import LATE_WRITER, PostgresServer
 from program import BINARY
-from server_support import Server, children_of, wait_until
+from server_support import Server, children_of, kill_if_there, wait_until
 
 PHOTOS, SIZE = 24, "400x300"
 CUT = ("--cut-above", "10", "--part-files", "5")
@@ -63,12 +63,8 @@ def digests(server, flight):
 
 def stitched_alone(photos, folder):
     """The map of one machine, in one process, in its own folder."""
-    server = Server(folder, "--workers", "1")
-    try:
-        made = server.stitched(photos, name="field")
-        return digests(server, made["flight"]["id"])
-    finally:
-        server.stop()
+    with Server(folder, "--workers", "1") as server:
+        return digests(server, server.stitched(photos, name="field")["flight"]["id"])
 
 
 def plan_of(seed):
@@ -120,10 +116,7 @@ class Run:
         children = children_of(worker.pid) if worker.poll() is None else []
         worker.kill()
         for child in children:
-            try:
-                os.kill(child, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+            kill_if_there(child)
         worker.wait()
         for kept in (self.workers, self.stopped):
             if worker in kept:

@@ -18,7 +18,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import s3_store
 from postgres_server import find_binaries, server_for
 from program import BINARY, ScratchCase, run
-from server_support import Server, children_of, photos_in, wait_until
+from server_support import Server, children_of, kill_if_there, photos_in, wait_until
 
 PHOTOS = 24
 CUT = ("--cut-above", "10", "--part-files", "5")
@@ -57,10 +57,7 @@ class UnitsTest(ScratchCase):
     def kill_and_replace(self, worker):
         """As its machine would go, and another come."""
         for child in children_of(worker.pid):
-            try:
-                os.kill(child, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+            kill_if_there(child)
         worker.kill()
         worker.wait()
         self.workers.remove(worker)
@@ -173,8 +170,7 @@ class UnitsTest(ScratchCase):
         self.start_worker(*CUT)
         self.server.wait_for_job(job, lambda answer: answer["state"] == "running")
         self.server.json("DELETE", f"/api/v1/jobs/{job}", code=200)
-        ended = self.server.wait_for_job(job)
-        self.assertEqual(ended["state"], "dismissed")
+        self.server.ended(job, "dismissed")
         wait_until(lambda: not any(children_of(worker.pid) for worker in self.workers), "a unit went on")
         # Whoever is started next has nothing to do.
         once = self.start_worker(*CUT, "--until-empty")
@@ -220,8 +216,7 @@ class MachinesTest(SharedCatalogueTest):
 
     def test_a_second_server_shows_what_the_first_took(self):
         flight, job = self.upload()
-        second = Server(self.folder_of_worker(), "--workers", "0", *self.catalogue)
-        try:
+        with Server(self.folder_of_worker(), "--workers", "0", *self.catalogue) as second:
             self.start_worker(*CUT)
             self.assertEqual(second.wait_for_job(job)["state"], "successful")
             _, _, content = second.request("GET", f"/api/v1/flights/{flight}/download.pmtiles", code=200)
@@ -231,8 +226,6 @@ class MachinesTest(SharedCatalogueTest):
             # What the parts of the flight left is gone, here and there.
             wait_until(lambda: not [key for key in self.store.keys(f"{self.prefix}/flights/") if "/units-" in key],
                        "parts stay in the store")
-        finally:
-            second.stop()
 
     def test_a_machine_in_trouble_costs_no_attempt_and_is_seen(self):
         broken = self.folder_of_worker()

@@ -47,16 +47,14 @@ class Films(ScratchCase):
 
     def test_a_film_and_its_subtitles_become_a_map_at_the_server(self):
         with tempfile.TemporaryDirectory() as data:
-            server = Server(data)
-            try:
+            with Server(data) as server:
                 files = [(p.name, p.read_bytes()) for p in (self.film, self.subtitles)]
                 _, made = server.upload(files, name="A film", code=202)
                 flight = f"/api/v1/flights/{made['flight']['id']}"
                 _, verdict = server.json("GET", flight + "/verdict", code=200)
                 self.assertTrue(any("DJI_0007.MP4 is a film" in text for text in verdict["warnings"]), verdict)
                 self.assertFalse(any("nothing to place" in text for text in verdict["warnings"]), verdict)
-                job = server.wait_for_job(made["job"]["id"])
-                self.assertEqual(job["state"], "successful", job)
+                server.ended(made["job"]["id"])
                 _, report = server.json("GET", flight + "/report", code=200)
                 self.look_at(report)
                 frame = report["alignment"]["photo_reports"][0]["name"]
@@ -65,8 +63,6 @@ class Films(ScratchCase):
                 self.assertEqual(bytes_of_frame[:2], b"\xff\xd8")
                 for name in ("frames.json", ".hidden.jpg", "none.jpg"):
                     self.assertEqual(server.request("GET", f"{flight}/files/{name}")[0], 404, name)
-            finally:
-                server.stop()
 
     def test_stitch_takes_the_film(self):
         out = self.scratch / "map"

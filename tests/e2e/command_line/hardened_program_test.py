@@ -51,12 +51,9 @@ class HardenedProgram(unittest.TestCase):
         if not self.late():
             self.skipTest("every library is linked: there are no trampolines for this processor")
         with tempfile.TemporaryDirectory() as folder:
-            server = Server(folder, "--workers", "0")
-            try:
+            with Server(folder, "--workers", "0") as server:
                 self.assertEqual(server.request("GET", "/api/v1/flights")[0], 200)
                 mapped = pathlib.Path(f"/proc/{server.process.pid}/maps").read_text()
-            finally:
-                server.stop()
             self.assertEqual({name for name in self.late() if f"/{name}" in mapped}, set())
 
     def test_a_library_that_is_gone_is_named(self):

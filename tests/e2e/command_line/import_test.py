@@ -48,8 +48,7 @@ class Import(ScratchCase):
         flights = {"cog": self.imported(self.cog, "--name", "Old <field>"), "utm": self.imported(self.swiss),
                    "mbtiles": self.imported(self.scratch / "map/mosaic.mbtiles")}
         self.assertTrue((self.data / "flights" / flights["utm"] / "r1" / "thumbnail.png").exists())
-        server = Server(self.data, "--workers", "1")
-        try:
+        with Server(self.data, "--workers", "1") as server:
             self.assertEqual({flight["id"] for flight in server.json("GET", "/api/v1/flights")[1]["flights"]}, set(flights.values()))
             self.assertEqual(server.json("GET", f"/api/v1/flights/{flights['cog']}")[1]["name"], "Old <field>")
             for kind, flight in flights.items():
@@ -82,8 +81,6 @@ class Import(ScratchCase):
             busy = self.import_(self.cog)
             self.assertNotEqual(busy.returncode, 0)
             self.assertIn("Stop it", busy.stderr)
-        finally:
-            server.stop()
         checked = run("data", "check", "--data", self.data)
         self.assertIn("3 maps", checked.stdout)
 

@@ -245,13 +245,9 @@ class ServeWatch(ServerTestCase):
 
     def watcher(self, server):
         """The process that watches, once it is there."""
-        found = []
-
-        def is_there():
-            found[:] = [pid for pid in server.workers() if b"watch" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")]
-            return found
-        wait_until(is_there, f"nobody watches: {server.errors()}")
-        return found[0]
+        def watchers():
+            return [pid for pid in server.workers() if b"watch" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")]
+        return wait_until(watchers, f"nobody watches: {server.errors()}")[0]
 
     def test_a_folder_becomes_flights_once(self):
         late = self.card.with_name(self.card.name + "_comes_later")

@@ -11,19 +11,12 @@ import unittest
 import unittest.mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import (AS_JSON, BLOBS, ServerTestCase, bearer, children_of, in_catalogue, is_running, kept_of_flights,  # noqa: E402
-                            put_map, wait_until)
+from server_support import (AS_JSON, BLOBS, ServerTestCase, bearer, children_called, in_catalogue, is_running,  # noqa: E402
+                            kept_of_flights, put_map, wait_until)
 
 
 def confined_exports(server):
-    found = []
-    for pid in children_of(server.process.pid):
-        try:
-            if b"export-sandboxed" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
-                found.append(pid)
-        except FileNotFoundError:
-            continue
-    return found
+    return children_called(server.process.pid, "export-sandboxed")
 
 
 def box(west, south, east, north):
@@ -76,8 +69,7 @@ class Exports(ServerTestCase):
             self.assertIn(words, refused["detail"])
         status, elsewhere = begin({"boundary": box(west + 1, south, east + 1, north)})
         self.assertEqual(status, 202, elsewhere)
-        failed = server.wait_for_job(elsewhere["id"])
-        self.assertEqual(failed["state"], "failed")
+        failed = server.ended(elsewhere["id"], "failed")
         self.assertIn("Draw the boundary over the flight", json.dumps(failed))
         status, job = begin({"boundary": box(*middle), "takeoff_height_m": 321})
         self.assertEqual(status, 202, job)
@@ -229,8 +221,7 @@ class Exports(ServerTestCase):
         server, flight = self.serve_map()
         export = self.finished(server, self.ask(server, flight, format="kmz")[1])
         _, _, before = server.request("GET", export["download"])
-        status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"gsd_m": 0.4}})
-        self.assertEqual(server.wait_for_job(job["id"])["state"], "successful")
+        server.remade(flight, {"gsd_m": 0.4})
         shown = server.json("GET", export["href"])[1]
         self.assertFalse(shown["is_current"])
         self.assertEqual(server.request("GET", export["download"])[2], before)
@@ -262,8 +253,7 @@ class Exports(ServerTestCase):
         asked = [self.ask(server, flight, format="geotiff", crs="EPSG:32632", resolution_m=0.1 + step / 100)[1] for step in range(3)]
         if any("id" not in one for one in asked):
             asked = [self.ask(server, flight, format="geotiff", crs="utm", resolution_m=0.2 + step / 100)[1] for step in range(3)]
-        wait_until(lambda: confined_exports(server), "no export began")
-        confined = confined_exports(server)
+        confined = wait_until(lambda: confined_exports(server), "no export began")
         server.kill()
         wait_until(lambda: not any(is_running(pid) for pid in confined), "an export outlived its server")
         server = self.serve()

@@ -89,8 +89,7 @@ class RealAccuracy(unittest.TestCase):
             text = subprocess.run(["pdftotext", "-layout", scratch / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
             said["PDF"] = of_report(text)
         # The server makes the map anew, of the same files.
-        server = Server(scratch / "data")
-        try:
+        with Server(scratch / "data") as server:
             url = f"http://127.0.0.1:{server.port}/"
             run("upload", *inputs, "--server", url, "--name", name)
             [listed] = server.json("GET", "/api/v1/flights")[1]["flights"]
@@ -110,8 +109,6 @@ class RealAccuracy(unittest.TestCase):
                 page = json.loads(page.stdout)
                 said["page, list"], said["page, head"] = ((*of_words(page[part]["status"], page[part]["facts"], "")[:2], "", "") for part in ("list", "head"))
                 said["page, report"] = of_words(*page["report"].values())
-        finally:
-            server.stop()
         return said, missing
 
     def check(self, name, *inputs):

@@ -51,8 +51,7 @@ class PlaceOnTheServer(ServerTestCase):
         # Once more would move it again.
         server.json("POST", f"/api/v1/jobs/{job['id']}/retry", code=409)
         # What comes after keeps the place.
-        status, again = server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
-        self.assertEqual(server.wait_for_job(again["id"])["state"], "successful")
+        server.remade(flight)
         self.assertEqual(self.bounds(server, flight), scaled)
         warnings = " ".join(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["warnings"])
         self.assertIn("placed by hand", warnings)
@@ -68,16 +67,13 @@ class PlaceOnTheServer(ServerTestCase):
             point = points.setdefault(name, {"name": name, "x": float(x) + 0.001, "y": float(y), "height": float(z), "marks": []})
             point["marks"].append({"photo": photo, "x": float(column) - 0.5, "y": float(row) - 0.5})
         address = f"/api/v1/flights/{flight}/control"
-        status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": "control"}})
-        failed = server.wait_for_job(job["id"])
-        self.assertEqual(failed["state"], "failed")
+        failed = server.remade(flight, {"place": "control"}, state="failed")
         self.assertIn("No surveyed point is marked", failed["error"]["message"])
         self.assertEqual(server.json("GET", address)[1]["points"], [])
         _, kept = server.json("PUT", address, {"reference_system": "EPSG:4326", "points": list(points.values())}, code=200)
         self.assertEqual(len(server.json("GET", address)[1]["points"]), 3)
         before = self.bounds(server, flight)
-        status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": "control"}})
-        self.assertEqual(server.wait_for_job(job["id"])["state"], "successful")
+        server.remade(flight, {"place": "control"})
         after = self.bounds(server, flight)
         self.assertAlmostEqual(after["south_west"][1] - before["south_west"][1], 0.001, delta=1e-4)
         report = server.json("GET", f"/api/v1/flights/{flight}/report")[1]
