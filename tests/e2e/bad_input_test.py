@@ -256,8 +256,7 @@ class BadInput(ServerTestCase):
         data = tempfile.mkdtemp(dir=self.scratch)
         add = lambda name, scope: add_token(data, name, "--scope", scope)
         one, other = add("one", "upload"), add("other", "upload")
-        server = Server(data, "--workers", "0")
-        self.servers.append(server)
+        server = self.serve("--workers", "0", data=data)
         as_one, as_other = (bearer(token) for token in (one, other))
         # Without a token each operation of the contract is refused, but what monitors ask and what the page needs to ask for one.
         open_to_all = set()

@@ -8,7 +8,7 @@ import tempfile
 import threading
 import unittest
 
-from server_support import Server, ServerTestCase, fill_disk, middle_of, path_of, wait_until
+from server_support import ServerTestCase, fill_disk, middle_of, path_of, wait_until
 
 REPLACEMENTS = int(os.environ.get("SKYQUILT_REPLACEMENTS", "4"))  # more for a night
 
@@ -20,8 +20,7 @@ class Endurance(ServerTestCase):
         if mounted.returncode != 0:
             self.skipTest("mounting a small disk needs root")
         try:
-            server = Server(folder)
-            self.servers.append(server)
+            server = self.serve(data=folder)
             filler = pathlib.Path(folder, "filler")
             filler.write_bytes(bytes(30 << 20))  # what is left is hardly more than the server keeps free
             _, flight = server.json("POST", "/api/v1/flights", {})

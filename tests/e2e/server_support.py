@@ -362,8 +362,9 @@ class ServerTestCase(ScratchCase):
         """The header of a new token for the test's data folder."""
         return bearer(add_token(self.data, name, *options))
 
-    def serve(self, *arguments, **where):
-        server = Server(self.data, *arguments, **where)
+    def serve(self, *arguments, data=None, **where):
+        """A server over the test's data folder, or another; it ends with the test."""
+        server = Server(data or self.data, *arguments, **where)
         self.servers.append(server)
         return server
 

@@ -13,7 +13,7 @@ import time
 import unittest
 
 from npm_clients import installed_clients, script
-from server_support import AS_JSON, BLOBS, CHUNK, TUS, Server, ServerTestCase, add_token, photos_of, tus_metadata, wait_until
+from server_support import AS_JSON, BLOBS, CHUNK, TUS, ServerTestCase, add_token, photos_of, tus_metadata, wait_until
 
 MIB = 1 << 20
 
@@ -36,9 +36,7 @@ class Tus(ServerTestCase):
         cls.clients = installed_clients()
 
     def start(self, port=0):
-        server = Server(self.data, "--workers", "0", listen=f"127.0.0.1:{port}")
-        self.servers.append(server)
-        return server
+        return self.serve("--workers", "0", listen=f"127.0.0.1:{port}")
 
     def stored(self, flight):
         return photos_of(self.data, flight)

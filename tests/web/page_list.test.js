@@ -8,7 +8,7 @@ import { hasTags, tagCounts } from '../../web/src/home/flight_list.js';
 import { typedTags } from '../../web/src/flight/flight_tags.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 
-const { setUp, setUpReady } = usePages();
+const { setUp, setUpFlight, setUpReady } = usePages();
 
 test('names are shown as text, never as markup', options, async () => {
   const { page, mock } = await setUp();
@@ -229,8 +229,7 @@ test('where old flights go to the trash, one is marked to be kept', options, asy
 });
 
 test('who only reads sees the tags and no way to change them', options, async () => {
-  const { page, mock } = await setUp({ scope: 'read', keep_days: 90 }, laptop);
-  const flight = mock.seedReady('Theirs');
+  const { page, mock, flight } = await setUpFlight('Theirs', { scope: 'read', keep_days: 90 }, laptop);
   flight.tags = ['maize'];
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await mapIdle(page);

@@ -5,7 +5,7 @@ import { test } from 'node:test';
 import { addCentres, drag, mapIdle, screenshotPixels } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 
-const { setUp, setUpReady } = usePages();
+const { setUp, setUpFlight, setUpReady } = usePages();
 
 test('measuring by keyboard gives the true distance', options, async () => {
   const { page } = await setUpReady('Meadow', {}, { locale: 'en-GB' });
@@ -46,8 +46,7 @@ test('an area after a distance starts anew, and an outline that crosses itself h
 });
 
 test('settings for other programs are saved and the download sizes are told', options, async () => {
-  const { page, mock } = await setUp();
-  const flight = mock.seedReady('Meadow & "brook"');
+  const { page, mock, flight } = await setUpFlight('Meadow & "brook"');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.click('#flight-download');
   await page.waitForFunction(() => /4\s*B,/.test(document.querySelector('a.download small')?.textContent ?? ''));
@@ -88,8 +87,7 @@ test('two flights are compared by swipe and by fade', options, async () => {
 });
 
 test('outlines of the land lie below the map until nothing is chosen, and that is remembered', options, async () => {
-  const { page, mock } = await setUp();
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow');
   const layers = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getStyle().layers.map((/** @type {any} */ { id }) => id));
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await mapIdle(page);
@@ -153,8 +151,7 @@ test('from afar a mark shows where the map is, and a click on it goes there', op
 });
 
 test('a map that a job moves is seen where the page was loaded meanwhile, and where its old place is in the address', options, async () => {
-  const { page, mock } = await setUp({ is_unplaced: true, job_ms: 60_000 });
-  const flight = mock.seedReady('Nowhere');
+  const { page, mock, flight } = await setUpFlight('Nowhere', { is_unplaced: true, job_ms: 60_000 });
   Object.assign(flight.place, { lon: 0.0004, lat: 0.0003 });
   const old_place = 'at=19.00/0.0003000/0.0004000';
   const is_seen = () => page.evaluate(([lon, lat]) => {

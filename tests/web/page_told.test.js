@@ -7,7 +7,7 @@ import { mapIdle } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
-const { setUp, setUpReady } = usePages();
+const { setUp, setUpFlight, setUpReady } = usePages();
 
 test('the server is asked what it makes of the first photos, and its doubts are amber', options, async () => {
   const { page, mock } = await setUp({ upload_ms: 60 });
@@ -31,8 +31,7 @@ test('the server is asked what it makes of the first photos, and its doubts are 
 
 test('a map with photos left out or placed by record alone is amber and says so; a whole one is green', options, async () => {
   for (const is_whole of [false, true]) {
-    const { page, mock } = await setUp({ is_whole });
-    const flight = mock.seedReady('Meadow');
+    const { page, mock, flight } = await setUpFlight('Meadow', { is_whole });
     await page.reload();
     await page.waitForSelector('.flights .chip');
     assert.equal(await page.textContent('.flights .chip'), is_whole ? 'Ready to use' : 'Usable, with limits');
@@ -55,8 +54,7 @@ test('a map with photos left out or placed by record alone is amber and says so;
 });
 
 test('of a map that was made before anything judged it, nothing is claimed', options, async () => {
-  const { page, mock } = await setUp();
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow');
   await page.route('**/report', async (route) => {
     const { quality, ...report } = await (await route.fetch()).json();
     await route.fulfill({ json: report });
@@ -69,8 +67,7 @@ test('of a map that was made before anything judged it, nothing is claimed', opt
 
 test('flights show when they were flown, by the clock of the place', options, async () => {
   // Whoever reads it is half a day away.
-  const { page, mock } = await setUp({}, { timezoneId: 'Pacific/Auckland', locale: 'en-GB' });
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', {}, { timezoneId: 'Pacific/Auckland', locale: 'en-GB' });
   const other = mock.seedReady('Brook');
   flight.captured = { first: '2015-10-27T19:50:02-04:00', last: '2015-10-27T20:10:02-04:00' };
   other.captured = null;
@@ -95,8 +92,7 @@ test('flights show when they were flown, by the clock of the place', options, as
 });
 
 test('a guest who only reads is offered nothing that would be refused', options, async () => {
-  const { page, mock } = await setUp({ has_tokens: true, scope: 'read' });
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', { has_tokens: true, scope: 'read' });
   await page.goto(`${mock.url}?token=sq_read`);
   await page.waitForSelector('#reads-only');
   await page.waitForSelector('.flights li');
@@ -119,8 +115,7 @@ test('a guest who only reads is offered nothing that would be refused', options,
 });
 
 test('addresses for other programs never carry a token that may change things: one is made for them', options, async () => {
-  const { page, mock } = await setUp({ has_tokens: true, scope: 'upload' });
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', { has_tokens: true, scope: 'upload' });
   await page.goto(`${mock.url}?token=sq_upload#/flights/${flight.id}`);
   await page.waitForSelector('#links-make');
   await mapIdle(page);
@@ -133,8 +128,7 @@ test('addresses for other programs never carry a token that may change things: o
 });
 
 test('the panel says what counts first, and what to do with the map', options, async () => {
-  const { page, mock } = await setUp({ is_whole: true });
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', { is_whole: true });
   // The camera's name is in the first bytes of a photo.
   await page.route('**/files/DJI_0001.JPG*', (route) => route.fulfill({ body: photoFiles(1)[0].buffer, contentType: 'image/jpeg' }));
   await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -180,8 +174,7 @@ test('of an imported map nothing is offered that takes its photos', options, asy
 });
 
 test('heights can be downloaded where the map has them', options, async () => {
-  const { mock, page } = await setUp({ has_heights: true });
-  const flight = mock.seedReady('Village');
+  const { page, mock, flight } = await setUpFlight('Village', { has_heights: true });
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.click('#flight-download');
   await page.waitForSelector('.download[href*="contours.dxf"] small:has-text("7")');

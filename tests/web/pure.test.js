@@ -282,8 +282,10 @@ test('a photo is known by its first bytes', () => {
 });
 
 const blobs = (n) => Array.from({ length: n }, (_, i) => ({ name: `p${i}.jpg`, file: new Blob([new Uint8Array(1000)]) }));
-const finished = (queue) =>
-  new Promise((resolve) => queue.addEventListener('change', () => queue.picture.state === 'finished' && resolve(undefined)));
+const finish = (queue) => new Promise((resolve) => {
+  queue.addEventListener('change', () => queue.picture.state === 'finished' && resolve(undefined));
+  queue.start();
+});
 
 test('an upload keeps at most four files in flight and ends with all sent', async () => {
   let now = 0;
@@ -295,9 +297,7 @@ test('an upload keeps at most four files in flight and ends with all sent', asyn
     await new Promise((resolve) => setTimeout(resolve, 2));
     now -= 1;
   });
-  const end = finished(queue);
-  queue.start();
-  await end;
+  await finish(queue);
   assert.equal(most, 4);
   assert.equal(queue.picture.done, 20);
   assert.equal(queue.picture.sent_bytes, 20_000);
@@ -310,9 +310,7 @@ test('a passing failure is tried again, a lasting one is reported with its reaso
     if (name === 'p0.jpg' && tries.get(name) < 3) throw Object.assign(new Error('busy'), { is_passing: true });
     if (name === 'p1.jpg') throw Object.assign(new Error('not a photo'), { is_passing: false });
   }, { retry_delay_ms: 1 });
-  const end = finished(queue);
-  queue.start();
-  await end;
+  await finish(queue);
   assert.equal(tries.get('p0.jpg'), 3);
   assert.equal(tries.get('p1.jpg'), 1);
   assert.deepEqual(queue.items.map(({ state }) => state), ['done', 'failed', 'done']);
@@ -340,9 +338,7 @@ test('pausing stops what is in flight and going on sends it again', async () => 
   assert.equal(started, 4);
   assert.equal(queue.picture.done, 0);
   is_held = false;
-  const end = finished(queue);
-  queue.start();
-  await end;
+  await finish(queue);
   assert.equal(queue.picture.done, 6);
   assert.equal(queue.picture.failed, 0);
 });
@@ -351,9 +347,7 @@ test('files the server has whole are not sent again', async () => {
   const sent = [];
   const queue = new UploadQueue(blobs(3), async ({ name }) => void sent.push(name));
   queue.skipStored(new Map([['p0.jpg', 1000], ['p1.jpg', 999]]));
-  const end = finished(queue);
-  queue.start();
-  await end;
+  await finish(queue);
   assert.deepEqual(sent, ['p1.jpg', 'p2.jpg']);
 });
 
@@ -371,9 +365,7 @@ test('a server that is away fails no file, and what it had of a file does not co
     at_ms += 60_000;
     assert.equal(queue.picture.bytes_per_s, 0, 'nothing moves any more');
   }, { retry_delay_ms: 0, now_ms: () => at_ms });
-  const end = finished(queue);
-  queue.start();
-  await end;
+  await finish(queue);
   assert.equal(tries, 30);
   assert.deepEqual([queue.picture.done, queue.picture.failed], [1, 0]);
 });

@@ -106,9 +106,7 @@ class BrowserTestCase(ServerTestCase):
 
     def serve_for(self, port, *arguments):
         """The map, to pages of this port."""
-        server = Server(self.data_folder, "--workers", "0", *arguments, *(("--cors-origin", f"http://127.0.0.1:{port}") if port else ()))
-        self.servers.append(server)
-        return server
+        return self.serve("--workers", "0", *arguments, *(("--cors-origin", f"http://127.0.0.1:{port}") if port else ()), data=self.data_folder)
 
 
 class BrowserClients(BrowserTestCase):

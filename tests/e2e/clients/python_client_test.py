@@ -16,7 +16,7 @@ import unittest
 import unittest.mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import Server, ServerTestCase, add_token, photos_of  # noqa: E402
+from server_support import ServerTestCase, add_token, photos_of  # noqa: E402
 
 SOURCE = pathlib.Path(__file__).resolve().parents[3] / "api" / "clients" / "python"
 
@@ -55,9 +55,7 @@ class PythonClient(ServerTestCase):
         super().tearDownClass()
 
     def start(self, *arguments, port=0):
-        server = Server(self.data, *arguments, listen=f"127.0.0.1:{port}")
-        self.servers.append(server)
-        return server
+        return self.serve(*arguments, listen=f"127.0.0.1:{port}")
 
     def client(self, server, token=None, **more):
         return self.skyquilt.Client(f"http://127.0.0.1:{server.port}", token, **more)

@@ -10,7 +10,7 @@ import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from gis_support import MapFileTestCase, has_qgis  # noqa: E402
-from server_support import Server, add_token, bearer  # noqa: E402
+from server_support import add_token, bearer  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 QGIS = HERE.parents[2] / "api" / "clients" / "qgis"
@@ -78,8 +78,7 @@ class Plugin(MapFileTestCase):
         self.assertGreater((abs(drawn - [[[0xD9]], [[0xA4]], [[0x41]]]).max(axis=0) < 40).sum(), side)  # lines cross it
 
     def test_heights_become_layers_where_the_map_has_them(self):
-        server = Server(tempfile.mkdtemp(dir=self.scratch), "--workers", "1")
-        self.servers.append(server)
+        server = self.serve("--workers", "1", data=tempfile.mkdtemp(dir=self.scratch))
         _, made = server.upload(self.photos, name="Village", options=json.dumps({"heights": "dtm"}), code=202)
         server.wait_for_job(made["job"]["id"])
         flight, url = made["flight"]["id"], f"http://127.0.0.1:{server.port}"
@@ -109,8 +108,7 @@ class Plugin(MapFileTestCase):
         self.assertEqual(left, [True, 0, 0])
 
     def test_a_folder_becomes_a_map(self):
-        server = Server(tempfile.mkdtemp(dir=self.scratch), "--workers", "1")
-        self.servers.append(server)
+        server = self.serve("--workers", "1", data=tempfile.mkdtemp(dir=self.scratch))
         before, is_bar_left, stopped, stages, rows, said, _, _ = self.session(
             f"http://127.0.0.1:{server.port}", ["said"], ["upload_and_cancel", str(self.folder), "Stopped"], ["said"],
             ["upload", str(self.folder), "Field 7"], ["rows"], ["said"], ["add", "tiles"], ["grab", "window.png"])
@@ -128,8 +126,7 @@ class Plugin(MapFileTestCase):
     def test_tokens_stay_where_they_belong(self):
         data = tempfile.mkdtemp(dir=self.scratch)
         token = add_token(data, "team", "--scope", "upload")
-        server = Server(data, "--workers", "1")
-        self.servers.append(server)
+        server = self.serve("--workers", "1", data=data)
         url = f"http://127.0.0.1:{server.port}"
         refused, (is_closed, kept, is_readable), stages, layer = self.session(
             url, ["said"], ["token", token, True], ["upload", str(self.folder), "Field 8"], ["add", "geotiff"])

@@ -21,7 +21,7 @@ import s3_store
 from nginx import NGINX, free_port, start_nginx
 from postgres_server import find_binaries, server_for
 from program import BINARY
-from server_support import AS_JSON, CHUNK, FORM, TUS, Server, ServerTestCase, form, tile_of, tus_metadata, wait_until
+from server_support import AS_JSON, CHUNK, FORM, TUS, ServerTestCase, form, tile_of, tus_metadata, wait_until
 
 TILES = int(os.environ.get("SKYQUILT_TILES", "2000"))
 # As docs/cluster.md has it, without what needs root.
@@ -67,9 +67,7 @@ class NodesTest(ServerTestCase):
         super().tearDown()
 
     def node(self, name):
-        server = Server(f"{self.data}-{name}", "--workers", "0", *self.at)
-        self.servers.append(server)
-        return server
+        return self.serve("--workers", "0", *self.at, data=f"{self.data}-{name}")
 
     def answers(self, path):
         try:

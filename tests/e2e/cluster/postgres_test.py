@@ -147,8 +147,7 @@ class SharedCatalogue(SharedCatalogueCase):
         run("data", "check", "--data", self.data, *words)
         # Without the option a second catalogue would be served: the old one, which is still there.
         self.assertIn("is in PostgreSQL", self.refusal())
-        refused = run("token", "list", "--data", self.data, code=None)
-        self.assertIn("say --catalogue", refused.stderr)
+        self.assertIn("say --catalogue", run("token", "list", "--data", self.data, code=None).stderr)
         # What another folder's catalogue knows is not mixed with a new folder.
         self.data = tempfile.mkdtemp(prefix="data_", dir=self.scratch)
         self.assertIn("another data folder", self.refusal(*words))

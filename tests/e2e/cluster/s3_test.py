@@ -19,7 +19,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import s3_store
 from cluster.s3_support import KEPT_BY_THE_FOLDER, S3TestCase
 from program import BINARY, run
-from server_support import Server, confined_of, middle_of, wait_until
+from server_support import confined_of, middle_of, wait_until
 
 
 class Flow(S3TestCase):
@@ -32,8 +32,7 @@ class Flow(S3TestCase):
         for name in ("mosaic.pmtiles", "mosaic.mbtiles", "mosaic.state", "report.json", "layer_photo.mbtiles"):
             self.assertIn(f"r1/{name}", names)
         self.assertEqual(self.left_behind(server), [])
-        here = Server(tempfile.mkdtemp(dir=self.scratch), "--trash-days", "0")
-        self.servers.append(here)
+        here = self.serve("--trash-days", "0", data=tempfile.mkdtemp(dir=self.scratch))
         made = here.stitched(self.photos, name="field", options='{"layers": ["photo"]}')
         there_tiles, here_tiles = self.tiles_of(server, flight_id), self.tiles_of(here, made["flight"]["id"])
         self.assertGreater(len(here_tiles), 5)
@@ -85,14 +84,13 @@ class Flow(S3TestCase):
         server.remade(flight_id)
         # The first is retired a moment later, the second still read by some.
         wait_until(lambda: self.folders() == {"files", "r2", "r3"}, self.folders())
-        checked = run("data", "check", "--data", self.data, code=1)
+        run("data", "check", "--data", self.data, code=1)
         self.assertEqual(server.stop(), 0)
-        checked = run("data", "check", "--data", self.data)
+        run("data", "check", "--data", self.data)
         gone = next(key for key in self.keys("flights/") if "/files/" in key)
         for path in (self.store.folder / "data").rglob(f"{gone.rsplit('/', 1)[1]}._S3rver*"):
             path.unlink()
-        checked = run("data", "check", "--data", self.data, code=2)
-        self.assertIn(gone, checked.stdout)
+        self.assertIn(gone, run("data", "check", "--data", self.data, code=2).stdout)
 
     def test_a_cold_tile_takes_two_reads_and_a_hot_one_none(self):
         server = self.serve_s3()
@@ -189,8 +187,7 @@ class Places(S3TestCase):
         self.assertEqual(after, before)
         server = self.serve()
         self.assertEqual(self.tiles_of(server, flight_id), tiles)
-        wrong = run("data", "move", "--data", self.data, code=None)
-        self.assertIn("--to s3://bucket/prefix", wrong.stderr)
+        self.assertIn("--to s3://bucket/prefix", run("data", "move", "--data", self.data, code=None).stderr)
 
     def test_what_is_no_store_is_told_with_what_to_do(self):
         class NoStore(http.server.BaseHTTPRequestHandler):
@@ -224,8 +221,7 @@ class Places(S3TestCase):
         said = self.refusal("--listen", "127.0.0.1:0", "--blobs", self.address())
         self.assertIn("older than what is on disk", said)
         self.assertEqual(len(self.keys("flights/")), 3)
-        repaired = run("data", "repair", "--data", self.data, code=1)
-        self.assertIn(f"below {self.address()}/flights/", repaired.stderr)
+        self.assertIn(f"below {self.address()}/flights/", run("data", "repair", "--data", self.data, code=1).stderr)
         # As the sentence says.
         for key in self.keys("flights/"):
             path = pathlib.Path(self.data, key)

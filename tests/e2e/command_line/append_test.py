@@ -227,8 +227,7 @@ class Append(ScratchCase):
         self.assertAlmostEqual(report["gsd_m"], before["gsd_m"], delta=0.01 * before["gsd_m"])
 
     def test_a_folder_without_a_map_cannot_be_added_to(self):
-        told = run("stitch", self.more, "-o", self.scratch / "nothing", "--append", code=1)
-        self.assertIn("no map that can be added to", told.stderr)
+        self.assertIn("no map that can be added to", run("stitch", self.more, "-o", self.scratch / "nothing", "--append", code=1).stderr)
 
 
 class Resume(ScratchCase):

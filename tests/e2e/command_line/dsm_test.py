@@ -114,8 +114,7 @@ class Dsm(ScratchCase):
     def test_a_file_that_cannot_be_written_leaves_map_and_report(self):
         out = self.scratch / "blocked"
         (out / "dsm.tif").mkdir(parents=True)
-        done = run("stitch", self.flight / "photos", "-o", out, "--formats", "dsm", "--overwrite", code=1)
-        self.assertIn("dsm.tif", done.stderr)
+        self.assertIn("dsm.tif", run("stitch", self.flight / "photos", "-o", out, "--formats", "dsm", "--overwrite", code=1).stderr)
         self.assertEqual((out / "mosaic.mbtiles").read_bytes(), (self.map / "mosaic.mbtiles").read_bytes())
         report = report_of(out)
         self.assertEqual((report["photos"]["total"], "surface" in report), (9, False))
@@ -125,8 +124,7 @@ class Dsm(ScratchCase):
         empty = self.scratch / "own_alone"
         empty.mkdir()
         (empty / "dsm.tif").write_bytes(own)
-        done = run("stitch", self.flight / "photos", "-o", empty, "--formats", "dsm", code=1)
-        self.assertIn("dsm.tif", done.stderr)
+        self.assertIn("dsm.tif", run("stitch", self.flight / "photos", "-o", empty, "--formats", "dsm", code=1).stderr)
         self.assertEqual((empty / "dsm.tif").read_bytes(), own)
         beside = self.scratch / "own_beside"
         self.stitch(beside)

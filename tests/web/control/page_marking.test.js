@@ -3,13 +3,12 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
-const { setUp } = usePages();
+const { setUpFlight } = usePages();
 const expected = { x: 30, y: 40 };
 
 /** The dialog over a photo of 256 x 256 pixels, and what the server is sent. */
 async function openDialog() {
-  const { page, mock } = await setUp();
-  const flight = mock.seedReady('Meadow');
+  const { page, flight } = await setUpFlight('Meadow');
   await page.clock.install();
   /** @type {any[]} */
   const sent = [];

@@ -5,7 +5,7 @@ import { test } from 'node:test';
 import { holdRequests, kPhone, mapIdle } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
-const { setUp } = usePages();
+const { setUp, setUpFlight } = usePages();
 const laptop = { viewport: { width: 1366, height: 768 } };
 const phone = { ...kPhone, deviceScaleFactor: 2 };
 const kPoster = '.poster:not([hidden])';
@@ -69,8 +69,7 @@ async function assertGivesWay({ page, mock }, flight, address, where) {
 
 test('before the map its picture lies exactly where the map will lie, on laptop and phone', options, async () => {
   for (const [name, screen] of /** @type {const} */ ([['laptop', laptop], ['phone', phone]])) {
-    const { page, mock } = await setUp({}, screen);
-    const flight = mock.seedReady('Meadow');
+    const { page, mock, flight } = await setUpFlight('Meadow', {}, screen);
     const asked = [];
     page.on('request', (request) => asked.push(new URL(request.url())));
     const shifts = await assertGivesWay({ page, mock }, flight, `${mock.url}#/flights/${flight.id}`, name);
@@ -86,8 +85,7 @@ test('before the map its picture lies exactly where the map will lie, on laptop 
 });
 
 test('the picture lies right in a view that was moved and turned, and stays away where it would be a blot', options, async () => {
-  const { page, mock } = await setUp({}, laptop);
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', {}, laptop);
   const { lon, lat } = flight.place;
   const at = (/** @type {string} */ zoom, /** @type {string} */ turned) => `${mock.url}#/flights/${flight.id}?at=${zoom}/${(lat + 0.0002).toFixed(7)}/${(lon - 0.0003).toFixed(7)}${turned}`;
   await assertGivesWay({ page, mock }, flight, at('18.30', ''), 'moved');
@@ -101,8 +99,7 @@ test('the picture lies right in a view that was moved and turned, and stays away
 });
 
 test('the picture keeps its place when the window changes, and goes with the flight', options, async () => {
-  const { page, mock } = await setUp({}, laptop);
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', {}, laptop);
   const release = await openHeld(page, `${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector(kPoster);
   const before = await posterBox(page);
@@ -153,8 +150,7 @@ test('a flight without a map, one that is not there and one whose picture fails 
 });
 
 test('who moves the map before its tiles are there takes the picture along', options, async () => {
-  const { page, mock } = await setUp({}, laptop);
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', {}, laptop);
   const release = await holdRequests(page, '**/tiles/*/*/*/*');
   await page.goto('about:blank');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -168,8 +164,7 @@ test('who moves the map before its tiles are there takes the picture along', opt
 });
 
 test('the bare map has its picture too, with the token of its address', options, async () => {
-  const { page, mock } = await setUp({ has_tokens: true }, laptop);
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', { has_tokens: true }, laptop);
   const asked = [];
   page.on('request', (request) => asked.push(new URL(request.url())));
   await assertGivesWay({ page, mock }, flight, `${mock.url}embed/${flight.id}#token=sq_guest`, 'bare map');

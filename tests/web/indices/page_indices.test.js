@@ -5,7 +5,7 @@ import { calibrationOf, indexTiles, parseRange, roundTo } from '../../../web/src
 import { mapIdle, screenshotPixels } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
-const { setUp } = usePages();
+const { setUp, setUpFlight } = usePages();
 
 test('tiles of an index have the address of the map with what is asked for', () => {
   const look = { index: { id: 'vari', title: 'VARI', expression: 'x', rescale: [0, 1], colormap: 'rdylgn' }, colormap: 'viridis_r', rescale: [-0.5, 0.5] };
@@ -51,8 +51,7 @@ async function openIndices(context = { locale: 'en-GB' }, facts = {}) {
 }
 
 test('a flight with bands opens with its first index, in words, and what its values are worth', options, async () => {
-  const { page, mock } = await setUp({ has_indices: true, bands_bounds: [-180, -85, 180, 85] }, { locale: 'en-GB', errors: /bands\.tif/ });
-  const flight = mock.seedReady('Field');
+  const { page, mock, flight } = await setUpFlight('Field', { has_indices: true, bands_bounds: [-180, -85, 180, 85] }, { locale: 'en-GB', errors: /bands\.tif/ });
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector('#index-histogram rect');
   assert.equal(await page.inputValue('#index'), 'vari');

@@ -6,7 +6,7 @@ import { kPhone, mapIdle, openPhotoCard } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 import { photoFiles } from '../support/photo_files.js';
 
-const { setUp, setUpReady } = usePages();
+const { setUp, setUpFlight, setUpReady } = usePages();
 const german = { locale: 'de-DE' };
 
 /** @param {any} page @returns {string[]} the languages whose words it fetches from now on */
@@ -52,8 +52,7 @@ const misfits = (page) =>
   });
 
 test('a German browser gets the page in German: numbers, dates, plurals, and no English file', options, async () => {
-  const { page, mock } = await setUp({ has_tokens: true }, { ...german, timezoneId: 'Europe/Berlin' });
-  const flight = mock.seedReady('Wiese');
+  const { page, mock, flight } = await setUpFlight('Wiese', { has_tokens: true }, { ...german, timezoneId: 'Europe/Berlin' });
   mock.seedReady('Acker', 1);
   const fetched = fetchedLanguages(page);
   await page.reload();
@@ -88,8 +87,7 @@ test('a German browser gets the page in German: numbers, dates, plurals, and no 
 });
 
 test('an error of the server says in German what its code means, then its own sentence', options, async () => {
-  const { page, mock } = await setUp({ job_ms: 800 }, german);
-  const flight = mock.seedReady('doomed Wiese');
+  const { page, mock, flight } = await setUpFlight('doomed Wiese', { job_ms: 800 }, german);
   flight.ready = false;
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.click('#start-job');
@@ -130,8 +128,7 @@ test('switching while files are sent breaks no upload: the page changes when it 
 });
 
 test('where the words of a language cannot be had the page is English, with English numbers', options, async () => {
-  const { page, mock } = await setUp({}, { ...german, errors: /./ });
-  const flight = mock.seedReady('Wiese');
+  const { page, mock, flight } = await setUpFlight('Wiese', {}, { ...german, errors: /./ });
   await page.route('**/src/languages/de/*.js', (/** @type {any} */ route) => route.fulfill({ status: 503, body: '' }));
   await page.goto(`${mock.url}?again#/flights/${flight.id}`);
   await page.waitForSelector('#report');
@@ -141,8 +138,7 @@ test('where the words of a language cannot be had the page is English, with Engl
 });
 
 test('where only the words of a flight cannot be had, these are English', options, async () => {
-  const { page, mock } = await setUp({}, { ...german, errors: /./ });
-  const flight = mock.seedReady('Wiese');
+  const { page, mock, flight } = await setUpFlight('Wiese', {}, { ...german, errors: /./ });
   await page.route('**/src/languages/de/flight.js', (/** @type {any} */ route) => route.fulfill({ status: 503, body: '' }));
   await page.goto(`${mock.url}?again#/flights/${flight.id}`);
   await page.waitForSelector('#report');

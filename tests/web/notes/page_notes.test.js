@@ -10,7 +10,7 @@ import { boundsOfNote, labelPlace, measurementOfNote, noteOf } from '../../../we
 import { addCentres, mapIdle } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
-const { setUp } = usePages();
+const { setUpFlight } = usePages();
 
 const pointAt = (/** @type {string} */ id, /** @type {string} */ name, text = '') => noteOf(name, text, { type: 'Point', coordinates: [7.4391, 46.9512] }, id);
 const copy = (/** @type {string} */ name) => `${name} (mine)`;
@@ -62,8 +62,7 @@ test('of names that would overlap the first is shown', () => {
 
 /** A flight with these notes, opened; open() opens it once more. @param {object} [context] @param {object[]} [features] */
 async function openNotes(context = { locale: 'en-GB' }, features = []) {
-  const { page, mock } = await setUp({}, context);
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', {}, context);
   if (features.length > 0) flight.notes = { features, number: 1 };
   const open = async () => {
     await page.goto('about:blank');

@@ -5,7 +5,7 @@ import { test } from 'node:test';
 import { drag, kPhone, mapIdle } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
-const { setUp } = usePages();
+const { setUpFlight } = usePages();
 
 /** Opens the map of a flight, and the tool. */
 async function openTool({ page, mock }, flight) {
@@ -33,8 +33,7 @@ const assertNear = (got, wanted, tolerance) => got.forEach((value, i) => assert.
 
 for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
   test(`a map that lies nowhere is placed by two points on a ${screen}`, options, async () => {
-    const { page, mock } = await setUp({ is_whole: true, is_unplaced: true }, context);
-    const flight = mock.seedReady('Meadow');
+    const { page, mock, flight } = await setUpFlight('Meadow', { is_whole: true, is_unplaced: true }, context);
     await page.goto(`${mock.url}#/flights/${flight.id}`);
     await page.waitForSelector('#report');
     const verdict = await page.innerText('#result-verdict');
@@ -105,8 +104,7 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
 }
 
 test('points are dragged, moved by arrow keys and removed, and are there again after Escape', options, async () => {
-  const { page, mock } = await setUp({ is_whole: true });
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', { is_whole: true });
   await openTool({ page, mock }, flight);
   await page.keyboard.press('Enter');  // the map has the focus: its centre
   await page.keyboard.type('46.8, 7.1');
@@ -150,8 +148,7 @@ test('points are dragged, moved by arrow keys and removed, and are there again a
 });
 
 test('what the server refuses is told in its words, and the points can be changed after a failure', options, async () => {
-  const { page, mock } = await setUp({ is_whole: true }, { errors: /409/ });
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', { is_whole: true }, { errors: /409/ });
   flight.refuses_jobs = { status: 409, detail: 'A job of this flight is under way. Wait for it.' };
   await openTool({ page, mock }, flight);
   await page.click('#place-centre');
@@ -175,8 +172,7 @@ test('what the server refuses is told in its words, and the points can be change
 
 test('a true place is clicked on the basemap, through the map or near the points before', options, async () => {
   for (const is_unplaced of [false, true]) {
-    const { page, mock } = await setUp({ is_whole: true, is_unplaced, basemap_makers: 'Makers' });
-    const flight = mock.seedReady('Meadow');
+    const { page, mock, flight } = await setUpFlight('Meadow', { is_whole: true, is_unplaced, basemap_makers: 'Makers' });
     await openTool({ page, mock }, flight);
     await clickMap(page, flight, -0.0005, -0.0003);
     if (is_unplaced) {
@@ -210,8 +206,7 @@ test('a true place is clicked on the basemap, through the map or near the points
 
 test('who may not change a flight is not offered to move it', options, async () => {
   for (const is_unplaced of [false, true]) {
-    const { page, mock } = await setUp({ is_whole: true, is_unplaced });
-    const flight = mock.seedReady('Meadow');
+    const { page, mock, flight } = await setUpFlight('Meadow', { is_whole: true, is_unplaced });
     flight.may_change = false;
     await page.goto(`${mock.url}#/flights/${flight.id}`);
     await page.waitForSelector('#report');

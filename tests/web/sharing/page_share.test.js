@@ -6,7 +6,7 @@ import { frameOn, mapIdle, startOuterPage } from '../support/browser.js';
 import { kNetworkAddress } from '../support/mock_server.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
-const { setUp, setUpReady, cleanUp } = usePages();
+const { setUp, setUpFlight, setUpReady, cleanUp } = usePages();
 
 test('a link is made for as long as chosen, listed, and revoked', options, async () => {
   const { page, mock, flight } = await setUpReady('Meadow', { has_tokens: true });
@@ -80,8 +80,7 @@ test('on an open server a link is one that others reach and that only reads, and
 });
 
 test('a link that is over says so to its reader, in German too', options, async () => {
-  const { page, mock } = await setUp({ has_tokens: true }, { locale: 'de-CH', errors: /status of 401/ });
-  const flight = mock.seedReady('Wiese');
+  const { page, mock, flight } = await setUpFlight('Wiese', { has_tokens: true }, { locale: 'de-CH', errors: /status of 401/ });
   await page.route('**/*', (route) => {
     const { authorization } = route.request().headers();
     if (authorization !== 'Bearer sq_share_over') return route.continue();
@@ -104,8 +103,7 @@ test('this computer is known by its names', () => {
 });
 
 test('a shared link shows the flight, sends its token and keeps it out of the address', options, async () => {
-  const { page, mock } = await setUp({ has_tokens: true });
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', { has_tokens: true });
   flight.may_change = false;
   const shown = page.waitForRequest((request) => request.url().endsWith(`/api/v1/flights/${flight.id}`) && request.headers().authorization === 'Bearer sq_given');
   // A load of its own, as from a mail. Not by about:blank: Chromium blocks, and reports, what that still asks of loopback.
@@ -123,8 +121,7 @@ test('a shared link shows the flight, sends its token and keeps it out of the ad
 });
 
 test('a map in a frame has its name, scale and makers, moves, and opens the page', options, async () => {
-  const { page, mock, foreign_requests } = await setUp();
-  const flight = mock.seedReady('Meadow <1>');
+  const { page, mock, flight, foreign_requests } = await setUpFlight('Meadow <1>');
   flight.attribution = 'Survey <b>Office</b>';
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await mapIdle(page);
@@ -165,8 +162,7 @@ test('a map in a frame has its name, scale and makers, moves, and opens the page
 });
 
 test('the link made for a share carries its token in the frame, and the place that was shown', options, async () => {
-  const { page, mock } = await setUp({ has_tokens: true });
-  const flight = mock.seedReady('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow', { has_tokens: true });
   const [lon, lat] = [flight.place.lon, flight.place.lat];
   await page.goto(`${mock.url}#/flights/${flight.id}?at=19.50/${lat.toFixed(7)}/${lon.toFixed(7)}`);
   await mapIdle(page);

@@ -44,7 +44,13 @@ async function openAt(url, { errors, ...context_options } = {}) {
   return opened;
 }
 
-/** The same with a flight whose map is there, opened by its address: no list is loaded first. @param {object} [server_options] @param {object} [context_options] */
+/** The same with a flight whose map is there, which no view shows yet. @param {string} name @param {object} [server_options] @param {object} [context_options] */
+async function setUpFlight(name, server_options, context_options) {
+  const opened = await setUp(server_options, context_options);
+  return { flight: opened.mock.seedReady(name), ...opened };
+}
+
+/** The same, opened by its address: no list is loaded first. @param {object} [server_options] @param {object} [context_options] */
 async function setUpReady(name, server_options, context_options) {
   let flight;
   const opened = await setUp(server_options, context_options, (mock) => `#/flights/${(flight = mock.seedReady(name)).id}`);
@@ -52,8 +58,8 @@ async function setUpReady(name, server_options, context_options) {
   return { flight, ...opened };
 }
 
-/** setUp, setUpReady and openAt open a page; cleanUp is told what is undone with it. */
-export const usePages = () => ({ setUp, setUpReady, openAt, cleanUp: (/** @type {() => Promise<void>} */ clean) => cleanups.push(clean) });
+/** setUp, setUpFlight, setUpReady and openAt open a page; cleanUp is told what is undone with it. */
+export const usePages = () => ({ setUp, setUpFlight, setUpReady, openAt, cleanUp: (/** @type {() => Promise<void>} */ clean) => cleanups.push(clean) });
 
 /** A flight whose map is there, opened. @param {{page: any, mock: any}} opened @param {string} name @param {number} [photos] */
 export async function openReady({ page, mock }, name, photos) {
