@@ -8,18 +8,14 @@ import subprocess
 import tempfile
 import time
 
+from nginx import free_port
+
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "scontrol", "squeue", "sinfo")
 PATIENCE_S = 60
 
 
 def missing_programs():
     return [name for name in PROGRAMS if shutil.which(name, path=os.environ.get("PATH", "") + ":/usr/sbin") is None]
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 class SlurmCluster:

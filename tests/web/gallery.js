@@ -6,7 +6,7 @@ import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'nod
 import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { holdRequests, kPhone, launchBrowser, mapIdle, openPage, openPhotoCard } from './support/browser.js';
+import { holdRequests, kPhone, launchBrowser, mapIdle, openMap, openPage, openPhotoCard } from './support/browser.js';
 import { binary, findPhotos, realPhotos, startServer } from './support/real_server.js';
 
 const out = process.argv[2] ?? join(dirname(fileURLToPath(import.meta.url)), 'gallery');
@@ -55,8 +55,7 @@ async function makeFlight(url, name, photos, options = {}, headers = {}) {
 
 /** @param {any} page @param {any} flight */
 async function openFlight(page, flight) {
-  await page.goto(`${new URL('/', page.url()).href}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openMap(page, `${new URL('/', page.url()).href}#/flights/${flight.id}`);
 }
 
 /** Chooses the photos on the page; from the ninth on their uploads wait until released. */
@@ -126,8 +125,7 @@ const states = {
     await mapIdle(page);
   },
   async compare(page, { beach, by_pose }) {
-    await page.goto(`${new URL('/', page.url()).href}#/flights/${beach.id}/compare/${by_pose.id}`);
-    await mapIdle(page);
+    await openMap(page, `${new URL('/', page.url()).href}#/flights/${beach.id}/compare/${by_pose.id}`);
     await mapIdle(page, '#map-above');
   },
   async report(page, { beach }) {

@@ -1,6 +1,6 @@
 // axe over every view of the page, in Chromium against the mock server.
 import { test } from 'node:test';
-import { kPhone, mapIdle, openPhotoCard } from './support/browser.js';
+import { kPhone, openMap, openPhotoCard } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
@@ -16,8 +16,7 @@ for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
       await page.reload();
       await page.waitForSelector('.overview-mark');
       await assertAccessible(page, 'home');
-      await page.goto(`${mock.url}#/flights/${flight.id}`);
-      await mapIdle(page);
+      await openMap(page, `${mock.url}#/flights/${flight.id}`);
       await page.waitForSelector('#report');
       await assertAccessible(page, 'map');
       await page.click('#flight-download');

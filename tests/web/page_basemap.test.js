@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
 import { test } from 'node:test';
-import { mapIdle, screenshotPixels } from './support/browser.js';
+import { reloadMap, screenshotPixels } from './support/browser.js';
 import { assertAccessible, openReady, options, usePages } from './support/pages.js';
 import { encodePng } from './support/tile_picture.js';
 
@@ -73,8 +73,7 @@ test('a public basemap asks nobody before it is chosen, and lies below the map t
     assert.equal(referer, `${new URL(mock.url).origin}/`, 'the makers learn which site asks, and nothing of the flight');
   }
   assert.equal(await page.textContent('#map .maplibregl-ctrl-attrib-inner'), 'Stand-in makers');
-  await page.reload();
-  await mapIdle(page);
+  await reloadMap(page);
   assert.ok(await page.evaluate(() => Boolean(/** @type {any} */ (window).skyquilt.map.getLayer('basemap-tiles'))), 'the choice stays');
   assert.deepEqual(foreign_requests.splice(0).filter((/** @type {string} */ address) => !address.startsWith(makers.origin)), []);
 });
@@ -82,8 +81,7 @@ test('a public basemap asks nobody before it is chosen, and lies below the map t
 test('a basemap that is offered no more gives way to the coastlines', options, async () => {
   const { page } = await setUpReady('Meadow');
   await page.evaluate(() => localStorage.setItem('skyquilt.basemap', 'public:gone'));
-  await page.reload();
-  await mapIdle(page);
+  await reloadMap(page);
   await page.waitForFunction(() => Boolean(/** @type {any} */ (window).skyquilt.map.getLayer('basemap-land')));
   await page.click('#tool-layers');
   await page.waitForFunction(() => /** @type {HTMLSelectElement} */ (document.querySelector('#basemap')).value === 'land');

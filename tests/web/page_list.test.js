@@ -2,7 +2,7 @@
 // flight, and flights that are to be kept.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { kPhone, mapIdle } from './support/browser.js';
+import { kPhone, mapIdle, openMap } from './support/browser.js';
 import { assertAccessible, openReady, options, usePages } from './support/pages.js';
 import { hasTags, tagCounts } from '../../web/src/home/flight_list.js';
 import { typedTags } from '../../web/src/flight/flight_tags.js';
@@ -231,8 +231,7 @@ test('where old flights go to the trash, one is marked to be kept', options, asy
 test('who only reads sees the tags and no way to change them', options, async () => {
   const { page, mock, flight } = await setUpFlight('Theirs', { scope: 'read', keep_days: 90 }, laptop);
   flight.tags = ['maize'];
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${flight.id}`);
   assert.deepEqual(await page.locator('#flight-tags .tag').allTextContents(), ['maize']);
   assert.equal(await page.locator('#tag-add, .tag-remove, #flight-keep').count(), 0);
 });

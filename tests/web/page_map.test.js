@@ -1,8 +1,7 @@
 // The tools of the map on the page, in Chromium against the mock server.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { addCentres, drag, mapIdle, screenshotPixels } from './support/browser.js';
+import { addCentres, drag, mapIdle, openMap, reloadMap, savedBy, screenshotPixels } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 
 const { setUp, setUpFlight, setUpReady } = usePages();
@@ -51,11 +50,9 @@ test('settings for other programs are saved and the download sizes are told', op
   await page.click('#flight-download');
   await page.waitForFunction(() => /4\s*B,/.test(document.querySelector('a.download small')?.textContent ?? ''));
   await page.keyboard.press('Escape');
-  const download = page.waitForEvent('download');
-  await page.click('text=Settings for QGIS');
-  const file = await download;
-  assert.equal(file.suggestedFilename(), 'Meadow_brook_.qgis.xml');
-  assert.match(readFileSync(await file.path(), 'utf8'), new RegExp(`name="Meadow &amp; &quot;brook&quot;" url="${mock.url}tiles/${flight.id}/`));
+  const { name, text } = await savedBy(page, 'text=Settings for QGIS');
+  assert.equal(name, 'Meadow_brook_.qgis.xml');
+  assert.match(text, new RegExp(`name="Meadow &amp; &quot;brook&quot;" url="${mock.url}tiles/${flight.id}/`));
 });
 
 test('two flights are compared by swipe and by fade', options, async () => {
@@ -63,8 +60,7 @@ test('two flights are compared by swipe and by fade', options, async () => {
   const left = mock.seedReady('Before');
   const right = mock.seedReady('After');
   right.place.season = 40;
-  await page.goto(`${mock.url}#/flights/${left.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${left.id}`);
   await page.click('#tool-compare');
   await page.click('.choice');
   await mapIdle(page, '#map-above');
@@ -89,16 +85,14 @@ test('two flights are compared by swipe and by fade', options, async () => {
 test('outlines of the land lie below the map until nothing is chosen, and that is remembered', options, async () => {
   const { page, mock, flight } = await setUpFlight('Meadow');
   const layers = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getStyle().layers.map((/** @type {any} */ { id }) => id));
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${flight.id}`);
   const before = await layers();
   assert.deepEqual(before.slice(0, 3), ['ground', 'basemap-land', 'basemap-coast'], 'below the mosaic');
   await page.click('#tool-layers');
   assert.deepEqual(await page.locator('#basemap option').allTextContents(), ['None', 'Coastlines']);
   await page.selectOption('#basemap', 'none');
   await page.waitForFunction(() => !(/** @type {any} */ (window).skyquilt.map.getLayer('basemap-land')));
-  await page.reload();
-  await mapIdle(page);
+  await reloadMap(page);
   assert.ok(!(await layers()).some((/** @type {string} */ id) => id.startsWith('basemap-')));
 });
 
@@ -126,12 +120,10 @@ test('the view is in the address once it was moved, and a reload or a link shows
   await page.waitForFunction(() => location.hash.includes('?at='));
   await mapIdle(page);
   const before = await view();
-  await page.reload();
-  await mapIdle(page);
+  await reloadMap(page);
   const after = await view();
   before.forEach((value, i) => assert.ok(Math.abs(value - after[i]) < (i === 0 ? 0.01 : 1e-6), `${before} ${after}`));
-  await page.goto(`${mock.url}?x=1#/flights/${flight.id}?token=sq_given&at=12/46.94/7.42`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}?x=1#/flights/${flight.id}?token=sq_given&at=12/46.94/7.42`);
   assert.deepEqual((await view()).map((value) => Number(value.toFixed(4))), [12, 7.42, 46.94]);
   assert.ok(!page.url().includes('sq_given'));
 });
@@ -164,8 +156,7 @@ test('a map that a job moves is seen where the page was loaded meanwhile, and wh
     const body = JSON.stringify({ options: { place: [{ shown: [0.0003, 0.0004], is: [46.95, 7.44] }] } });
     await fetch(`${mock.url}api/v1/flights/${flight.id}/jobs`, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body });
     await page.goto('about:blank');
-    await page.goto(`${mock.url}#/flights/${flight.id}${place}`);
-    await mapIdle(page);
+    await openMap(page, `${mock.url}#/flights/${flight.id}${place}`);
     assert.equal(await page.locator('#job').count(), 1, 'it runs');
     assert.ok(!(await is_seen()), 'until it is there, the map that was is shown');
     flight.job.at -= 60_000;  // and now it ends
@@ -176,7 +167,6 @@ test('a map that a job moves is seen where the page was loaded meanwhile, and wh
     assert.ok(!page.url().includes('at='), page.url());
   }
   await page.goto('about:blank');
-  await page.goto(`${mock.url}#/flights/${flight.id}?${old_place}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${flight.id}?${old_place}`);
   assert.ok(await is_seen(), 'a view that has nothing of the map is none');
 });

@@ -1,12 +1,11 @@
 // Measuring and own data on the map, in Chromium against the mock server.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../web/src/map/measurement_files.js';
 import { boundsOfData, OwnDataError, readOwnData } from '../../web/src/map/own_data.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { areaIn, lengthIn, usualUnits } from '../../web/src/shared/units.js';
-import { drag, kPhone, mapIdle } from './support/browser.js';
+import { drag, kPhone, reloadMap, savedBy } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 
 await loadFlightStrings();
@@ -106,22 +105,15 @@ test('points are dragged and undone, parts have their lengths, units are kept, t
   await click(600, 500);
   await click(600, 650);
   assert.match((await whole()) ?? '', /ft²|acres/);
-  const saved = async (/** @type {string} */ button) => {
-    const download = page.waitForEvent('download');
-    await page.click(button);
-    const file = await download;
-    return { name: file.suggestedFilename(), text: readFileSync(await file.path(), 'utf8') };
-  };
-  const geojson = await saved('#measure-geojson');
+  const geojson = await savedBy(page, '#measure-geojson');
   assert.equal(geojson.name, 'area.geojson');
   assert.equal(JSON.parse(geojson.text).features[0].geometry.coordinates[0].length, 4);
-  const kml = await saved('#measure-kml');
+  const kml = await savedBy(page, '#measure-kml');
   assert.equal(kml.name, 'area.kml');
 
   // What was saved is laid over the map again.
   await page.keyboard.press('Escape');
-  await page.reload();
-  await mapIdle(page);
+  await reloadMap(page);
   await page.click('#tool-area');
   assert.equal(await page.inputValue('#units'), 'imperial', 'the units are kept');
   await page.click('#tool-area');

@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { formOf, jobArea, kChoices, kLimits, kPresets, kStandard, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
 import { kLayers } from '../../web/src/shared/api.js';
-import { kPhone, mapIdle } from './support/browser.js';
+import { kPhone, mapIdle, reloadMap } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 
@@ -147,8 +147,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
     await page.waitForFunction(() => document.querySelector('#processing-details')?.textContent?.includes('15 cm'));
 
     // A reload later the preset is there, until it is deleted.
-    await page.reload();
-    await mapIdle(page);
+    await reloadMap(page);
     await page.click('#processing-details summary');
     await page.click('#run-again');
     assert.equal(await page.inputValue('#option-resolution_cm'), '15', 'it begins with what the map was made with');

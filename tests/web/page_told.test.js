@@ -1,9 +1,8 @@
 // What the page says of a flight, in Chromium against the mock server: what will happen, what became of it, when it was
 // taken, and what may be done with it.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { mapIdle } from './support/browser.js';
+import { mapIdle, openMap, savedBy } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
@@ -109,9 +108,7 @@ test('a guest who only reads is offered nothing that would be refused', options,
   for (const id of ['flight-share', 'flight-add', 'flight-rename', 'flight-delete']) assert.equal(await page.locator(`#${id}`).count(), 0, id);
   // What goes to other programs carries what they need to read it.
   assert.match(await page.locator('.address input').first().inputValue(), /\/\{z\}\/\{x\}\/\{y\}\?rev=1&token=sq_read$/);
-  const download = page.waitForEvent('download');
-  await page.click('text=Settings for QGIS');
-  assert.match(readFileSync(await (await download).path(), 'utf8'), /&amp;token=sq_read"/);
+  assert.match((await savedBy(page, 'text=Settings for QGIS')).text, /&amp;token=sq_read"/);
 });
 
 test('addresses for other programs never carry a token that may change things: one is made for them', options, async () => {
@@ -131,8 +128,7 @@ test('the panel says what counts first, and what to do with the map', options, a
   const { page, mock, flight } = await setUpFlight('Meadow', { is_whole: true });
   // The camera's name is in the first bytes of a photo.
   await page.route('**/files/DJI_0001.JPG*', (route) => route.fulfill({ body: photoFiles(1)[0].buffer, contentType: 'image/jpeg' }));
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${flight.id}`);
   await page.waitForFunction(() => /CameraFC300S/.test(document.querySelector('#report')?.textContent ?? ''));
   const terms = await page.locator('#report > .facts dt').allTextContents();
   assert.deepEqual(terms, ['Captured', 'Area', 'Resolution', 'Absolute accuracy', 'Relative accuracy', 'Camera', 'Photos placed']);

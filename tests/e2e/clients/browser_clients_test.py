@@ -4,14 +4,15 @@ import json
 import math
 import os
 import pathlib
-import socket
 import subprocess
 import sys
 import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from gis_support import WORLD_M, has_gdal  # noqa: E402
+from nginx import free_port  # noqa: E402
 from npm_clients import installed_clients, script  # noqa: E402
 from server_support import AS_JSON, Server, ServerTestCase, add_token, bearer, make_map, put_map  # noqa: E402
 
@@ -22,12 +23,6 @@ DRAWING = ["leaflet", "openlayers_xyz", "openlayers_tilejson", "openlayers_wmts"
 # Mean absolute difference to the tile, in levels of 255: the GeoTIFF was encoded anew, and JPEG is decoded by other hands.
 # The same tile one pixel aside differs by more (see look()).
 MOST_OFF = 0.3
-
-
-def free_port():
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return listener.getsockname()[1]
 
 
 class BrowserTestCase(ServerTestCase):

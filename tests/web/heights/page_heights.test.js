@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { chartRange, knownRuns, roundTicks, sampleNear } from '../../../web/src/heights/height_chart.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
 import { heightIn } from '../../../web/src/shared/units.js';
-import { kPhone, mapIdle } from '../support/browser.js';
+import { kPhone, mapIdle, openMap } from '../support/browser.js';
 import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
@@ -124,8 +124,7 @@ test('maps without heights say so: made on level ground, or older', options, asy
   for (const [ground, says] of /** @type {['plane'|'none', RegExp][]} */ ([['plane', /ebenes Gelände|level ground/], ['none', /keine Geländehöhen|no ground heights/]])) {
     const flight = mock.seedReady(ground);
     flight.ground = ground;
-    await page.goto(`${mock.url}#/flights/${flight.id}`);
-    await mapIdle(page);
+    await openMap(page, `${mock.url}#/flights/${flight.id}`);
     await page.click('#tool-distance');
     await clickMap(page, [[0.3, 0.85], [0.7, 0.88]]);
     await page.waitForFunction(() => /\u2026$/.test(document.querySelector('#heights-message')?.textContent ?? '\u2026') === false);

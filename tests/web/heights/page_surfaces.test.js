@@ -1,7 +1,7 @@
 // A map with heights on the page, in Chromium against the mock server; what the server knows of heights is made up here.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { addCentres, drag, mapIdle, until } from '../support/browser.js';
+import { addCentres, drag, mapIdle, openMap, until } from '../support/browser.js';
 import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 import { encodePng } from '../support/tile_picture.js';
 
@@ -61,8 +61,7 @@ async function openHeights({ surfaces = ['dsm', 'dtm'], context = {}, facts = {}
     return route.fulfill({ json: { revision: 1, of: 'dsm', base: since ? 'flight' : is_plane || base === 'lowest' ? base : 'given', ...(since ? { since, shift: { east_m: null, north_m: null, up_m: 0.2, sigma_m: 0.05, alike_share: 0.9 } } : {}), base_m: is_plane ? 405.6 : 404.8, area_m2: 1000, covered_m2: 1000, measured_share: is_plane ? 0.72 : 0.97, cell_m: 0.1, cut_m3: 1234.5, fill_m3: 34.56, net_m3: 1199.9, net_sigma_m3: 12.3, lowest_m: 404.8, highest_m: 412.4, mean_m: 406 } });
   });
   await page.route(`**/flights/${flight.id}/contours.geojson`, (route) => route.fulfill({ json: contoursAt(flight.place.lon, flight.place.lat) }));
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${flight.id}`);
   return { ...opened, flight, other, asked };
 }
 
@@ -211,8 +210,7 @@ test('what has changed since an earlier flight is a layer, and a base of volumes
   await page.keyboard.press('Backspace');
   assert.equal(await page.textContent('#measure-result'), corners, 'the key is the choice’s, not the outline’s');
   // Another map has other flights of its place.
-  await page.goto(`${mock.url}#/flights/${other.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${other.id}`);
   assert.equal(await page.locator('#volume-base option[value^="since="]').count(), 0);
   assert.ok(await page.locator('#change-since').isHidden());
 });

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { calibrationOf, indexTiles, parseRange, roundTo } from '../../../web/src/indices/index_query.js';
-import { mapIdle, screenshotPixels } from '../support/browser.js';
+import { mapIdle, openMap, screenshotPixels } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUp, setUpFlight } = usePages();
@@ -43,8 +43,7 @@ async function openIndices(context = { locale: 'en-GB' }, facts = {}) {
   /** @type {string[]} */
   const asked = [];
   page.on('request', (request) => asked.push(request.url()));
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${flight.id}`);
   if (await page.locator('#layers-card').isHidden()) await page.click('#tool-layers');
   await page.waitForSelector('#index option[value="vari"]', { state: 'attached' });
   return { ...opened, asked };
@@ -136,8 +135,7 @@ test('the card fits a phone in German', options, async () => {
 
 test('a map without bands offers no index', options, async () => {
   const { page, mock } = await setUp({}, { locale: 'en-GB' });
-  await page.goto(`${mock.url}#/flights/${mock.seedReady('Meadow').id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${mock.seedReady('Meadow').id}`);
   await page.click('#tool-layers');
   assert.ok(await page.locator('#index').isHidden());
 });

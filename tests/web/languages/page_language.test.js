@@ -2,7 +2,7 @@
 // without a name, and English where the words do not come.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { kPhone, mapIdle, openPhotoCard } from '../support/browser.js';
+import { kPhone, openMap, openPhotoCard } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 import { photoFiles } from '../support/photo_files.js';
 
@@ -62,8 +62,7 @@ test('a German browser gets the page in German: numbers, dates, plurals, and no 
   assert.match(await page.textContent('.flights'), /12\.05\.2026.*19 Fotos · 1,73\scm\/px/s);
   assert.equal(await page.textContent('#new-flight'), 'Neuer Flug');
   assert.equal(await page.getAttribute('#home-link', 'aria-label'), 'Skyquilt, alle Flüge');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector('#report');
   const report = await page.textContent('#report');
   assert.match(report, /Fläche2,43\sha/);
@@ -152,8 +151,7 @@ test('a browser of another language gets English; the bare map has the language 
   assert.equal(await french.page.textContent('#new-flight'), 'New flight');
   const { page, mock } = await setUp({}, german);
   const fetched = fetchedLanguages(page);
-  await page.goto(`${mock.url}embed/${mock.seedReady('Wiese').id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}embed/${mock.seedReady('Wiese').id}`);
   assert.equal(await page.getAttribute('html', 'lang'), 'de');
   assert.deepEqual(fetched, ['de']);
   assert.equal(await page.getAttribute('.embed-caption', 'title'), 'In Skyquilt öffnen');
@@ -174,8 +172,7 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
     await page.reload();
     await page.waitForSelector('.overview-mark');
     await check('home');
-    await page.goto(`${mock.url}#/flights/${flight.id}`);
-    await mapIdle(page);
+    await openMap(page, `${mock.url}#/flights/${flight.id}`);
     await page.waitForSelector('#report');
     for (const fold of await page.locator('#report summary').all()) await fold.click();
     await check('report');

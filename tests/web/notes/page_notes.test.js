@@ -1,13 +1,12 @@
 // Notes and measurements that are kept with a flight, in Chromium against the mock server: written, seen by others, deleted
 // and brought back, saved as files, and never lost, whoever else writes and however often the server is away.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../../web/src/map/measurement_files.js';
 import { rebased, withChanges } from '../../../web/src/notes/note_merge.js';
 import { withRoom } from '../../../web/src/notes/note_labels.js';
 import { boundsOfNote, labelPlace, measurementOfNote, noteOf } from '../../../web/src/notes/note_shape.js';
-import { addCentres, mapIdle } from '../support/browser.js';
+import { addCentres, openMap, savedBy } from '../support/browser.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUpFlight } = usePages();
@@ -66,8 +65,7 @@ async function openNotes(context = { locale: 'en-GB' }, features = []) {
   if (features.length > 0) flight.notes = { features, number: 1 };
   const open = async () => {
     await page.goto('about:blank');
-    await page.goto(`${mock.url}#/flights/${flight.id}`);
-    await mapIdle(page);
+    await openMap(page, `${mock.url}#/flights/${flight.id}`);
     await page.waitForSelector('#notes', { state: 'attached' });
   };
   await open();
@@ -149,9 +147,9 @@ test('a measurement is kept with the flight, with its figure in the list, and sa
   assert.deepEqual(flight.notes.features.map(({ geometry }) => geometry.type), ['LineString', 'Polygon']);
   const ring = flight.notes.features[1].geometry.coordinates[0];
   assert.deepEqual(ring[0], ring.at(-1));
-  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#notes-kml')]);
-  assert.equal(download.suggestedFilename(), 'notes.kml');
-  assert.equal(readFileSync(await download.path(), 'utf8').match(/<Placemark>/g)?.length, 2);
+  const file = await savedBy(page, '#notes-kml');
+  assert.equal(file.name, 'notes.kml');
+  assert.equal(file.text.match(/<Placemark>/g)?.length, 2);
   // Editing a line leaves it where it is.
   await page.click('.note-edit >> nth=0');
   await page.fill('#note-name', 'Fence');

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { isLoopback } from '../../../web/src/sharing/share_dialog.js';
-import { frameOn, mapIdle, startOuterPage } from '../support/browser.js';
+import { frameOn, mapIdle, openMap, startOuterPage } from '../support/browser.js';
 import { kNetworkAddress } from '../support/mock_server.js';
 import { assertAccessible, options, usePages } from '../support/pages.js';
 
@@ -123,8 +123,7 @@ test('a shared link shows the flight, sends its token and keeps it out of the ad
 test('a map in a frame has its name, scale and makers, moves, and opens the page', options, async () => {
   const { page, mock, flight, foreign_requests } = await setUpFlight('Meadow <1>');
   flight.attribution = 'Survey <b>Office</b>';
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${flight.id}`);
   await page.click('#flight-share');
   await page.click('#share-make');
   await page.waitForSelector('#share-made input');
@@ -156,16 +155,14 @@ test('a map in a frame has its name, scale and makers, moves, and opens the page
   assert.equal(await zoom(), zoomed);
   assert.match(String(await frame.getAttribute('.embed-caption', 'href')), new RegExp(`#/flights/${flight.id}\\?token=${flight.shares[0].token}$`));
   assert.deepEqual(foreign_requests.splice(0).filter((url) => !url.startsWith(outer.url)), []);
-  await page.goto(`${mock.url}embed/${flight.id}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}embed/${flight.id}`);
   await assertAccessible(page, 'bare map');
 });
 
 test('the link made for a share carries its token in the frame, and the place that was shown', options, async () => {
   const { page, mock, flight } = await setUpFlight('Meadow', { has_tokens: true });
   const [lon, lat] = [flight.place.lon, flight.place.lat];
-  await page.goto(`${mock.url}#/flights/${flight.id}?at=19.50/${lat.toFixed(7)}/${lon.toFixed(7)}`);
-  await mapIdle(page);
+  await openMap(page, `${mock.url}#/flights/${flight.id}?at=19.50/${lat.toFixed(7)}/${lon.toFixed(7)}`);
   await page.click('#flight-share');
   await page.click('#share-make');
   await page.waitForSelector('#share-made input');

@@ -1,7 +1,7 @@
 // Chromium for tests and screenshots, through playwright-core; watches that a page stays on its host and is silent, waits for it, reads
 // the colours that it shows, and puts it into a frame of another site.
 import assert from 'node:assert/strict';
-import { existsSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { setTimeout } from 'node:timers/promises';
@@ -132,6 +132,24 @@ export async function addCentres(page, places) {
 /** @param {any} page @param {string} [selector] waits until everything of the map is drawn */
 export async function mapIdle(page, selector = '#map') {
   await page.waitForSelector(`${selector}[data-map-state="idle"]`, { timeout: 60_000 });
+}
+
+/** Goes to an address, and waits for its map. @param {any} page @param {string} address */
+export async function openMap(page, address) {
+  await page.goto(address);
+  await mapIdle(page);
+}
+
+/** @param {any} page */
+export async function reloadMap(page) {
+  await page.reload();
+  await mapIdle(page);
+}
+
+/** What pressing a button saves, as text. @param {any} page @param {string} button @returns {Promise<{name: string, text: string}>} */
+export async function savedBy(page, button) {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click(button)]);
+  return { name: download.suggestedFilename(), text: readFileSync(await download.path(), 'utf8') };
 }
 
 /** What was asked of the page by now is laid out and painted. @param {any} page */
