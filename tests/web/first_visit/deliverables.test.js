@@ -39,7 +39,7 @@ async function visit(name, context, flight) {
   assert.equal(made.status, 0, made.stderr);
   const server = await startServer(join(folder, 'data'));
   cleanUp(server.stop);
-  const { page, console_errors, foreign_requests } = await openAt(server.url, { is_drawn: Boolean(pictures), acceptDownloads: true, ...context });
+  const { page } = await openAt(server.url, { is_drawn: Boolean(pictures), acceptDownloads: true, ...context });
   page.setDefaultTimeout(120_000);
   let clicks = 0;
   const picture = async () => {
@@ -68,11 +68,7 @@ async function visit(name, context, flight) {
   await chooser.setFiles(own_bands && flight.includes('--bands') ? photosIn(own_bands) : photosIn(join(folder, 'flight', 'photos')));
   await page.waitForSelector('#flight-download');
   await mapIdle(page);
-  const assertFew = () => {
-    assert.ok(clicks <= kMaxClicks, `${clicks} clicks`);
-    assert.deepEqual(foreign_requests, []);
-    assert.deepEqual(console_errors, []);
-  };
+  const assertFew = () => assert.ok(clicks <= kMaxClicks, `${clicks} clicks`);
   return { page, picture, click, fetched, assertFew };
 }
 

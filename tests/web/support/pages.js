@@ -44,13 +44,13 @@ async function openAt(url, { errors, ...context_options } = {}) {
   return opened;
 }
 
-/** The same with a flight whose map is there, which no view shows yet. @param {string} name @param {object} [server_options] @param {object} [context_options] */
+/** setUp with a flight whose map is there, which no view shows yet. @param {string} name @param {object} [server_options] @param {object} [context_options] */
 async function setUpFlight(name, server_options, context_options) {
   const opened = await setUp(server_options, context_options);
   return { flight: opened.mock.seedReady(name), ...opened };
 }
 
-/** The same, opened by its address: no list is loaded first. @param {object} [server_options] @param {object} [context_options] */
+/** The same with that flight opened by its address: no list is loaded first. @param {object} [server_options] @param {object} [context_options] */
 async function setUpReady(name, server_options, context_options) {
   let flight;
   const opened = await setUp(server_options, context_options, (mock) => `#/flights/${(flight = mock.seedReady(name)).id}`);
