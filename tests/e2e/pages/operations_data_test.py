@@ -120,6 +120,7 @@ class OperationsData(OperationsCase):
         os.rename(self.data, away)
         _, headers, _ = server.request("GET", "/readyz?token=sq_secret", code=503)
         os.rename(away, self.data)
+        wait_until(lambda: '"/readyz' in server.errors(), "it is not written down")
         [line] = [json.loads(line) for line in server.errors().splitlines() if '"/readyz' in line]
         self.assertEqual([line[name] for name in ("method", "path", "status", "request_id")], ["GET", "/readyz", 503, headers["X-Request-Id"]])
         self.assertNotIn("sq_secret", server.errors())
