@@ -129,8 +129,8 @@ void DropBeyondReach(const std::set<std::string>& left_out, std::vector<poses::P
   });
 }
 
-// Whether records put one where neither the map reaches nor, from photo to photo, the other new ones.
-bool IsAnyApart(const FlightFacts& known, const std::vector<poses::PosedPhoto>& added) {
+// Names of those that records put where neither the map reaches nor, from photo to photo, the other new ones.
+std::set<std::string> SaidToBeApart(const FlightFacts& known, const std::vector<poses::PosedPhoto>& added) {
   std::vector<Eigen::Vector2d> reached_in_enu;
   for (const AlignedPhoto& photo : known.flight.photos)
     reached_in_enu.emplace_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
@@ -150,7 +150,9 @@ bool IsAnyApart(const FlightFacts& known, const std::vector<poses::PosedPhoto>& 
     left = rest.size();
     std::erase_if(rest, is_reached);
   } while (rest.size() < left);
-  return !rest.empty();
+  std::set<std::string> names;
+  for (const poses::PosedPhoto* photo : rest) names.insert(photo->photo.name);
+  return names;
 }
 
 // Finished photos near the new ones, by number.
@@ -194,19 +196,19 @@ poses::PosedFlight PartOf(const FlightFacts& known, const std::set<std::size_t>&
   return part;
 }
 
-// Which photos of `part` stay, of which the first `finished` do, in the order of its alignment: as they are,
-// or of capture where some have no place.
-alignment::PhotoSet FixedOf(const poses::PosedFlight& part, std::size_t finished) {
-  std::vector<std::pair<const flight::Photo*, bool>> order;
-  for (std::size_t i = 0; i < part.photos.size(); ++i)
-    order.emplace_back(&part.photos[i].photo, i < finished);
-  for (const flight::Photo& photo : part.unplaced) order.emplace_back(&photo, false);
+// Which photos of `part` stay, in the order of its alignment: as they are, or of capture where some have no
+// place.
+alignment::PhotoSet FixedOf(const poses::PosedFlight& part, const std::set<std::string>& finished) {
+  std::vector<const flight::Photo*> order;
+  for (const poses::PosedPhoto& photo : part.photos) order.push_back(&photo.photo);
+  for (const flight::Photo& photo : part.unplaced) order.push_back(&photo);
   if (!part.unplaced.empty()) {
-    std::stable_sort(order.begin(), order.end(),
-                     [](const auto& a, const auto& b) { return flight::ComesBefore(*a.first, *b.first); });
+    std::stable_sort(order.begin(), order.end(), [](const flight::Photo* a, const flight::Photo* b) {
+      return flight::ComesBefore(*a, *b);
+    });
   }
   alignment::PhotoSet fixed;
-  for (const auto& one : order) fixed.Append(one.second);
+  for (const flight::Photo* photo : order) fixed.Append(finished.contains(photo->name));
   return fixed;
 }
 
@@ -303,16 +305,23 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   if (added.posed.empty() && unplaced.empty()) added.unplaced.clear();
   const bool is_by_records = options.method == AlignMethod::kImu;
   // What no record places, or records put far off, may be anywhere on the map.
+  const std::set<std::string> apart = SaidToBeApart(known, added.posed);
+  const bool is_sought = !is_by_records && (!unplaced.empty() || !apart.empty());
   std::set<std::size_t> around = Around(known, added.posed);
-  if (!is_by_records && (!unplaced.empty() || IsAnyApart(known, added.posed))) {
-    for (std::size_t i = 0; i < known.flight.photos.size(); ++i) around.insert(i);
-  }
+  for (std::size_t i = 0; is_sought && i < known.flight.photos.size(); ++i) around.insert(i);
   poses::PosedFlight part = PartOf(known, around, std::move(added));
+  // It is compared with those taken before and after it, wherever they are said to be.
+  if (is_sought) {
+    std::stable_sort(part.photos.begin(), part.photos.end(),
+                     [](const poses::PosedPhoto& a, const poses::PosedPhoto& b) {
+                       return flight::ComesBefore(a.photo, b.photo);
+                     });
+  }
   part.left_out = posed.left_out;
   const bool is_compared = !is_by_records && !part.photos.empty();
   alignment::AlignOptions align_options;
   align_options.threads = options.threads;
-  align_options.fixed = FixedOf(part, around.size());
+  align_options.fixed = FixedOf(part, finished);
 
   FlightFacts grown = known;
   alignment::AlignReport report;
@@ -329,8 +338,10 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
     const bool was_left_out = left_out.contains(photo.photo.name);
     if (was_left_out) names.insert(photo.photo.name);
     if (!names.contains(photo.photo.name)) continue;
-    if (!was_left_out) ++looked_at;
-    if (!was_left_out && photo.placement == alignment::Placement::kAligned) ++tied;
+    const bool is_tied = photo.placement == alignment::Placement::kAligned;
+    // Of one beside the map no tie is to be expected.
+    if (!was_left_out && (is_tied || !apart.contains(photo.photo.name))) ++looked_at;
+    if (!was_left_out && is_tied) ++tied;
     photo.photo = *recorded.at(photo.photo.name);  // with the lens as recorded
     placed.push_back(std::move(photo));
   }

@@ -299,20 +299,52 @@ TEST(AppendPhotos, FindOneThatRecordsNothingAnywhereOnTheMap) {
   EXPECT_EQ(grown.flight.left_out.size(), 1U) << "the one that it lacked before";
 }
 
+// As if it were said to be elsewhere.
+void MoveRecord(const std::string& name, const Eigen::Vector3d& by_m, poses::PosedFlight& posed) {
+  for (poses::PosedPhoto& photo : posed.photos) {
+    if (photo.photo.name != name) continue;
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        photo.cam_from_enu.rotation, photo.cam_from_enu.TargetOriginInSource() + by_m);
+  }
+}
+
 TEST(AppendPhotos, FindOneThatIsSaidToBeFarOff) {
   LeftOut map;
   const std::string far = map.TakeOut(5);
   poses::PosedFlight posed = map.UpToMap();
-  for (poses::PosedPhoto& photo : posed.photos) {
-    if (photo.photo.name != far) continue;
-    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
-        photo.cam_from_enu.rotation,
-        photo.cam_from_enu.TargetOriginInSource() + Eigen::Vector3d(900.0, 400.0, 0.0));
-  }
+  MoveRecord(far, {900.0, 400.0, 0.0}, posed);
   const FlightFacts grown = map.Append(posed);
   ASSERT_EQ(grown.flight.photos.size(), 11U);
   EXPECT_EQ(grown.flight.photos.back().photo.name, far);
   EXPECT_LT(map.OffM(grown.flight.photos.back()), 2.0);
+}
+
+// Neither the last photos of the map nor those nearest to where it is said to be show anything of it.
+TEST(AppendPhotos, FindOneThatIsSaidToBeFarOffBesideThoseTakenAfterIt) {
+  LeftOut map;
+  map.known = Displaced(Displacement{}).known;
+  for (alignment::AlignedPhoto& photo : map.known.flight.photos)
+    photo.photo.intrinsics = map.truth.options.intrinsics;
+  const std::string far = map.TakeOut(0);  // the southern end of the first line
+  poses::PosedFlight posed = Posed(map.truth);
+  MoveRecord(far, {0.0, 900.0, 0.0}, posed);
+  const FlightFacts grown = map.Append(posed);
+  ASSERT_EQ(grown.flight.photos.size(), 20U);
+  EXPECT_EQ(grown.flight.photos.back().photo.name, far);
+  EXPECT_EQ(grown.flight.photos.back().placement, alignment::Placement::kAligned);
+  EXPECT_LT(map.OffM(grown.flight.photos.back()), 2.0);
+}
+
+TEST(AppendPhotos, MoveNothingForOneBesideTheMapThatTiesToNothing) {
+  LeftOut map;
+  const std::string beside = map.TakeOut(5);
+  poses::PosedFlight posed = map.UpToMap();
+  MoveRecord(beside, {-250.0, 0.0, 0.0}, posed);
+  const auto grown = map.TryToAppend(posed, Without(map.truth, {beside}));
+  ASSERT_TRUE(grown) << "its record places it";
+  ASSERT_EQ(grown->flight.photos.size(), 11U);
+  EXPECT_EQ(grown->flight.photos.back().photo.name, beside);
+  EXPECT_EQ(grown->flight.photos.back().placement, alignment::Placement::kPoseOnly);
 }
 
 TEST(AppendPhotos, TakeInOneThatRecordsNothingWhereNewOnesBridgeToIt) {
