@@ -73,6 +73,8 @@ std::vector<std::optional<double>> CoursesFromPositions(
 
 std::vector<std::optional<double>> CoursesOfCameras(const std::vector<std::string_view>& cameras,
                                                     const std::vector<Eigen::Vector2d>& positions_in_enu) {
+  // Steps of one aircraft whose camera changes (a zoom) are not all alike.
+  constexpr double kClearlyShorter = 0.8;
   std::vector<std::optional<double>> courses = CoursesFromPositions(positions_in_enu);
   std::map<std::string_view, std::vector<std::size_t>> photos_of;
   for (std::size_t i = 0; i < cameras.size(); ++i) photos_of[cameras[i]].push_back(i);
@@ -86,7 +88,7 @@ std::vector<std::optional<double>> CoursesOfCameras(const std::vector<std::strin
       own.push_back(at);
     }
     const auto own_step_m = MedianIfAny(std::move(own_steps_m)), step_m = MedianIfAny(std::move(steps_m));
-    if (!own_step_m || !step_m || *own_step_m >= *step_m) continue;
+    if (!own_step_m || !step_m || *own_step_m >= kClearlyShorter * *step_m) continue;
     const auto own_courses = CoursesFromPositions(own);
     for (std::size_t k = 0; k < photos.size(); ++k) {
       if (own_courses[k]) courses[photos[k]] = own_courses[k];

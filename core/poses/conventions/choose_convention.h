@@ -23,7 +23,7 @@ namespace skyquilt::poses {
 // without any neighbour further than 1 m.
 std::vector<std::optional<double>> CoursesFromPositions(const std::vector<Eigen::Vector2d>& positions_in_enu);
 // The same where several cameras took them, cameras[i] being that of a photo: a camera goes by itself where
-// its steps are shorter so. Two clocks, or two aircraft, mix photos of different places.
+// its steps are clearly shorter so. Two clocks, or two aircraft, mix photos of different places.
 std::vector<std::optional<double>> CoursesOfCameras(const std::vector<std::string_view>& cameras,
                                                     const std::vector<Eigen::Vector2d>& positions_in_enu);
 

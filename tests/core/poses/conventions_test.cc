@@ -123,6 +123,20 @@ TEST(CoursesOfCameras, OfOneAircraftAreThatOfAll) {
   EXPECT_EQ(CoursesOfCameras(at_once, twice), CoursesFromPositions(twice));
 }
 
+// The camera's steps are 10 m, those to its photos from the one before half a metre more at one of them.
+TEST(CoursesOfCameras, OfAZoomThatChangesAmidALineAreThatOfAll) {
+  std::vector<Eigen::Vector2d> positions;
+  std::vector<std::string_view> cameras;
+  for (int i = 0; i < 12; ++i) {
+    const double north_m = 10.0 * (i < 8 ? i : 15 - i) - (i < 5 ? 0.5 : 0.0);
+    positions.emplace_back(i < 8 ? 0.0 : 15.0, north_m);
+    cameras.emplace_back(i >= 5 && i < 9 ? "zoomed in" : "zoomed out");
+  }
+  const auto courses = CoursesOfCameras(cameras, positions);
+  EXPECT_EQ(courses, CoursesFromPositions(positions));
+  EXPECT_NEAR(std::abs(courses[8].value_or(0.0)), geo::kPi, 1e-9) << "the first of the next line";
+}
+
 TEST(CoursesFromPositions, SaysNothingWhereNothingMoved) {
   const auto courses = CoursesFromPositions({{0, 0}, {0.2, 0}, {0.1, 0.1}});
   for (const auto& course : courses) EXPECT_FALSE(course.has_value());
