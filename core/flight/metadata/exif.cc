@@ -95,7 +95,7 @@ int HemisphereSign(const std::string& reference, char positive, char negative) {
   return letter == positive ? 1 : (letter == negative ? -1 : 0);
 }
 
-// Datums that lie further from WGS 84 than a receiver errs, as EXIF's specification and makers write them.
+// Datums that may lie further from WGS 84 than receivers err, as EXIF's specification and makers write them.
 bool LiesBesideWgs84(const std::string& datum) {
   constexpr std::array<std::string_view, 5> kBeside = {"TOKYO", "NAD27", "ED50", "OSGB36", "GCJ02"};
   std::string name;
