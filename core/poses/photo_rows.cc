@@ -10,6 +10,7 @@
 #include "core/base/text/printable.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/geo/geodesic.h"
+#include "core/geo/geoid.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/evidence/common_error.h"
 #include "core/poses/heights/flight_heights.h"
@@ -44,9 +45,15 @@ void TakePosition(const CameraEvent& event, const std::string& source, bool has_
   if (photo.position && !position.height_above_ground_m)
     position.height_above_ground_m = photo.position->height_above_ground_m;
   if (photo.position && !has_heights) {
-    position.height_amsl_m = photo.position->height_amsl_m;
-    // Beside a corrected place it would pass for surveyed.
-    if (!IsCorrected(event)) position.height_ellipsoid_m = photo.position->height_ellipsoid_m;
+    const flight::RecordedPosition& own = *photo.position;
+    position.height_amsl_m = own.height_amsl_m;
+    position.height_ellipsoid_m = own.height_ellipsoid_m;
+    // Beside a corrected place a receiver's would pass for surveyed; one above the sea does not.
+    if (IsCorrected(event) && !own.is_rtk_fixed && own.height_ellipsoid_m) {
+      if (!own.height_amsl_m)
+        position.height_amsl_m = *own.height_ellipsoid_m - geo::GeoidHeightM(own.position).value_or(0.0);
+      position.height_ellipsoid_m.reset();
+    }
   }
   if (event.sigma_in_ned_m) {
     position.sigma_horizontal_m = event.sigma_in_ned_m->head<2>().norm() / std::sqrt(2.0);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/named_photos.h"
 
 namespace skyquilt::poses {
@@ -82,6 +83,12 @@ TEST(PhotoRows, LeavePhotosTheHeightsOfWhichTheirListSaysNothing) {
   }
   EXPECT_EQ(of_places[0].position->height_ellipsoid_m, 480.0);
   EXPECT_FALSE(of_places[1].position->height_ellipsoid_m) << "as if it were surveyed";
+  // A receiver that counts from the ellipsoid alone, and one that was corrected itself.
+  for (flight::Photo& photo : photos) photo.position->height_amsl_m.reset();
+  EXPECT_NEAR(EllipsoidHeightM(*taken()[1].position).value_or(0.0), 480.0, 0.1);
+  EXPECT_FALSE(taken()[1].position->height_ellipsoid_m);
+  photos[1].position->is_rtk_fixed = true;
+  EXPECT_EQ(taken()[1].position->height_ellipsoid_m, 480.0);
   // Where the list says some, two zeros would be mixed.
   list.events[0].height_ellipsoid_m = 490.0;
   const auto of_heights = taken();
