@@ -119,11 +119,11 @@ std::optional<bool> IsNorthernHalf(std::string_view word, bool is_apart) {
   return is_band ? std::optional(word >= "n") : std::nullopt;
 }
 
-// "33U", and no more.
+// "33U", and no more. "33S" may be the southern half, or the band that holds Spain and California.
 bool IsZoneAlone(std::string_view line) {
   const std::size_t digits = DigitsAt(line, 0).size();
   return (digits == 1 || digits == 2) && line.size() == digits + 1 && line.back() >= 'A' &&
-         line.back() <= 'Z';
+         line.back() <= 'Z' && line.back() != 'S';
 }
 
 // "wgs84 utm 15n", "etrs89 / utm zone 32 north", "utm 33u": the name that PROJ has for it, or WGS84's code.
