@@ -122,6 +122,16 @@ void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>
   }
 }
 
+// "altura" and "hauteur" by themselves: tables of receivers write heights above the sea so, which taken for
+// those above the take-off would put the flight hundreds of metres up.
+void LeaveOpenHeight(std::vector<CsvColumn>& columns) {
+  CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
+  if (column == nullptr || HasColumn(columns, M::kHeightAmsl) || HasColumn(columns, M::kHeightEllipsoid))
+    return;
+  const std::string name = LowerCase(column->header);
+  if (name.starts_with("altura") || name.starts_with("hauteur")) column->meaning = M::kIgnored;
+}
+
 // Heights whose name does not say above what count, in lists of photos, as in those without names: from the
 // zero of the system, which is the ellipsoid where none is named, and in its unit.
 void SettleZeroOfHeights(const geo::ReferenceSystem* system, std::vector<CsvColumn>& columns) {
@@ -235,6 +245,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
     return ReadImageRows(header->columns, settled, header->separator, lines, LogBuilder("tolerant_csv", name),
                          named);
   }
+  LeaveOpenHeight(header->columns);
   const auto found = CheckCsvPhysics(header->columns, preview);
   if (!found) {
     return Because(found.error().code,

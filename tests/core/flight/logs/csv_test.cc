@@ -227,6 +227,23 @@ TEST(ParseTolerantCsv, ReadsAGnssLogWithUnitsInItsNames) {
   EXPECT_DOUBLE_EQ(*log.gnss[0].sigma_horizontal_m, 1.5);
 }
 
+TEST(ParseTolerantCsv, TakesNoHeightThatMayCountFromTheSeaForOneAboveTheTakeoff) {
+  const auto track = [](const std::string& heights, const std::string& cells) {
+    std::string text = "time_s,lat,lon," + heights + "\n";
+    for (int i = 0; i < 5; ++i)
+      text += std::to_string(i) + ",46.80000" + std::to_string(i) + ",7.1," + cells + "\n";
+    return ValueOf(ParseLog("track.csv", BytesOf(text)));
+  };
+  for (const char* name : {"altura", "Hauteur (m)"}) {
+    const auto log = track(name, "650");
+    EXPECT_EQ(log.gnss.size(), 5u) << name;
+    EXPECT_TRUE(log.baro.empty()) << name;
+  }
+  const auto both = track("altura,altitud", "60,650");
+  EXPECT_EQ(both.gnss.at(0).height_amsl_m, 650.0);
+  EXPECT_EQ(both.baro.at(0).height_above_takeoff_m, 60.0);
+}
+
 TEST(ParseTolerantCsv, ReadsATableOfExposuresByName) {
   for (const char* header : {"time_s,photo", "Time_S,Photo", "time_s,image", "time_s,filename"}) {
     const std::string text = std::string(header) + "\n103.5,IMG_1.jpg\n106.5,IMG_2.jpg\n109.75,IMG_3.jpg\n";
