@@ -38,6 +38,8 @@ std::optional<double> ParseXmpExifAngle(std::string text) {
     const std::size_t comma = text.find(',');
     const auto number = ParseXmpNumber(text.substr(0, comma));
     if (!number || *number < 0.0) return std::nullopt;
+    // Programs copy those of EXIF whose point was lost.
+    if (degrees > 0.0 && *number > 60.0) return std::nullopt;
     degrees += *number * unit;
     text = comma == std::string::npos ? "" : text.substr(comma + 1);
   }

@@ -141,6 +141,13 @@ TEST(ReadPhotoPosition, DoesNotBelievePartsThatAreMoreThanAWholeOfTheOneBefore) 
     EXPECT_FALSE(photo.position);
     EXPECT_TRUE(Notes(photo, "cannot be read"));
   }
+  const auto with_copy = [](const std::string& latitude) {
+    return Read(InParts({{46, 1}, {50, 1}, {3336, 1}}, {{7, 1}, {30, 1}, {0, 1}}),
+                XmpPacket("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"" + latitude +
+                          "\" exif:GPSLongitude=\"7,30.0E\""));
+  };
+  EXPECT_FALSE(with_copy("46,105.6N").position) << "the same lost point";
+  EXPECT_TRUE(with_copy("46,50.556N").position);
   EXPECT_TRUE(OfLatitude({{46, 1}, {50, 1}, {60, 1}}).position) << "rounded up";
   EXPECT_TRUE(OfLatitude({{0, 1}, {28105567, 10000}, {0, 1}}).position) << "all in minutes";
 }
