@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "api/auth/flight_access.h"
@@ -74,10 +75,12 @@ Result<void> DeleteFlight(Service& service, const std::string& id) {
 }
 
 Result<void> RemoveFlight(Service& service, const std::string& id) {
+  // What they have made waits for their next attempts; without them nobody could tell whose it was.
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> jobs, service.queue.JobsOf(id));
   // The catalogue first: what is then left on the disk is garbage that any start-up removes.
   SKYQUILT_TRY(service.db.Free([&] { return service.catalogue.DeleteFlight(id); }));
   service.tilesets.Forget(id);
-  service.store.RemoveFlight(id);
+  service.store.RemoveFlight(id, jobs);
   service.db.FillReserve();
   return {};
 }

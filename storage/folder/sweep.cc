@@ -55,10 +55,7 @@ Result<void> TakeUnknown(const DataDir& dir, const Catalogue& catalogue, const s
 Result<bool> IsOfEndedJob(const JobQueue& queue, const std::string& work_name) {
   const std::string id = JobOfWorkName(work_name);
   if (!IsId(id)) return false;
-  const Result<Job> job = queue.Get(id);
-  if (!job && job.error().code == ErrorCode::kNotFound) return false;
-  if (!job) return job.error();
-  return job->finished.has_value();
+  return queue.HasEnded(id);
 }
 
 Result<SweepReport> SweepWorkTo(const DataDir& dir, const JobQueue& queue, Time now, LostFolder& lost) {

@@ -161,4 +161,14 @@ Result<std::vector<std::string>> JobQueue::UnfinishedJobs() const {
   return db->AllText("SELECT id FROM job WHERE state IN ('accepted', 'running')");
 }
 
+Result<bool> JobQueue::HasEnded(const std::string& id) const {
+  const auto db = db_.Read();
+  return db->Finds("SELECT 1 FROM job WHERE id=? AND finished_us IS NOT NULL", id);
+}
+
+Result<std::vector<std::string>> JobQueue::JobsOf(const std::string& flight_id) const {
+  const auto db = db_.Read();
+  return db->AllText("SELECT id FROM job WHERE flight_id=?", flight_id);
+}
+
 }  // namespace skyquilt::storage

@@ -161,6 +161,9 @@ class JobQueue {
   Result<std::vector<LiveLease>> LiveLeases(Time now) const;
   // Jobs that wait or run: what an attempt of theirs left is of use to the next.
   Result<std::vector<std::string>> UnfinishedJobs() const;
+  // Also where its flight is in the trash, as the next. Of a job that is not known: no.
+  Result<bool> HasEnded(const std::string& id) const;
+  Result<std::vector<std::string>> JobsOf(const std::string& flight_id) const;
   // Jobs under whose ids units lie that are of use: to jobs that wait or run, or to one that takes them over.
   Result<std::vector<std::string>> UnitsOfUse(Time now) const;
 

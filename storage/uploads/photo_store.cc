@@ -6,6 +6,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -238,13 +239,18 @@ void PhotoStore::Remove(const std::string& flight_id, const std::string& stored_
   (void)blobs_->Remove(FilesPrefix(flight_id) + stored_name).ok();
 }
 
-void PhotoStore::RemoveFlight(const std::string& flight_id) const {
+void PhotoStore::RemoveFlight(const std::string& flight_id, const std::vector<std::string>& jobs) const {
   // Out of sight in one step, then gone piece by piece; what a crash leaves in work/ the sweep removes: its
   // name says that it was deleted.
   const std::filesystem::path trash = dir_.Work() / dir_.NewTemporaryName(kDeletedKind);
   std::error_code ignored;
   std::filesystem::rename(dir_.Flight(flight_id), trash, ignored);
   std::filesystem::remove_all(trash, ignored);
+  for (const auto& entry : std::filesystem::directory_iterator(dir_.Work(), ignored)) {
+    const std::string name = entry.path().filename().string();
+    const auto is_its = [&](const std::string& job) { return name.starts_with(job + "-"); };
+    if (std::any_of(jobs.begin(), jobs.end(), is_its)) std::filesystem::remove_all(entry.path(), ignored);
+  }
   if (!blobs_->IsFolder()) (void)RemoveFlightBlobs(*blobs_, flight_id).ok();  // as the header says
 }
 

@@ -81,9 +81,9 @@ class PhotoStore {
   Result<std::vector<LocalBlob>> FetchAll(const std::string& flight_id,
                                           const std::vector<StoredFile>& files) const;
   void Remove(const std::string& flight_id, const std::string& stored_name) const;
-  // Files and maps of a flight that the catalogue no longer knows. What cannot be removed now, because its
-  // place is away, SweepBlobs removes later.
-  void RemoveFlight(const std::string& flight_id) const;
+  // Files and maps of a flight that the catalogue no longer knows, and what its jobs were making on this
+  // machine. What cannot be removed now, because its place is away, SweepBlobs removes later.
+  void RemoveFlight(const std::string& flight_id, const std::vector<std::string>& jobs = {}) const;
   const DataDir& dir() const { return dir_; }
   BlobStore& blobs() const { return *blobs_; }
 

@@ -51,6 +51,21 @@ TEST(Flights, AreMadeListedRenamedAndDeleted) {
   EXPECT_EQ(CountIn(sample.dir().Flights()), 0);
 }
 
+TEST(Flights, RemovedForGoodTakeAlongWhatTheirJobHadMade) {
+  for (const int trash_days : {0, 30}) {
+    SampleService sample;
+    sample.service().trash_days = trash_days;
+    const std::string flight = sample.NewFlight();
+    ASSERT_TRUE(sample.queue.Add(flight, "{}", storage::Now()));
+    const storage::Lease lease = **sample.queue.Claim("w", storage::Now());
+    std::filesystem::create_directories(sample.dir().Work() / storage::WorkName(lease));
+    ASSERT_TRUE(*sample.queue.GiveBack(lease, storage::Now()));  // as after a stop
+    EXPECT_EQ(sample.Send(Method::kDelete, "/api/v1/flights/" + flight).status, 204);
+    if (trash_days > 0) EXPECT_EQ(sample.Send(Method::kDelete, "/api/v1/trash/" + flight).status, 204);
+    EXPECT_EQ(CountIn(sample.dir().Work()), 0) << trash_days;
+  }
+}
+
 TEST(Flights, RefuseBadParameters) {
   SampleService sample;
   for (const char* query : {"limit=0", "limit=501", "limit=x", "limit=1.5", "cursor=x", "cursor='OR+1=1"}) {

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "storage/catalogue/trash.h"
 #include "storage/db/ids.h"
 #include "storage/folder/sweep.h"
 #include "storage/jobs/job_queue.h"
@@ -154,6 +155,24 @@ TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
   EXPECT_EQ(SweepWork(dir, queue, Now() + kUnitsKept + std::chrono::hours(2))->removed, 1);
   EXPECT_FALSE(std::filesystem::exists(units));
   EXPECT_TRUE(std::filesystem::exists(dir.Revision(other, 1)));
+}
+
+// A job that a stop cut off waits for the next start, and with it what it had made.
+TEST(Sweep, RemovesWhatAJobHadMadeWhoseFlightIsInTheTrash) {
+  test::TemporaryFolder scratch;
+  const auto dir = *DataDir::Open(scratch.path(), NewId());
+  const auto db = *CatalogueDb::Open(dir.Catalogue());
+  const std::string flight = Catalogue(*db).AddFlight("f", "{}", Now())->id;
+  JobQueue queue(*db);
+  ASSERT_TRUE(queue.Add(flight, "{}", Now()));
+  const Lease lease = **queue.Claim("w", Now());
+  std::filesystem::create_directories(dir.Work() / WorkName(lease));
+  ASSERT_TRUE(*queue.GiveBack(lease, Now()));
+  EXPECT_EQ(SweepWork(dir, queue, Now())->removed, 0);
+  ASSERT_TRUE(Trash(*db).Put(flight, Now()));
+  EXPECT_EQ(SweepWork(dir, queue, Now())->removed, 1);
+  EXPECT_EQ(CountIn(dir.Work()), 0);
+  EXPECT_FALSE(std::filesystem::exists(dir.Lost()) && CountIn(dir.Lost()) > 0);
 }
 
 TEST(DataDirLock, IsHeldByOneAtATime) {
