@@ -203,6 +203,8 @@ const ProcessEnd& SandboxedChild::Kill() {
 int WorkForParent(int parent, const std::function<int(const std::string& task, MessageReader& from_parent,
                                                       MessageWriter& to_parent)>& work) {
   if (!FollowParent(parent, SIGKILL)) return 1;
+  // A Ctrl-C in a terminal goes to every process there; when this one is to end, its parent says.
+  for (const int number : {SIGINT, SIGHUP}) signal(number, SIG_IGN);
   const int fd = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   if (fd < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return 1;
   MessageWriter to_parent(fd);

@@ -121,10 +121,10 @@ class SandboxedChild {
   std::optional<ProcessEnd> end_;
 };
 
-// All that such a process does: follows its parent into the end, takes the descriptor of standard output for
-// messages to it, so that a library that prints says nothing in between, and lets `work` do the task that is
-// the first message on standard input. The exit code: what `work` answers; 1 where there is no parent or
-// task.
+// All that such a process does: follows its parent into the end and ends for no Ctrl-C before that, takes the
+// descriptor of standard output for messages to it, so that a library that prints says nothing in between,
+// and lets `work` do the task that is the first message on standard input. The exit code: what `work`
+// answers; 1 where there is no parent or task.
 int WorkForParent(int parent, const std::function<int(const std::string& task, MessageReader& from_parent,
                                                       MessageWriter& to_parent)>& work);
 

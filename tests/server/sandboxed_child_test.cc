@@ -58,7 +58,8 @@ int ActAs(std::string_view command, int parent) {
     HangForEver();
   }
   return WorkForParent(parent, [&](const std::string&, MessageReader& from_parent, MessageWriter& to_parent) {
-    if (command == "lingers") to_parent.Write("{}");
+    if (command == "interrupted") raise(SIGINT);
+    if (command == "lingers" || command == "interrupted") to_parent.Write("{}");
     if (command == "preview-sandboxed") ActAsPreview(from_parent, to_parent);
     HangForEver();
     return 0;
@@ -107,6 +108,13 @@ TEST(SandboxedChild, ReadingAndWritingNeverBlock) {
     ++own;
   }
   EXPECT_EQ(own, 2);
+}
+
+// Else an export, or the file that is decoded at that moment, failed for the Ctrl-C that stops its server.
+TEST(SandboxedChild, ACtrlCInTheTerminalOfItsParentIsItsParents) {
+  const auto child = SandboxedChild::Start("interrupted", "task", nullptr);
+  ASSERT_TRUE(child) << child.error().detail;
+  EXPECT_EQ((*child)->Listen(std::chrono::seconds(60)), "{}");
 }
 
 // In a process of its own, in which nothing is begun any more afterwards.
