@@ -89,7 +89,7 @@ TEST_F(MessagePipe, WhoAlwaysHasMoreToSayKeepsNobodyListening) {
   ASSERT_TRUE(MessageWriter(ends_[1]).Write(message));
   EXPECT_EQ(reader.Read(milliseconds(0)), std::nullopt);
   EXPECT_FALSE(reader.is_ended());
-  EXPECT_EQ(reader.Read(milliseconds(1000)), message);
+  EXPECT_EQ(reader.Read(milliseconds(20'000)), message);
 }
 
 StitchOutcome Outcome() {
