@@ -14,7 +14,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kBeat{250};
 constexpr std::chrono::seconds kRenewEvery{3};
 // No job begins so many stages between two beats; a process that was taken over may say it does.
-constexpr std::size_t kMostUntold = 32;
+constexpr std::size_t kMaxUntold = 32;
 
 }  // namespace
 
@@ -77,7 +77,7 @@ void JobProgress::BeginStage(std::string_view stage) {
   latest_.stage = stage;
   latest_.message.clear();
   latest_.fraction = std::max(latest_.fraction, FractionAt(stage, 0.0));
-  if (untold_.size() < kMostUntold) {
+  if (untold_.size() < kMaxUntold) {
     untold_.push_back(latest_);
   } else {
     untold_.back() = latest_;
