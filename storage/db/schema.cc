@@ -123,6 +123,8 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
   SKYQUILT_TRY_ASSIGN(const int version, PostgresVersion(db));
   if (version == kSchemaVersion) return {};
   if (version >= kFirstPostgresVersion && version < kSchemaVersion) {
+    // No table can be altered while an event of its rows waits for the commit.
+    SKYQUILT_TRY(db.Exec("SET CONSTRAINTS ALL IMMEDIATE"));
     SKYQUILT_TRY(StepFrom(db, version));
     SKYQUILT_TRY(db.Exec(fmt::format("UPDATE catalogue_version SET version={}", kSchemaVersion)));
     return transaction.Commit();

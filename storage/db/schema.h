@@ -10,7 +10,8 @@
 
 namespace skyquilt::storage {
 
-// Grows with every change of schema.sql. Versions 1 to 12 were those of development before the first release.
+// Grows with every change of what the files schema*.sql make, which has its step in schema_steps.sql.
+// Versions 1 to 12 were those of development before the first release.
 inline constexpr int kSchemaVersion = 24;
 
 Result<void> PrepareSchema(SqliteDb& db);

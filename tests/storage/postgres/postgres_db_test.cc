@@ -15,6 +15,7 @@
 #include "storage/db/schema.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/jobs/job_queue.h"
+#include "tests/storage/data/earlier_versions.h"
 #include "tests/storage/postgres/postgres_fixture.h"
 
 namespace skyquilt::storage {
@@ -213,6 +214,19 @@ TEST_F(PostgresTest, ACatalogueOfAnotherVersionIsRefusedAndLeft) {
   EXPECT_EQ(opened.error().code, ErrorCode::kConflict);
   EXPECT_NE(opened.error().message.find("newer Skyquilt"), std::string::npos);
   EXPECT_EQ(Number("SELECT version FROM catalogue_version"), 999);
+}
+
+// A step ends the job, which is an event; later ones alter the table of jobs.
+TEST_F(PostgresTest, ACatalogueOfVersion21IsBroughtHereWithAJobThatNobodyWouldEnd) {
+  ASSERT_TRUE(JobQueue(*db_).Add(NewFlight(), "{}", Now()));
+  ASSERT_TRUE(db_->Lock()->Exec("UPDATE job SET state='running', worker='units', cancel=1"));
+  ASSERT_TRUE(db_->Lock()->Exec(UndoToVersion(21)));
+  ASSERT_TRUE(db_->Lock()->Exec("UPDATE catalogue_version SET version=21"));
+  const auto reopened = OpenTestCatalogue(path());
+  ASSERT_TRUE(reopened) << reopened.error().message << reopened.error().detail;
+  EXPECT_EQ(Number("SELECT version FROM catalogue_version"), kSchemaVersion);
+  EXPECT_EQ(Number("SELECT count(*) FROM job WHERE state='dismissed' AND finished_us IS NOT NULL"), 1);
+  EXPECT_EQ(Number("SELECT count(*) FROM event WHERE body LIKE '{\"state\":\"dismissed\"%'"), 1);
 }
 
 TEST_F(PostgresTest, NoneIsMadeWhereOneIsOnlyJoined) {
