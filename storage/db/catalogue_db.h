@@ -66,11 +66,11 @@ class CatalogueDb {
   };
   Access Lock() { return Access(*this); }
 
-  // A connection that only reads, for as long as this lives. Not while the same thread holds another.
   struct Returner {
     CatalogueDb& owner;
     void operator()(SqlConnection* db) const { owner.GiveBack(std::unique_ptr<SqlConnection>(db)); }
   };
+  // A connection that only reads, for as long as this lives. Not while the same thread holds another.
   using ReadAccess = std::unique_ptr<SqlConnection, Returner>;
   ReadAccess Read() { return ReadAccess(TakeReader().release(), Returner{*this}); }
 
