@@ -311,8 +311,7 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
   }
   // Reckoned from nowhere: records say how photos lie to each other, not where on Earth.
   const bool is_reckoned = !posed.is_placed && expected_height_m;
-  const Registration registration =
-      RegisterPhotos(InputOf(extracted, by_records.problem), {}, threads, progress);
+  const Registration registration = RegisterPhotos(InputOf(extracted, by_records.problem), threads, progress);
   report.pairs_compared = registration.report.pairs_compared;
   report.pairs_verified = registration.report.pairs_verified;
   report.pairs_refused = registration.report.pairs_refused;

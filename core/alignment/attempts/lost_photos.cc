@@ -28,6 +28,7 @@ constexpr std::size_t kNearest = 8;      // by recorded position
 constexpr int kAlike = 8;                // of photos without one
 constexpr std::size_t kMinInliers = 20;  // of one lost photo
 constexpr int kMinMatchesOfALink = 6;
+constexpr int kMaxFeatures = 2000;
 constexpr int kMaxSamples = 1000;
 constexpr double kMaxHeightRatio = 6.0;  // to the other photos' heights: a climb of five times is flown
 constexpr std::uint64_t kSeed = 0x10571057;
@@ -118,9 +119,7 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
   for (const int partner : partners) {
     const PhotoFeatures* other = (*input.features)[partner];
     if (!other) continue;
-    MatchOptions options;
-    options.max_features = 2000;
-    for (const KeypointMatch& match : MatchDescriptors(features, *other, options)) {
+    for (const KeypointMatch& match : MatchDescriptors(features, *other, kMaxFeatures)) {
       const Keypoint& seen = other->keypoints[match.second];
       const auto point = points[partner].find(KeyOf(seen.x_px, seen.y_px));
       Eigen::Vector3d point_in_enu;
@@ -135,12 +134,9 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
       pairings.push_back({partner, match});
     }
   }
-  FindPoseOptions options;
-  options.min_inliers = static_cast<int>(kMinInliers);
-  options.max_samples = kMaxSamples;
-  const View& view = (*input.views)[lost];
   const std::optional<FoundPose> found =
-      FindPose(view.intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost), options);
+      FindPose((*input.views)[lost].intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost),
+               {.min_inliers = static_cast<int>(kMinInliers), .max_samples = kMaxSamples});
   if (!found) return std::nullopt;
   // A point seen by three partners is one witness, not three.
   std::set<std::pair<double, double>> pixels;

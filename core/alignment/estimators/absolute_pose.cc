@@ -19,6 +19,7 @@ using Eigen::Vector3d;
 
 constexpr double kPoseConfidence = 0.9999;
 constexpr int kPoseRefinements = 10;
+constexpr double kPoseToleranceSigmas = 8.0;
 
 std::vector<double> RealRoots(const std::array<double, 5>& polynomial) {  // of v^4 first
   const double leading = polynomial[0];
@@ -61,10 +62,10 @@ double SquaredResidual(const camera::Intrinsics& lens, const geo::Rigid3& cam_fr
 }
 
 std::vector<int> FindInliers(const camera::Intrinsics& lens, const geo::Rigid3& pose,
-                             const std::vector<PointObservation>& observations, double tolerance_sigmas) {
+                             const std::vector<PointObservation>& observations) {
   std::vector<int> inliers;
   for (std::size_t k = 0; k < observations.size(); ++k) {
-    if (SquaredResidual(lens, pose, observations[k]) < tolerance_sigmas * tolerance_sigmas)
+    if (SquaredResidual(lens, pose, observations[k]) < kPoseToleranceSigmas * kPoseToleranceSigmas)
       inliers.push_back(static_cast<int>(k));
   }
   return inliers;
@@ -185,7 +186,7 @@ std::optional<FoundPose> FindPose(const camera::Intrinsics& lens,
       three_points[k] = observations[drawn[k]].point_in_world;
     }
     for (const geo::Rigid3& pose : PosesOfThree(three_rays, three_points)) {
-      std::vector<int> inliers = FindInliers(lens, pose, observations, options.tolerance_sigmas);
+      std::vector<int> inliers = FindInliers(lens, pose, observations);
       if (inliers.size() <= best.inliers.size()) continue;
       best = {pose, std::move(inliers)};
     }
@@ -202,7 +203,7 @@ std::optional<FoundPose> FindPose(const camera::Intrinsics& lens,
     if (static_cast<int>(best.inliers.size()) < options.min_inliers) return std::nullopt;
     FoundPose refined;
     refined.cam_from_world = RefineResection(lens, best.cam_from_world, observations, best.inliers);
-    refined.inliers = FindInliers(lens, refined.cam_from_world, observations, options.tolerance_sigmas);
+    refined.inliers = FindInliers(lens, refined.cam_from_world, observations);
     if (refined.inliers.size() < best.inliers.size()) break;
     const bool is_settled = refined.inliers.size() == best.inliers.size();
     best = std::move(refined);

@@ -26,7 +26,6 @@ struct FoundPose {
 };
 
 struct FindPoseOptions {
-  double tolerance_sigmas = 8.0;
   int min_inliers = 12;
   int max_samples = 200;
 };

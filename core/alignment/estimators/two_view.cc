@@ -264,8 +264,8 @@ std::vector<Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrin
 
 std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
                                       const std::vector<KeypointMatch>& matches, std::uint64_t seed,
-                                      const TwoViewOptions& options) {
-  const int least = std::max(8, options.min_matches);
+                                      double tolerance_sigmas) {
+  const int least = kMinTwoViewMatches;
   if (static_cast<int>(matches.size()) < least) return std::nullopt;
   const std::vector<int> loose = FollowLoosely(first, second, matches);
   if (static_cast<int>(loose.size()) < least) return std::nullopt;
@@ -275,8 +275,8 @@ std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPh
     pairs.push_back({(*first.rays)[match.first], (*second.rays)[match.second]});
   }
   const double tolerance =
-      options.tolerance_sigmas * std::hypot(first.features->sigma_px / first.lens->MeanFocalPx(),
-                                            second.features->sigma_px / second.lens->MeanFocalPx());
+      tolerance_sigmas * std::hypot(first.features->sigma_px / first.lens->MeanFocalPx(),
+                                    second.features->sigma_px / second.lens->MeanFocalPx());
   Sampler sampler(seed);
   const FoundHomography flat = FindHomography(pairs, loose, 2.0 * tolerance, sampler);
   TwoView view;

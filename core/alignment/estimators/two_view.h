@@ -24,16 +24,14 @@ struct TwoViewPhoto {
   const std::vector<Eigen::Vector2d>* rays = nullptr;  // (x, y, 1) of each keypoint, freed of distortion
 };
 
-struct TwoViewOptions {
-  int min_matches = 15;
-  double tolerance_sigmas = 8.0;  // of a keypoint's place, each photo
-};
+inline constexpr int kMinTwoViewMatches = 15;  // fewer are no geometry
 
 // Rays of a photo's keypoints, for TwoViewPhoto.
 std::vector<Eigen::Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most);
 
+// tolerance_sigmas: of a keypoint's place, each photo.
 std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
                                       const std::vector<KeypointMatch>& matches, std::uint64_t seed,
-                                      const TwoViewOptions& options);
+                                      double tolerance_sigmas = 8.0);
 
 }  // namespace skyquilt::alignment

@@ -74,8 +74,9 @@ cv::Mat EvenContrast(const cv::Mat& grey) {
 
 image::ChannelRows RowsOf(const cv::Mat& grey) { return {grey.data, grey.cols, grey.rows, 1, grey.step}; }
 
-Thumbnail MakeThumbnail(const cv::Mat& grey, int longer_px) {
-  const double scale = std::min(1.0, static_cast<double>(longer_px) / std::max(grey.cols, grey.rows));
+Thumbnail MakeThumbnail(const cv::Mat& grey) {
+  constexpr double kLongerPx = 256.0;
+  const double scale = std::min(1.0, kLongerPx / std::max(grey.cols, grey.rows));
   Thumbnail thumbnail{std::max(1, cvRound(grey.cols * scale)), std::max(1, cvRound(grey.rows * scale)), {}};
   thumbnail.grey.resize(static_cast<std::size_t>(thumbnail.width_px) * thumbnail.height_px);
   image::ShrinkByArea(RowsOf(grey), thumbnail.width_px, thumbnail.height_px, thumbnail.grey.data());
@@ -97,7 +98,7 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
   const cv::Mat small =
       AtMost(image, std::min(kSharpnessPixels, static_cast<int>(image.total()) / kSharpnessShrink));
   features.detail = MeasureDetail(small.cols, small.rows, small.data);
-  features.thumbnail = MakeThumbnail(grey, options.thumbnail_px);
+  features.thumbnail = MakeThumbnail(grey);
   if (options.max_features == 0) return;
   std::vector<Octave> octaves = BuildScaleSpace(image.cols, image.rows, image.data);
   std::vector<ScalePoint> found = FindScalePoints(octaves, kContrast);

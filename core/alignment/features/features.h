@@ -22,7 +22,6 @@ namespace skyquilt::alignment {
 struct FeatureOptions {
   int detector_pixels = 1'500'000;  // of the image given to the detector
   int max_features = 2000;          // 0: the thumbnail alone
-  int thumbnail_px = 256;           // longer side
 };
 
 // What a photo is shrunk by when it is decoded for its features.

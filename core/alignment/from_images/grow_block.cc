@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t kMaxInitialPairs = 6;
 constexpr int kPhotosAfterInitialPair = 4;  // photos
 constexpr int kEnoughPoints = 15;
+constexpr int kMinAgreeing = 12;            // observations that agree on a new photo's pose
+constexpr double kMinAgreeingShare = 0.25;  // of the points it shares with the block
 constexpr double kMinAngleRad = 0.03, kWideAngleRad = 0.15;
 constexpr double kNearlyTheMost = 0.5;  // photos that see so many points as the one that sees most come along
 constexpr int kSmallBlock = 12;         // adjusted whole every time
@@ -59,7 +61,8 @@ struct NextPhoto {
   std::vector<int> tracks;  // with points
 };
 
-std::vector<NextPhoto> PhotosThatSee(const Block& block, const PhotoSet& used, int at_least) {
+// Enough of the block's points.
+std::vector<NextPhoto> PhotosThatSee(const Block& block, const PhotoSet& used) {
   std::vector<NextPhoto> candidates;
   for (std::size_t i = 0; i < used.Photos(); ++i) {
     if (used.Has(i) || block.Has(static_cast<int>(i))) continue;
@@ -67,14 +70,14 @@ std::vector<NextPhoto> PhotosThatSee(const Block& block, const PhotoSet& used, i
     for (const int t : block.scene().of_photo[i]) {
       if (block.HasPoint(t)) one.tracks.push_back(t);
     }
-    if (static_cast<int>(one.tracks.size()) >= at_least) candidates.push_back(std::move(one));
+    if (one.tracks.size() >= kMinAgreeing) candidates.push_back(std::move(one));
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const NextPhoto& a, const NextPhoto& b) { return a.tracks.size() > b.tracks.size(); });
   return candidates;
 }
 
-std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidate, const GrowOptions& options) {
+std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidate) {
   std::vector<PointObservation> observations;
   for (const int t : candidate.tracks) {
     for (const TrackElement& element : block.scene().tracks[t]) {
@@ -82,11 +85,10 @@ std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidate, 
       observations.push_back({block.PixelOf(element), block.Point(t), block.SigmaPx(element)});
     }
   }
-  FindPoseOptions find;
-  find.min_inliers = std::max(options.min_inliers,
-                              static_cast<int>(options.min_share * static_cast<double>(observations.size())));
+  const int min_inliers =
+      std::max(kMinAgreeing, static_cast<int>(kMinAgreeingShare * static_cast<double>(observations.size())));
   return FindPose(block.Lens(candidate.photo), observations, static_cast<std::uint64_t>(candidate.photo),
-                  find);
+                  {.min_inliers = min_inliers});
 }
 
 // Photos that see most of what these see.
@@ -112,11 +114,8 @@ std::vector<int> WithNeighbours(const Block& block, const std::vector<int>& phot
   return free;
 }
 
-BlockAdjustment WholeAdjustment(const Block& block, const GrowOptions& options) {
-  BlockAdjustment whole;
-  whole.observations_per_photo = options.observations_per_photo;
-  whole.adjust_lens = block.size() >= kLensFromPhotos;
-  return whole;
+BlockAdjustment WholeAdjustment(const Block& block) {
+  return {.adjust_lens = block.size() >= kLensFromPhotos};
 }
 
 // Photos that hardly any point still holds.
@@ -129,8 +128,8 @@ void DropUnheld(int threads, Block& block) {
   if (block.size() < before) block.TriangulateAll(threads);
 }
 
-void AdjustWhole(const GrowOptions& options, int threads, Block& block) {
-  block.Adjust({}, WholeAdjustment(block, options), threads);
+void AdjustWhole(int threads, Block& block) {
+  block.Adjust({}, WholeAdjustment(block), threads);
   DropUnheld(threads, block);
 }
 
@@ -141,9 +140,9 @@ struct Rounds {
 };
 
 // One round: what found its place.
-std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, const GrowOptions& options, int threads,
-                           Rounds& rounds, Block& block) {
-  std::vector<NextPhoto> candidates = PhotosThatSee(block, used, options.min_inliers);
+std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, int threads, Rounds& rounds,
+                           Block& block) {
+  std::vector<NextPhoto> candidates = PhotosThatSee(block, used);
   // Once refused, a photo is asked again when it sees a good deal more.
   std::erase_if(candidates, [&](const NextPhoto& one) {
     const int before = rounds.failed_at[one.photo];
@@ -157,7 +156,7 @@ std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, const GrowOpt
     ++count;
   candidates.resize(count);
   std::vector<std::optional<FoundPose>> found(count);
-  ParallelFor(count, threads, [&](std::size_t k) { found[k] = Resect(block, candidates[k], options); });
+  ParallelFor(count, threads, [&](std::size_t k) { found[k] = Resect(block, candidates[k]); });
   std::vector<int> taken;
   for (std::size_t k = 0; k < count; ++k) {
     if (rounds.is_traced)
@@ -172,21 +171,20 @@ std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, const GrowOpt
       rounds.failed_at[candidates[k].photo] = static_cast<int>(candidates[k].tracks.size());
     }
   }
-  if (taken.empty()) return TakeRound(used, most, options, threads, rounds, block);
+  if (taken.empty()) return TakeRound(used, most, threads, rounds, block);
   block.TriangulateSeenBy(taken, threads);
   return taken;
 }
 
 // One photo that shows what placed ones show, but hardly any of their points (ResectOverGround), if it then
 // shares points enough. Each that is tried is left out from then on.
-bool TakeOverGround(const ViewGraph& graph, const GrowOptions& options, int threads, PhotoSet& left_out,
-                    Block& block) {
+bool TakeOverGround(const ViewGraph& graph, int threads, PhotoSet& left_out, Block& block) {
   for (const GroundedPose& one : ResectOverGround(block, graph.pairs, left_out, threads)) {
     left_out.Add(one.photo);
     Block grown = block;
     grown.Place(one.photo, one.cam_from_world);
     grown.TriangulateSeenBy({one.photo}, threads);
-    AdjustWhole(options, threads, grown);
+    AdjustWhole(threads, grown);
     if (grown.Has(one.photo) && grown.PointsSeen()[one.photo] >= kMinKeptOverGround &&
         grown.size() > block.size()) {
       TraceDecision("photo registered over ground", {{"photo", one.photo}, {"inliers", one.agreeing}});
@@ -204,7 +202,7 @@ struct Tried {
 
 std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph, const SceneTracks& scene,
                          const std::vector<BundleLens>& lenses, const PhotoSet& used,
-                         const InitialPair& initial_pair, const GrowOptions& options, int threads) {
+                         const InitialPair& initial_pair, int threads) {
   const GraphPair& pair = graph.pairs[initial_pair.pair];
   const RelativePose& pose = pair.view.poses[initial_pair.pose];
   Block block(input, scene, lenses);
@@ -213,13 +211,13 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
   block.TriangulateSeenBy({pair.first, pair.second}, threads);
   if (block.PointsSeen()[pair.first] < kEnoughPoints) return std::nullopt;
   block.Normalise();
-  block.Adjust({}, WholeAdjustment(block, options), threads);
+  block.Adjust({}, WholeAdjustment(block), threads);
   Rounds rounds{std::vector<int>(input.photos.size(), 0)};
   for (int round = 0; round < kPhotosAfterInitialPair && block.size() < 2 + kPhotosAfterInitialPair;
        ++round) {
-    const std::vector<int> taken = TakeRound(used, 2, options, threads, rounds, block);
+    const std::vector<int> taken = TakeRound(used, 2, threads, rounds, block);
     if (taken.empty()) break;
-    AdjustWhole(options, threads, block);
+    AdjustWhole(threads, block);
   }
   if (block.size() < 3) return std::nullopt;
   Tried tried{std::move(block), 0};
@@ -235,12 +233,11 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
 
 std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph& graph,
                                 const SceneTracks& scene, const std::vector<BundleLens>& lenses,
-                                const PhotoSet& used, const GrowOptions& options, int threads) {
+                                const PhotoSet& used, int threads) {
   const std::vector<InitialPair> initial_pairs = InitialPairs(graph, used);
   std::vector<std::optional<Tried>> tried(initial_pairs.size());
-  ParallelFor(initial_pairs.size(), threads, [&](std::size_t b) {
-    tried[b] = Try(input, graph, scene, lenses, used, initial_pairs[b], options, 1);
-  });
+  ParallelFor(initial_pairs.size(), threads,
+              [&](std::size_t b) { tried[b] = Try(input, graph, scene, lenses, used, initial_pairs[b], 1); });
   std::optional<Tried>* best = nullptr;
   for (std::size_t b = 0; b < tried.size(); ++b) {
     std::optional<Tried>& one = tried[b];
@@ -256,8 +253,7 @@ std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph&
   return std::move((*best)->block);
 }
 
-int GrowBlock(const ViewGraph& graph, const PhotoSet& used, const GrowOptions& options, int threads,
-              Progress& progress, Block& block) {
+int GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block) {
   const int before = block.size();
   PhotoSet left_out = used;  // where photos are taken in over the ground
   Rounds rounds{std::vector<int>(used.Photos(), 0), true};
@@ -265,31 +261,27 @@ int GrowBlock(const ViewGraph& graph, const PhotoSet& used, const GrowOptions& o
   bool asked_again = false;
   while (!progress.IsCancelled()) {
     const std::size_t most = std::max<std::size_t>(2, block.size() / 2);
-    const std::vector<int> taken = TakeRound(used, most, options, threads, rounds, block);
+    const std::vector<int> taken = TakeRound(used, most, threads, rounds, block);
     if (taken.empty()) {
       // Once more with everything in its best place, where somebody still waits for it.
-      if (asked_again || PhotosThatSee(block, used, options.min_inliers).empty()) {
-        if (!TakeOverGround(graph, options, threads, left_out, block)) break;
+      if (asked_again || PhotosThatSee(block, used).empty()) {
+        if (!TakeOverGround(graph, threads, left_out, block)) break;
         rounds.failed_at.assign(used.Photos(), 0);
         asked_again = false;
         continue;
       }
       asked_again = true;
-      AdjustWhole(options, threads, block);
+      AdjustWhole(threads, block);
       rounds.failed_at.assign(used.Photos(), 0);
       whole_at = block.size();
       continue;
     }
     asked_again = false;
     if (block.size() <= kSmallBlock || block.size() >= kGrown * whole_at) {
-      AdjustWhole(options, threads, block);
+      AdjustWhole(threads, block);
       whole_at = block.size();
     } else {
-      BlockAdjustment local;
-      local.observations_per_photo = options.observations_per_photo;
-      local.cuts_px = {15.0};
-      local.max_iterations = 6;
-      block.Adjust(WithNeighbours(block, taken), local, threads);
+      block.Adjust(WithNeighbours(block, taken), {.max_iterations = 6, .cuts_px = {15.0}}, threads);
     }
   }
   return block.size() - before;

@@ -15,21 +15,14 @@
 
 namespace skyquilt::alignment {
 
-struct GrowOptions {
-  int min_inliers = 12;     // observations that agree on a new photo's pose
-  double min_share = 0.25;  // of the points it shares with the block
-  int observations_per_photo = 80;
-};
-
 // Of photos that `used` leaves; nothing when no two of them begin a block of three or more.
 std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph& graph,
                                 const SceneTracks& scene, const std::vector<BundleLens>& lenses,
-                                const PhotoSet& used, const GrowOptions& options, int threads);
+                                const PhotoSet& used, int threads);
 
 // Takes in photos that `used` leaves until no more follow; how many it took in. The block is adjusted as
 // a whole at the end. Where no photo sees enough of the points, one that shows what placed ones show is taken
 // in over the ground (resect_over_ground.h), and the others follow it.
-int GrowBlock(const ViewGraph& graph, const PhotoSet& used, const GrowOptions& options, int threads,
-              Progress& progress, Block& block);
+int GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block);
 
 }  // namespace skyquilt::alignment

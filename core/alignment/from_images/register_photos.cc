@@ -5,6 +5,8 @@
 
 #include "core/alignment/estimators/sampler.h"
 #include "core/alignment/estimators/similarity.h"
+#include "core/alignment/from_images/grow_block.h"
+#include "core/alignment/from_images/view_graph.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
 
@@ -68,17 +70,17 @@ void JoinBlocks(const Similarity3& larger_from_smaller, const Block& smaller, in
   larger.TriangulateSeenBy(taken, threads);
 }
 
-void AdjustLast(const RegisterOptions& options, int threads, Block& block) {
-  BlockAdjustment last;
-  last.observations_per_photo = options.last_observations_per_photo;
-  last.cuts_px = {10.0, 0.0};
-  last.max_iterations = 15;
-  last.adjust_lens = block.size() >= 5;
-  block.Adjust({}, last, threads);
+void AdjustLast(int threads, Block& block) {
+  block.Adjust({},
+               {.observations_per_photo = 120,
+                .max_iterations = 15,
+                .cuts_px = {10.0, 0.0},
+                .adjust_lens = block.size() >= kFewForALens},
+               threads);
 }
 
 // Each smaller block into the first larger one that it shares points with, again and again.
-void JoinAll(int threads, const RegisterOptions& options, std::vector<Block>& blocks) {
+void JoinAll(int threads, std::vector<Block>& blocks) {
   for (bool is_joined = true; is_joined;) {
     is_joined = false;
     std::stable_sort(blocks.begin(), blocks.end(),
@@ -89,7 +91,7 @@ void JoinAll(int threads, const RegisterOptions& options, std::vector<Block>& bl
         if (!joint) continue;
         TraceDecision("groups joined", {{"photos", blocks[large].size()}, {"more", blocks[small].size()}});
         JoinBlocks(*joint, blocks[small], threads, blocks[large]);
-        AdjustLast(options, threads, blocks[large]);
+        AdjustLast(threads, blocks[large]);
         blocks.erase(blocks.begin() + static_cast<std::ptrdiff_t>(small));
         is_joined = true;
       }
@@ -129,16 +131,15 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
 }
 
 std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& graph,
-                              const SceneTracks& scene, const RegisterOptions& options, int threads,
-                              Progress& progress) {
+                              const SceneTracks& scene, int threads, Progress& progress) {
   PhotoSet used(input.photos.size());
   std::vector<Block> blocks;
   std::vector<BundleLens> lenses = input.lenses;
   while (!progress.IsCancelled()) {
-    std::optional<Block> begun = BeginBlock(input, graph, scene, lenses, used, options.grow, threads);
+    std::optional<Block> begun = BeginBlock(input, graph, scene, lenses, used, threads);
     if (!begun) break;
-    GrowBlock(graph, used, options.grow, threads, progress, *begun);
-    AdjustLast(options, threads, *begun);
+    GrowBlock(graph, used, threads, progress, *begun);
+    AdjustLast(threads, *begun);
     // The largest knows the lenses best: the others start from there.
     if (blocks.empty()) lenses = begun->lenses();
     for (std::size_t i = 0; i < used.Photos(); ++i) {
@@ -147,7 +148,7 @@ std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& g
     TraceDecision("group grown", {{"photos", begun->size()}});
     blocks.push_back(*std::move(begun));
   }
-  JoinAll(threads, options, blocks);
+  JoinAll(threads, blocks);
   return blocks;
 }
 
@@ -170,8 +171,7 @@ bool TakeLenses(const std::vector<Block>& blocks, RegistrationInput& input) {
 
 }  // namespace
 
-Registration RegisterPhotos(const RegistrationInput& given, const RegisterOptions& options, int threads,
-                            Progress& progress) {
+Registration RegisterPhotos(const RegistrationInput& given, int threads, Progress& progress) {
   Registration begun, registration;
   for (const RegistrationPhoto& photo : given.photos) begun.photos.emplace_back().lens = photo.lens;
   begun.lenses = given.lenses;
@@ -179,11 +179,11 @@ Registration RegisterPhotos(const RegistrationInput& given, const RegisterOption
   RegistrationInput input = given;
   for (BundleLens& lens : input.lenses)
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
-  ViewGraph graph = BuildViewGraph(input, options.graph, threads, report, progress);
+  ViewGraph graph = BuildViewGraph(input, threads, report, progress);
   for (int pass = 0;; ++pass) {
     ScopedTimer timer(report.growing_s);
     const SceneTracks scene = JoinMatches(input.Features(), graph.pairs);
-    const std::vector<Block> blocks = GrowBlocks(input, graph, scene, options, threads, progress);
+    const std::vector<Block> blocks = GrowBlocks(input, graph, scene, threads, progress);
     Registration grown = begun;
     if (!blocks.empty()) grown.lenses = blocks.front().lenses();
     MergeBlocks(blocks, graph, grown);
@@ -192,7 +192,7 @@ Registration RegisterPhotos(const RegistrationInput& given, const RegisterOption
     RegistrationInput better = input;
     if (pass >= kMaxPasses || progress.IsCancelled() || !TakeLenses(blocks, better)) break;
     input = std::move(better);
-    VerifyAgain(input, options.graph, threads, report, graph);
+    VerifyAgain(input, threads, report, graph);
   }
   registration.report = report;
   for (std::size_t c = 0; c < given.lenses.size(); ++c) {

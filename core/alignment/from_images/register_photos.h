@@ -5,20 +5,11 @@
 // then what there is so far comes back.
 #pragma once
 
-#include "core/alignment/from_images/grow_block.h"
-#include "core/alignment/from_images/view_graph.h"
 #include "core/alignment/scene/registration.h"
 #include "core/base/progress.h"
 
 namespace skyquilt::alignment {
 
-struct RegisterOptions {
-  ViewGraphOptions graph;
-  GrowOptions grow;
-  int last_observations_per_photo = 120;
-};
-
-Registration RegisterPhotos(const RegistrationInput& given, const RegisterOptions& options, int threads,
-                            Progress& progress);
+Registration RegisterPhotos(const RegistrationInput& given, int threads, Progress& progress);
 
 }  // namespace skyquilt::alignment

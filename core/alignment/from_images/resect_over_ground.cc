@@ -129,12 +129,10 @@ std::optional<GroundedPose> ResectOne(const Block& block, const BlockGround& gro
   if (static_cast<int>(shown.size()) < kMinOverGround) return std::nullopt;
   std::vector<PointObservation> observations;
   for (const Shown& one : shown) observations.push_back(one.observation);
-  FindPoseOptions options;
-  options.max_samples = kGroundPoseSamples;
-  options.min_inliers = std::max(
+  const int min_inliers = std::max(
       kMinOverGround, static_cast<int>(kMinShareOverGround * static_cast<double>(observations.size())));
-  const auto found =
-      FindPose(block.Lens(photo), observations, 0x6E0DULL + static_cast<std::uint64_t>(photo), options);
+  const auto found = FindPose(block.Lens(photo), observations, 0x6E0DULL + static_cast<std::uint64_t>(photo),
+                              {.min_inliers = min_inliers, .max_samples = kGroundPoseSamples});
   if (!found) return std::nullopt;
   std::map<int, int> of_partner;
   for (const int k : found->inliers) ++of_partner[shown[k].partner];

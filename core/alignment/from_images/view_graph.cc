@@ -7,7 +7,9 @@
 #include <set>
 
 #include "core/alignment/estimators/rotation_averaging.h"
+#include "core/alignment/estimators/two_view.h"
 #include "core/alignment/matching/match_descriptors.h"
+#include "core/alignment/matching/pair_sources.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
@@ -15,6 +17,10 @@
 namespace skyquilt::alignment {
 namespace {
 
+constexpr int kFeatures = 800;         // compared first
+constexpr int kFeaturesOfWeak = 2000;  // of photos that are left with very few partners
+constexpr int kEnoughPartners = 6;     // photos with fewer are compared with more
+constexpr int kFewPartners = 3;
 constexpr double kMinRefusedRad = 0.21;  // 12 degrees: flat ground seen from nearby leaves a tilt open
 constexpr double kRefusedMedians = 6.0;
 constexpr int kMaxThroughOthers = 4;  // pairs of a photo that share a neighbour
@@ -23,12 +29,11 @@ using Pair = std::pair<int, int>;
 
 class Verifier {
  public:
-  Verifier(const RegistrationInput& input, const ViewGraphOptions& options, int threads)
-      : input_(input), options_(options), threads_(threads), rays_(input.photos.size()) {
+  Verifier(const RegistrationInput& input, int threads)
+      : input_(input), threads_(threads), rays_(input.photos.size()) {
     ParallelFor(input.photos.size(), threads, [&](std::size_t i) {
       if (!input.photos[i].features) return;
-      rays_[i] = RaysOf(*input.photos[i].features, LensOf(static_cast<int>(i)),
-                        std::max(options.features, options.features_of_weak));
+      rays_[i] = RaysOf(*input.photos[i].features, LensOf(static_cast<int>(i)), kFeaturesOfWeak);
     });
   }
 
@@ -36,14 +41,11 @@ class Verifier {
   void Compare(const std::vector<Pair>& pairs, int features, ViewGraph& graph) {
     std::vector<ComparedPair> compared(pairs.size());
     ParallelFor(pairs.size(), threads_, [&](std::size_t p) {
-      MatchOptions match;
-      match.max_features = features;
-      compared[p] = {pairs[p].first, pairs[p].second,
-                     MatchDescriptors(*FeaturesOf(pairs[p].first), *FeaturesOf(pairs[p].second), match)};
+      const auto [first, second] = pairs[p];
+      compared[p] = {first, second, MatchDescriptors(*FeaturesOf(first), *FeaturesOf(second), features)};
     });
-    std::erase_if(compared, [&](const ComparedPair& pair) {
-      return static_cast<int>(pair.matches.size()) < options_.two_view.min_matches;
-    });
+    std::erase_if(compared,
+                  [](const ComparedPair& pair) { return pair.matches.size() < kMinTwoViewMatches; });
     Verify(compared, graph.pairs);
     for (ComparedPair& pair : compared) graph.compared.push_back(std::move(pair));
   }
@@ -54,8 +56,7 @@ class Verifier {
       const ComparedPair& pair = compared[p];
       const std::uint64_t seed =
           static_cast<std::uint64_t>(pair.first) * 1000003U + static_cast<std::uint64_t>(pair.second);
-      found[p] =
-          VerifyTwoViews(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed, options_.two_view);
+      found[p] = VerifyTwoViews(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed);
     });
     for (std::size_t p = 0; p < compared.size(); ++p) {
       if (found[p]) verified.push_back({compared[p].first, compared[p].second, *std::move(found[p])});
@@ -68,7 +69,6 @@ class Verifier {
   TwoViewPhoto PhotoOf(int i) const { return {input_.photos[i].features, &LensOf(i), &rays_[i]}; }
 
   const RegistrationInput& input_;
-  const ViewGraphOptions& options_;
   int threads_;
   std::vector<std::vector<Eigen::Vector2d>> rays_;
 };
@@ -159,11 +159,7 @@ void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) 
         ++report.pairs_refused;
       }
     }
-    const bool is_fewer = kept.size() < graph.pairs.size();
     graph.pairs = std::move(kept);
-    if (is_fewer) {
-      averaged = AverageRotations(photos, Rotations(graph.pairs));
-    }
   }
   report.pairs_flat = report.pairs_relief = report.pairs_without_parallax = 0;
   for (const GraphPair& pair : graph.pairs) {
@@ -171,14 +167,12 @@ void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) 
        : pair.view.scene == Scene::kRelief ? report.pairs_relief
                                            : report.pairs_without_parallax);
   }
-  graph.cam_from_world = std::move(averaged.cam_from_world);
-  graph.component = std::move(averaged.component);
 }
 
 }  // namespace
 
-ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions& options, int threads,
-                         RegistrationReport& report, Progress& progress) {
+ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, RegistrationReport& report,
+                         Progress& progress) {
   ViewGraph graph;
   const int count = static_cast<int>(input.photos.size());
   std::vector<Pair> candidates;
@@ -186,18 +180,17 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
   {
     ScopedTimer timer(report.candidates_s);
     appearance = Appearance::Learn(input.Features(), threads);
-    candidates = CandidatePairs({input.photos, appearance, options.candidates, {}, threads});
+    candidates = CandidatePairs({input.photos, appearance, {}, {}, threads});
   }
   std::set<Pair> tried(candidates.begin(), candidates.end());
   {
     ScopedTimer timer(report.matching_s);
-    Verifier verifier(input, options, threads);
-    verifier.Compare(candidates, options.features, graph);
+    Verifier verifier(input, threads);
+    verifier.Compare(candidates, kFeatures, graph);
     report.pairs_compared = static_cast<int>(candidates.size());
     for (const bool is_last : {false, true}) {
       if (progress.IsCancelled()) break;
-      const int enough = is_last ? options.few_partners : options.enough_partners;
-      const PhotoSet wanted = WithFewerPartners(input, graph.pairs, enough);
+      const PhotoSet wanted = WithFewerPartners(input, graph.pairs, is_last ? kFewPartners : kEnoughPartners);
       if (wanted.Count() == 0) break;
       std::vector<Pair> more =
           CandidatePairs({input.photos, appearance, CandidateOptions::Generous(), wanted, threads});
@@ -206,13 +199,13 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
       for (const GraphPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
       std::erase_if(
           more, [&](const Pair& pair) { return done.contains(pair) || (!is_last && tried.contains(pair)); });
-      verifier.Compare(more, is_last ? options.features_of_weak : options.features, graph);
+      verifier.Compare(more, is_last ? kFeaturesOfWeak : kFeatures, graph);
       report.pairs_compared += static_cast<int>(more.size());
       tried.insert(more.begin(), more.end());
     }
     if (!progress.IsCancelled()) {
       const std::vector<Pair> more = ThroughOthers(count, graph.pairs, tried);
-      verifier.Compare(more, options.features, graph);
+      verifier.Compare(more, kFeatures, graph);
       report.pairs_compared += static_cast<int>(more.size());
     }
     Sort(graph.pairs);
@@ -223,12 +216,11 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
   return graph;
 }
 
-void VerifyAgain(const RegistrationInput& input, const ViewGraphOptions& options, int threads,
-                 RegistrationReport& report, ViewGraph& graph) {
+void VerifyAgain(const RegistrationInput& input, int threads, RegistrationReport& report, ViewGraph& graph) {
   graph.pairs.clear();
   {
     ScopedTimer timer(report.matching_s);
-    Verifier(input, options, threads).Verify(graph.compared, graph.pairs);
+    Verifier(input, threads).Verify(graph.compared, graph.pairs);
     Sort(graph.pairs);
     // A pair that was compared twice, with all features the second time: the better.
     std::vector<GraphPair> once;

@@ -72,7 +72,7 @@ std::vector<ComparedPair> NearestPairs(const poses::PosedFlight& posed,
 void Match(const std::vector<const PhotoFeatures*>& features, ComparedPair& pair) {
   const PhotoFeatures& first = *features[pair.first];
   const PhotoFeatures& second = *features[pair.second];
-  for (const KeypointMatch& match : MatchDescriptors(first, second, {})) {
+  for (const KeypointMatch& match : MatchDescriptors(first, second)) {
     const Keypoint& a = first.keypoints[match.first];
     const Keypoint& b = second.keypoints[match.second];
     pair.places.push_back({{a.x_px, a.y_px}, {b.x_px, b.y_px}});

@@ -10,6 +10,7 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr int kRowsAtOnce = 4;
+constexpr double kMaxDistanceRatio = 0.85;
 
 // Widened, so that products are summed in pairs by one instruction.
 struct Wide {
@@ -101,11 +102,11 @@ int StandsOut(const std::int32_t* distances, int count, std::int32_t square, dou
 }  // namespace
 
 std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const PhotoFeatures& second,
-                                            const MatchOptions& options) {
-  const Wide a = Widen(first, options.max_features), b = Widen(second, options.max_features);
+                                            int max_features) {
+  const Wide a = Widen(first, max_features), b = Widen(second, max_features);
   std::vector<KeypointMatch> matches;
   if (a.count == 0 || b.count == 0) return matches;
-  const double max_ratio2 = options.max_distance_ratio * options.max_distance_ratio;
+  constexpr double max_ratio2 = kMaxDistanceRatio * kMaxDistanceRatio;
   std::vector<KeypointMatch> forth;
   std::vector<std::int32_t> distances(static_cast<std::size_t>(kRowsAtOnce) * std::max(a.count, b.count));
   for (int i = 0; i < a.count; i += kRowsAtOnce) {

@@ -10,13 +10,8 @@
 
 namespace skyquilt::alignment {
 
-struct MatchOptions {
-  int max_features = 1000;  // of each photo; any first n are spread over it
-  double max_distance_ratio = 0.85;
-};
-
-// In the order of the first photo's keypoints.
+// In the order of the first photo's keypoints. max_features: of each photo; any first n are spread over it.
 std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const PhotoFeatures& second,
-                                            const MatchOptions& options);
+                                            int max_features = 1000);
 
 }  // namespace skyquilt::alignment

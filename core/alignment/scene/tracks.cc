@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kFineScales = 60.0;    // keypoints of sizes up to this many sigmas are located alike
 constexpr double kMaxCoarseness = 2.5;  // of the finest
+constexpr int kThinnedCellsAcross = 14;
 
 double Coarseness(const PhotoFeatures& features, int keypoint) {
   const double size = features.keypoints[keypoint].scale_px;
@@ -104,11 +105,11 @@ class MemberSets {
 
 // Long tracks first, and of each photo only as many as its cells have room for.
 std::vector<Track> Thin(std::vector<Track> tracks, const std::vector<View>& views,
-                        const TrackOptions& options) {
+                        int observations_per_photo) {
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) {
     return a.observations.size() > b.observations.size();
   });
-  TrackSpread spread(views.size(), options.observations_per_photo, options.cells_across);
+  TrackSpread spread(views.size(), observations_per_photo, kThinnedCellsAcross);
   for (const Track& track : tracks) {
     spread.BeginTrack();
     for (const Observation& seen : track.observations)
@@ -232,7 +233,7 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
       tracks.push_back(std::move(track));
     }
   }
-  return Thin(std::move(tracks), views, options);
+  return Thin(std::move(tracks), views, options.observations_per_photo);
 }
 
 SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,

@@ -38,7 +38,6 @@ inline constexpr int kEnoughObservations = 12;
 
 struct TrackOptions {
   int observations_per_photo = 220;
-  int cells_across = 14;
   // Chains of matches that lead to two places of one photo are of no use as they are; true: each of their
   // matches becomes a track of its own, false: none.
   bool splits_contradictory = false;

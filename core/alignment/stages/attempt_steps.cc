@@ -37,13 +37,11 @@ std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
 
 Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
   if (attempt.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
-  TrackOptions track_options;
-  track_options.observations_per_photo = options.observations_per_photo;
   {
     ScopedTimer timer(attempt.adjustment_s);
     attempt.problem.tracks = {};  // not both at a time
-    attempt.problem.tracks =
-        BuildTracks(attempt.matched.links, attempt.input.features, attempt.input.views, track_options);
+    attempt.problem.tracks = BuildTracks(attempt.matched.links, attempt.input.features, attempt.input.views,
+                                         {.observations_per_photo = options.observations_per_photo});
     std::erase_if(attempt.problem.tracks,
                   [&](Track& track) { return !Triangulate(attempt.input.views, track); });
     attempt.adjusted = AdjustBundle(attempt.problem, bundle_options);
@@ -84,11 +82,9 @@ Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions&
 
 std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& options) {
   const std::vector<View>& views = attempt.input.views;
-  TrackOptions track_options;
-  track_options.observations_per_photo = options.max_features;
-  track_options.splits_contradictory = true;
   std::vector<Track> tracks =
-      BuildTracks(attempt.matched.links, attempt.input.features, views, track_options);
+      BuildTracks(attempt.matched.links, attempt.input.features, views,
+                  {.observations_per_photo = options.max_features, .splits_contradictory = true});
   std::erase_if(tracks, [&](Track& track) {
     // The observation with the largest error goes first, for it pulls the point away from the others.
     while (track.observations.size() >= 2 && Triangulate(views, track)) {

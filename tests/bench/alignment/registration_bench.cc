@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
   if (!with_positions) {
     for (alignment::RegistrationPhoto& photo : blind.photos) photo.position_in_enu.reset();
   }
-  const alignment::Registration found = alignment::RegisterPhotos(blind, {}, threads, progress);
+  const alignment::Registration found = alignment::RegisterPhotos(blind, threads, progress);
   const alignment::RegistrationReport& report = found.report;
   fmt::print(
       "registration: cpu {:.2f} s; candidates {:.2f} s, matching {:.2f} s, rotations {:.2f} s, growing {:.2f} s\n",

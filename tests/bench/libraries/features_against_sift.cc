@@ -152,7 +152,7 @@ void Judge(const Views& views, const std::function<PhotoFeatures(const cv::Mat&)
   const PhotoFeatures first = find(views.first), second = find(views.second);
   tally.seconds_a_megapixel.push_back(1e6 * (ThreadSeconds() - start) /
                                       (2.0 * static_cast<double>(views.first.total())));
-  const std::vector<KeypointMatch> matches = MatchDescriptors(first, second, {.max_features = kMaxFeatures});
+  const std::vector<KeypointMatch> matches = MatchDescriptors(first, second, kMaxFeatures);
   std::vector<double> errors;
   std::vector<PlanePair> pairs;
   for (const KeypointMatch& match : matches) {

@@ -157,10 +157,8 @@ Solver OurTwoViews() {
     const camera::Intrinsics lens = camera::Intrinsics::Centered(kWidthPx, kHeightPx, kFocalPx);
     const std::vector<Vector2d> first = RaysOf(problem.first, lens, kPairs),
                                 second = RaysOf(problem.second, lens, kPairs);
-    TwoViewOptions options;
-    options.tolerance_sigmas = 3.0;
     const auto view = VerifyTwoViews({&problem.first, &lens, &first}, {&problem.second, &lens, &second},
-                                     problem.matches, 1, options);
+                                     problem.matches, 1, 3.0);
     if (!view || view->poses.front().direction.squaredNorm() < 0.5) return std::nullopt;
     Outcome best = JudgePose(problem, view->poses.front().rotation, view->poses.front().direction);
     if (problem.homography && view->poses.size() > 1) {  // flat ground leaves two

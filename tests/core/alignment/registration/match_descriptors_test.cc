@@ -30,7 +30,7 @@ TEST(MatchDescriptors, FindsWhatIsTheSameInAnyOrder) {
     second.descriptors[49 - k] = first.descriptors[k];
     second.descriptors[49 - k][k] = static_cast<std::uint8_t>(second.descriptors[49 - k][k] + 5);
   }
-  const std::vector<KeypointMatch> matches = MatchDescriptors(first, second, {});
+  const std::vector<KeypointMatch> matches = MatchDescriptors(first, second);
   ASSERT_GE(matches.size(), 20U);
   for (int k = 0; k < 20; ++k) {
     EXPECT_EQ(matches[k].first, k);
@@ -42,8 +42,8 @@ TEST(MatchDescriptors, RefusesWhatRepeatsElsewhereInEitherPhoto) {
   const PhotoFeatures first = Features(10, 1);
   PhotoFeatures second = Features(10, 2);
   second.descriptors[3] = second.descriptors[7] = first.descriptors[0];
-  for (const KeypointMatch& match : MatchDescriptors(first, second, {})) EXPECT_NE(match.first, 0);
-  for (const KeypointMatch& match : MatchDescriptors(second, first, {})) EXPECT_NE(match.second, 0);
+  for (const KeypointMatch& match : MatchDescriptors(first, second)) EXPECT_NE(match.first, 0);
+  for (const KeypointMatch& match : MatchDescriptors(second, first)) EXPECT_NE(match.second, 0);
 }
 
 TEST(MatchDescriptors, OnePlaceDescribedTwiceIsNoRivalOfItself) {
@@ -53,17 +53,15 @@ TEST(MatchDescriptors, OnePlaceDescribedTwiceIsNoRivalOfItself) {
   second.keypoints[7] = second.keypoints[3];
   second.keypoints[7].x_px += 1.0F;
   int found = 0;
-  for (const KeypointMatch& match : MatchDescriptors(first, second, {})) found += match.first == 0 ? 1 : 0;
+  for (const KeypointMatch& match : MatchDescriptors(first, second)) found += match.first == 0 ? 1 : 0;
   EXPECT_EQ(found, 1);
 }
 
 TEST(MatchDescriptors, TakesOnlyTheFirstFeaturesAsked) {
   const PhotoFeatures first = Features(30, 1);
-  MatchOptions options;
-  options.max_features = 8;
-  for (const KeypointMatch& match : MatchDescriptors(first, first, options)) EXPECT_LT(match.first, 8);
-  EXPECT_EQ(MatchDescriptors(first, first, options).size(), 8U);
-  EXPECT_TRUE(MatchDescriptors(first, PhotoFeatures{}, options).empty());
+  for (const KeypointMatch& match : MatchDescriptors(first, first, 8)) EXPECT_LT(match.first, 8);
+  EXPECT_EQ(MatchDescriptors(first, first, 8).size(), 8U);
+  EXPECT_TRUE(MatchDescriptors(first, PhotoFeatures{}, 8).empty());
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ Judged Judge(const SyntheticScene& scene, const Registration& found) {
 
 Registration Register(const RegistrationInput& input, int threads = 2) {
   SilentProgress progress;
-  return RegisterPhotos(input, {}, threads, progress);
+  return RegisterPhotos(input, threads, progress);
 }
 
 void ExpectAllRight(const SyntheticOptions& options, double max_off_m, double focal_factor = 1.0) {

@@ -14,7 +14,7 @@ std::optional<TwoView> View(const SyntheticScene& scene, int i, int j) {
   const std::vector<Eigen::Vector2d> first = RaysOf(scene.features[i], scene.lens, 2000);
   const std::vector<Eigen::Vector2d> second = RaysOf(scene.features[j], scene.lens, 2000);
   return VerifyTwoViews({&scene.features[i], &scene.lens, &first}, {&scene.features[j], &scene.lens, &second},
-                        MatchDescriptors(scene.features[i], scene.features[j], {}), 1, {});
+                        MatchDescriptors(scene.features[i], scene.features[j]), 1);
 }
 
 double TurnError(const SyntheticScene& scene, int i, int j, const TwoView& view) {
