@@ -2,7 +2,7 @@
 // out in order; the first exception stops the hand-out and is rethrown. With one thread it runs in the
 // caller. ParallelOrdered: like it, but `consume(i, result)` is called by one thread at a time in the order
 // of i, and at most `window` results wait: memory stays bounded and the outcome does not depend on the number
-// of threads.
+// of threads. ParallelCollect: what is found of some of them, in order.
 #pragma once
 
 #include <condition_variable>
@@ -11,7 +11,9 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace skyquilt {
 
@@ -19,6 +21,19 @@ namespace skyquilt {
 int ThreadCount(int threads);
 
 void ParallelFor(std::size_t count, int threads, const std::function<void(std::size_t)>& body);
+
+// `find(i)` is an optional; those with nothing are left out.
+template <typename Find>
+auto ParallelCollect(std::size_t count, int threads, const Find& find) {
+  using Found = std::invoke_result_t<const Find&, std::size_t>;
+  std::vector<Found> found(count);
+  ParallelFor(count, threads, [&](std::size_t i) { found[i] = find(i); });
+  std::vector<typename Found::value_type> collected;
+  for (Found& one : found) {
+    if (one) collected.push_back(*std::move(one));
+  }
+  return collected;
+}
 
 template <typename T>
 void ParallelOrdered(std::size_t count, int threads, std::size_t window,

@@ -177,20 +177,13 @@ std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
   // Learning what photos look like is worth its time only where no position says which are near.
   if (any_without_position) alike = Appearance::Learn(*input.features, threads).MostAlike(kAlike, threads);
   const std::vector<PointOfPixel> points = IndexPoints(input);
-  std::vector<std::optional<RegisteredLost>> found(lost.size());
-  ParallelFor(lost.size(), threads, [&](std::size_t k) {
+  return ParallelCollect(lost.size(), threads, [&](std::size_t k) {
     const int i = lost[k];
     const std::vector<int> partners =
         PartnersOf(input, i, (*input.records)[i].center_in_enu ? std::vector<int>() : alike[i]);
-    for (const PointsOf points_of : {PointsOf::kTracks, PointsOf::kTracksAndGround}) {
-      if (!found[k]) found[k] = Resect(input, points, partners, median_height_m, i, points_of);
-    }
+    if (auto found = Resect(input, points, partners, median_height_m, i, PointsOf::kTracks)) return found;
+    return Resect(input, points, partners, median_height_m, i, PointsOf::kTracksAndGround);
   });
-  std::vector<RegisteredLost> registered;
-  for (std::optional<RegisteredLost>& one : found) {
-    if (one) registered.push_back(*std::move(one));
-  }
-  return registered;
 }
 
 namespace {

@@ -38,11 +38,11 @@ class Chain {
  public:
   Chain(const ChainInput& input, int threads) : input_(input), threads_(threads) {
     mosaic_.photos.resize(input.features.size());
-    projected_.resize(input.features.size());
+    views_.resize(input.features.size());
     places_.resize(input.features.size());
     ParallelFor(input.features.size(), threads, [&](std::size_t i) {
       if (input.features[i] == nullptr) return;
-      projected_[i] = PictureAsGround(*input.features[i]);
+      views_[i] = {input.features[i], PictureAsGround(*input.features[i])};
       for (const Keypoint& keypoint : input.features[i]->keypoints) {
         places_[i].push_back(PlaceInPhoto(input.lenses[i], {keypoint.x_px, keypoint.y_px}));
       }
@@ -87,15 +87,10 @@ class Chain {
   double TolerancePx(int photo) const { return kToleranceShare * input_.lenses[photo].width_px; }
 
   std::vector<Matched> MatchAll(int photo, const std::vector<int>& others) {
-    std::vector<std::optional<Matched>> found(others.size());
-    ParallelFor(others.size(), threads_, [&](std::size_t k) { found[k] = Match(photo, others[k]); });
-    std::vector<Matched> matched;
-    for (std::optional<Matched>& one : found) {
-      ++mosaic_.pairs_tried;
-      if (!one) continue;
-      ++mosaic_.pairs_linked;
-      matched.push_back(std::move(*one));
-    }
+    std::vector<Matched> matched =
+        ParallelCollect(others.size(), threads_, [&](std::size_t k) { return Match(photo, others[k]); });
+    mosaic_.pairs_tried += static_cast<int>(others.size());
+    mosaic_.pairs_linked += static_cast<int>(matched.size());
     return matched;
   }
 
@@ -103,11 +98,8 @@ class Chain {
     MatchWindow everywhere;
     everywhere.max_log2_scale = std::numeric_limits<double>::infinity();
     everywhere.max_distance_ratio = 0.8;
-    const std::vector<KeypointMatch> matches =
-        MatchOnGround({input_.features[photo], &projected_[photo]},
-                      {input_.features[other], &projected_[other]}, {}, everywhere);
     std::vector<PlanePair> pairs;
-    for (const KeypointMatch& match : matches) {
+    for (const KeypointMatch& match : MatchOnGround(views_[photo], views_[other], {}, everywhere)) {
       pairs.push_back({places_[photo][match.first], places_[other][match.second]});
     }
     std::optional<RobustFit> fit = RobustHomography(pairs, TolerancePx(other));
@@ -194,7 +186,7 @@ class Chain {
 
   const ChainInput& input_;
   const int threads_;
-  std::vector<std::vector<GroundKeypoint>> projected_;
+  std::vector<GroundView> views_;
   std::vector<std::vector<Eigen::Vector2d>> places_;
   ChainedMosaic mosaic_;
 };

@@ -171,7 +171,7 @@ class Round {
     for (std::size_t t = 0; t < bundle_.soft_tracks.size(); ++t) {
       const double height =
           bundle_.photos[bundle_.soft_tracks[t].observations.front().photo].height_above_ground_m;
-      const PointHeightResidual residual{bundle_.ground_z_in_enu_m, kReliefShare * height};
+      const PlaneResidual residual{{bundle_.ground_z_in_enu_m, 0.0, 0.0}, kReliefShare * height};
       ceres_.AddResidualBlock(Derived<kRowsOfPoint, kPointSize>(residual), nullptr,
                               Point(bundle_.tracks.size() + t));
     }

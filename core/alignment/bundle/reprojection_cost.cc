@@ -6,16 +6,12 @@
 #include <cmath>
 #include <utility>
 
+#include "core/poses/so3.h"
+
 namespace skyquilt::alignment {
 namespace {
 
 constexpr double kMinDepthM = 1e-3;
-
-Eigen::Matrix3d Cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d cross;
-  cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return cross;
-}
 
 // Exp(turn), and how it changes: Exp(turn + d) = Exp(change * d) * Exp(turn) for small d (the left Jacobian
 // of the rotations).
@@ -30,7 +26,7 @@ struct Turn {
     const double half_sine = std::sin(0.5 * angle);
     const double second = is_small ? 0.5 - angle2 / 24.0 : 2.0 * half_sine * half_sine / angle2;
     const double third = is_small ? 1.0 / 6.0 - angle2 / 120.0 : (angle - std::sin(angle)) / (angle2 * angle);
-    const Eigen::Matrix3d cross = Cross(turn), cross2 = cross * cross;
+    const Eigen::Matrix3d cross = poses::Skew(turn), cross2 = cross * cross;
     rotation = Eigen::Matrix3d::Identity() + first * cross + second * cross2;
     change = Eigen::Matrix3d::Identity() + second * cross + third * cross2;
   }
@@ -78,7 +74,7 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3, 
     const Eigen::Matrix<double, 2, 3> by_point = by_cam * cam_from_enu;
     if (jacobians[0] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor>> by_pose(jacobians[0]);
-      by_pose.leftCols<3>() = -by_cam * Cross(in_cam) * turn.change;
+      by_pose.leftCols<3>() = -by_cam * poses::Skew(in_cam) * turn.change;
       by_pose.rightCols<3>() = -by_point;
     }
     if (jacobians[1] != nullptr) {
@@ -141,7 +137,7 @@ class TurningReprojectionCost final
     const Eigen::Matrix<double, 2, 3> by_point = by_middle * middle_from_enu;
     if (jacobians[0] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor>> by_pose(jacobians[0]);
-      by_pose.leftCols<3>() = -by_middle * Cross(in_middle) * turn.change;
+      by_pose.leftCols<3>() = -by_middle * poses::Skew(in_middle) * turn.change;
       by_pose.rightCols<3>() = -by_point;
     }
     if (jacobians[1] != nullptr) {
@@ -149,7 +145,7 @@ class TurningReprojectionCost final
     }
     if (jacobians[3] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 2, kCorrectionSize, Eigen::RowMajor>> by_correction(jacobians[3]);
-      by_correction = -by_off * Cross(in_off) * off_turn.change * turn_by_correction_;
+      by_correction = -by_off * poses::Skew(in_off) * off_turn.change * turn_by_correction_;
       by_correction.middleCols<3>(3) = -share_ * by_point;
     }
     return true;

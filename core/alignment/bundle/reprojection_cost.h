@@ -75,20 +75,7 @@ struct PriorResidual {
 // points of one row size by code made for that size, in half the time.
 inline constexpr int kRowsOfPoint = 2;
 
-// A point that only direct registration knows lies near the ground.
-struct PointHeightResidual {
-  double expected_z_m;
-  double sigma_m;
-
-  template <typename T>
-  bool operator()(const T* point, T* residual) const {
-    residual[0] = (point[2] - expected_z_m) / sigma_m;
-    residual[1] = T(0.0);
-    return true;
-  }
-};
-
-// The ground is more or less a plane.
+// The ground is more or less a plane; a point that only direct registration knows lies near a level one.
 struct PlaneResidual {
   Eigen::Vector3d plane;  // z = plane.x + plane.y * E + plane.z * N
   double sigma_m;

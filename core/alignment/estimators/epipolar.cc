@@ -8,6 +8,7 @@
 
 #include "core/geo/rigid3.h"
 #include "core/geo/solvers/dense_solvers.h"
+#include "core/poses/so3.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -15,12 +16,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-Matrix3d Cross(const Vector3d& v) {
-  Matrix3d cross;
-  cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return cross;
-}
 
 // To the mean zero and the mean distance of sqrt(2).
 Matrix3d Unit(const std::vector<RayPair>& pairs, const std::vector<int>& used, bool second) {
@@ -254,7 +249,7 @@ RelativePose PoseOfEssential(const Matrix3d& essential, const std::vector<RayPai
 }
 
 Matrix3d EssentialOfPose(const RelativePose& pose) {
-  return Cross(pose.direction) * pose.rotation.toRotationMatrix();
+  return poses::Skew(pose.direction) * pose.rotation.toRotationMatrix();
 }
 
 double Sampson2(const Matrix3d& essential, const RayPair& pair) {

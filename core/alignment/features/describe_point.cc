@@ -26,17 +26,6 @@ inline float Turns(float y, float x) {
   return angle * (0.5F / kPi);
 }
 
-struct Gradient {
-  float x = 0.0F, y = 0.0F;
-};
-
-inline Gradient GradientAt(const BlurredImage& layer, int x, int y) {
-  const std::uint16_t* here = layer.Row(y) + x;
-  return {
-      static_cast<float>(static_cast<int>(here[1]) - static_cast<int>(here[-1])),
-      static_cast<float>(static_cast<int>(here[layer.width_px]) - static_cast<int>(here[-layer.width_px]))};
-}
-
 constexpr int kDirectionBins = 36;
 constexpr float kDirectionBlurs = 1.5F;  // the window's sigma
 constexpr float kNearlyAsStrong = 0.8F;
@@ -213,13 +202,13 @@ Descriptor Describe(const BlurredImage& layer, const ScalePoint& point, float di
   const float cos_px = std::cos(direction_rad) * cell_px, sin_px = std::sin(direction_rad) * cell_px;
   SamplePlaces places;
   const bool is_inside = FindSamples(grid, point, cos_px, sin_px, layer.width_px, layer.height_px, places);
-  std::array<float, kSamples> gx, gy, magnitude, angle;
+  std::array<float, kSamples> gx{}, gy{}, magnitude, angle;
   for (std::size_t i = 0; i < kSamples; ++i) {
     const int x = places.x[i], y = places.y[i];
-    Gradient gradient;
-    if (is_inside || (x >= 1 && y >= 1 && x + 1 < layer.width_px && y + 1 < layer.height_px))
-      gradient = GradientAt(layer, x, y);
-    gx[i] = gradient.x, gy[i] = gradient.y;
+    if (!is_inside && (x < 1 || y < 1 || x + 1 >= layer.width_px || y + 1 >= layer.height_px)) continue;
+    const std::uint16_t* here = layer.Row(y) + x;
+    gx[i] = static_cast<float>(here[1] - here[-1]);
+    gy[i] = static_cast<float>(here[layer.width_px] - here[-layer.width_px]);
   }
   TurnGradients(gx, gy, direction_rad * (0.5F / kPi), magnitude, angle);
   std::array<float, static_cast<std::size_t>(kPadded) * kPadded * kAngles> cells{};

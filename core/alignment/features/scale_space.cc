@@ -28,20 +28,6 @@ BlurredImage EverySecond(const BlurredImage& image) {
   return half;
 }
 
-// Differences of neighbouring layers.
-class Differences {
- public:
-  explicit Differences(const Octave& octave) : layers_(octave.layers), width_(octave.layers[0].width_px) {}
-  int At(int layer, int x, int y) const {
-    const std::size_t i = static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x);
-    return static_cast<int>(layers_[layer + 1].values[i]) - static_cast<int>(layers_[layer].values[i]);
-  }
-
- private:
-  const std::vector<BlurredImage>& layers_;
-  const int width_;
-};
-
 SKYQUILT_VECTOR_CLONES void Subtract(const std::uint16_t* coarser, const std::uint16_t* finer,
                                      std::size_t count, std::int16_t* __restrict difference) {
   for (std::size_t x = 0; x < count; ++x) difference[x] = static_cast<std::int16_t>(coarser[x] - finer[x]);
@@ -166,12 +152,13 @@ struct Place {
 };
 
 // Where between the pixels and layers the spot is (a paraboloid through its neighbours).
-std::optional<ScalePoint> Refine(const Differences& differences, const BlurredImage& size, Place at,
-                                 float min_contrast) {
+std::optional<ScalePoint> Refine(const Octave& octave, Place at, float min_contrast) {
   constexpr int kMaxSteps = 5;
+  const BlurredImage& size = octave.layers[0];
   for (int step = 0; step < kMaxSteps; ++step) {
     const auto d = [&](int dx, int dy, int ds) -> double {
-      return differences.At(at.layer + ds, at.x + dx, at.y + dy);
+      const int layer = at.layer + ds, x = at.x + dx, y = at.y + dy;
+      return octave.layers[layer + 1].Row(y)[x] - octave.layers[layer].Row(y)[x];
     };
     const double value = d(0, 0, 0);
     const double gx = 0.5 * (d(1, 0, 0) - d(-1, 0, 0)), gy = 0.5 * (d(0, 1, 0) - d(0, -1, 0)),
@@ -244,16 +231,14 @@ std::vector<ScalePoint> FindScalePoints(const std::vector<Octave>& octaves, floa
   const auto threshold = static_cast<std::int16_t>(0.5F * min_contrast * kLevels);
   for (std::size_t o = 0; o < octaves.size(); ++o) {
     const Octave& octave = octaves[o];
-    const Differences differences(octave);
-    const BlurredImage& size = octave.layers[0];
     RowPeaks peaks(octave);
     std::array<std::vector<ScalePoint>, kLayersAnOctave> of_layer;
-    for (int y = 1; y + 1 < size.height_px; ++y) {
+    for (int y = 1; y + 1 < octave.layers[0].height_px; ++y) {
       peaks.MoveTo(y);
       for (std::size_t k = 0; k < kLayersAnOctave; ++k) {
         const int layer = static_cast<int>(k) + 1;
         peaks.ForEach(k + 1, threshold, [&](int x) {
-          std::optional<ScalePoint> point = Refine(differences, size, {layer, x, y}, min_contrast);
+          std::optional<ScalePoint> point = Refine(octave, {layer, x, y}, min_contrast);
           if (!point) return;
           point->octave = static_cast<int>(o);
           of_layer[k].push_back(*point);

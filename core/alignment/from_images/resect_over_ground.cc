@@ -165,13 +165,9 @@ std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector
   const BlockGround ground(block);
   if (!ground.is_known()) return {};
   const std::vector<std::pair<int, std::vector<const GraphPair*>>> asked(of_photo.begin(), of_photo.end());
-  std::vector<std::optional<GroundedPose>> found(asked.size());
-  ParallelFor(asked.size(), threads,
-              [&](std::size_t k) { found[k] = ResectOne(block, ground, asked[k].second, asked[k].first); });
-  std::vector<GroundedPose> poses;
-  for (const std::optional<GroundedPose>& one : found) {
-    if (one) poses.push_back(*one);
-  }
+  std::vector<GroundedPose> poses = ParallelCollect(asked.size(), threads, [&](std::size_t k) {
+    return ResectOne(block, ground, asked[k].second, asked[k].first);
+  });
   std::stable_sort(poses.begin(), poses.end(),
                    [](const GroundedPose& a, const GroundedPose& b) { return a.agreeing > b.agreeing; });
   return poses;

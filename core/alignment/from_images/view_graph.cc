@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -51,16 +52,16 @@ class Verifier {
   }
 
   void Verify(const std::vector<ComparedPair>& compared, std::vector<GraphPair>& verified) {
-    std::vector<std::optional<TwoView>> found(compared.size());
-    ParallelFor(compared.size(), threads_, [&](std::size_t p) {
-      const ComparedPair& pair = compared[p];
-      const std::uint64_t seed =
-          static_cast<std::uint64_t>(pair.first) * 1000003U + static_cast<std::uint64_t>(pair.second);
-      found[p] = VerifyTwoViews(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed);
-    });
-    for (std::size_t p = 0; p < compared.size(); ++p) {
-      if (found[p]) verified.push_back({compared[p].first, compared[p].second, *std::move(found[p])});
-    }
+    std::vector<GraphPair> found =
+        ParallelCollect(compared.size(), threads_, [&](std::size_t p) -> std::optional<GraphPair> {
+          const ComparedPair& pair = compared[p];
+          const std::uint64_t seed =
+              static_cast<std::uint64_t>(pair.first) * 1000003U + static_cast<std::uint64_t>(pair.second);
+          auto view = VerifyTwoViews(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed);
+          if (!view) return std::nullopt;
+          return GraphPair{pair.first, pair.second, *std::move(view)};
+        });
+    std::move(found.begin(), found.end(), std::back_inserter(verified));
   }
 
  private:

@@ -290,13 +290,9 @@ bool ReweighPriors(BundleProblem& problem) {
 
 std::optional<BundlePlane> FitPlane(const BundleProblem& problem) {
   constexpr std::size_t kFewPoints = 60;
-  constexpr double kUsefulAngleRad = 0.06;
   constexpr double kMinSigmaShare = 0.04;  // of the flying height
   constexpr double kMadsOfSigma = 1.5;
-  std::vector<Eigen::Vector3d> points;
-  for (const Track& track : problem.tracks) {
-    if (track.angle_rad > kUsefulAngleRad) points.push_back(track.point_in_enu);
-  }
+  const std::vector<Eigen::Vector3d> points = PointsWithHeights(problem.tracks);
   if (points.size() < kFewPoints) return std::nullopt;
   std::vector<double> flown;
   for (const BundlePhoto& photo : problem.photos) flown.push_back(photo.height_above_ground_m);

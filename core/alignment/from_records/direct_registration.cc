@@ -126,21 +126,15 @@ Peak CorrelatePhase(const cv::Mat& first, const cv::Mat& second, double reach_px
   return peak;
 }
 
-bool PixelOf(const View& view, const Eigen::Vector3d& point, Eigen::Vector2d* pixel) {
+std::optional<Eigen::Vector2d> PixelOf(const View& view, const Eigen::Vector3d& point) {
   const Eigen::Vector3d in_cam = view.cam_from_enu * point;
-  if (in_cam.z() < 1e-3) return false;
-  *pixel = view.intrinsics.ProjectBeyondFold(in_cam);
-  return view.intrinsics.IsInImage(*pixel);
+  if (in_cam.z() < 1e-3) return std::nullopt;
+  const Eigen::Vector2d pixel = view.intrinsics.ProjectBeyondFold(in_cam);
+  return view.intrinsics.IsInImage(pixel) ? std::optional(pixel) : std::nullopt;
 }
 
-struct DirectTie {
-  Eigen::Vector3d place_in_enu = Eigen::Vector3d::Zero();  // where the first shows what is compared
-  Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();  // the second shows it this much further east, north
-  double sigma_m = 0.5;
-};
-
-std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first, int second,
-                                          const Relief& relief) {
+std::optional<Track> RegisterDirectly(const MatchingInput& input, int first, int second,
+                                      const Relief& relief) {
   if (!input.features[first] || !input.features[second]) return std::nullopt;
   Eigen::Vector3d middle_first, middle_second;
   const auto middle_pixel = [](const View& view) {
@@ -150,9 +144,8 @@ std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first,
   const View& b = input.views[second];
   if (!MeetGround(a, relief, middle_pixel(a), &middle_first)) return std::nullopt;
   if (!MeetGround(b, relief, middle_pixel(b), &middle_second)) return std::nullopt;
-  DirectTie tie;
-  tie.place_in_enu = 0.5 * (middle_first + middle_second);
-  tie.place_in_enu.z() = relief.HeightAt(tie.place_in_enu.head<2>());
+  Eigen::Vector3d place_in_enu = 0.5 * (middle_first + middle_second);
+  place_in_enu.z() = relief.HeightAt(place_in_enu.head<2>());
   const double shorter_m = std::min(a.GsdM() * std::min(a.intrinsics.width_px, a.intrinsics.height_px),
                                     b.GsdM() * std::min(b.intrinsics.width_px, b.intrinsics.height_px));
   const double cell_m = kPatchShare * shorter_m / kPatch;
@@ -160,8 +153,8 @@ std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first,
       0.3 * kPatch,
       kSigmas * std::hypot(input.ground_sigma_m[first], input.ground_sigma_m[second]) / cell_m + 2.0);
 
-  const Patch fixed = ProjectThumbnail(input, first, tie.place_in_enu, cell_m);
-  const Patch moving = ProjectThumbnail(input, second, tie.place_in_enu, cell_m);
+  const Patch fixed = ProjectThumbnail(input, first, place_in_enu, cell_m);
+  const Patch moving = ProjectThumbnail(input, second, place_in_enu, cell_m);
   if (fixed.inside < kMinInside || moving.inside < kMinInside) return std::nullopt;
   cv::Scalar mean, deviation;
   for (const Patch* patch : {&fixed, &moving}) {
@@ -171,17 +164,25 @@ std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first,
   const Peak peak = CorrelatePhase(fixed.grey, moving.grey, reach_px);
   if (peak.distinctness < kMinDistinctness) return std::nullopt;
   const Eigen::Vector2d shift_m(peak.shift_px.x * cell_m, -peak.shift_px.y * cell_m);
-  const Patch again = ProjectThumbnail(
-      input, second, tie.place_in_enu + Eigen::Vector3d(shift_m.x(), shift_m.y(), 0.0), cell_m);
+  const Patch again =
+      ProjectThumbnail(input, second, place_in_enu + Eigen::Vector3d(shift_m.x(), shift_m.y(), 0.0), cell_m);
   if (again.inside < kMinInside) return std::nullopt;
   const Peak left_over = CorrelatePhase(fixed.grey, again.grey, reach_px);
   if (left_over.distinctness < kMinDistinctness ||
       std::hypot(left_over.shift_px.x, left_over.shift_px.y) > kLeftOverPx) {
     return std::nullopt;
   }
-  tie.shift_m = shift_m + Eigen::Vector2d(left_over.shift_px.x * cell_m, -left_over.shift_px.y * cell_m);
-  tie.sigma_m = 1.5 * cell_m;
-  return tie;
+  // The second shows it this much further east and north.
+  const Eigen::Vector2d apart_m =
+      shift_m + Eigen::Vector2d(left_over.shift_px.x * cell_m, -left_over.shift_px.y * cell_m);
+  const auto in_first = PixelOf(a, place_in_enu);
+  const auto in_second = PixelOf(b, place_in_enu + Eigen::Vector3d(apart_m.x(), apart_m.y(), 0.0));
+  if (!in_first || !in_second) return std::nullopt;
+  const double sigma_m = 1.5 * cell_m;
+  Track track;
+  track.point_in_enu = place_in_enu;
+  track.observations = {{first, *in_first, sigma_m / a.GsdM()}, {second, *in_second, sigma_m / b.GsdM()}};
+  return track;
 }
 
 }  // namespace
@@ -194,28 +195,12 @@ std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<Ca
     ++linked[verified_pair.first];
     ++linked[verified_pair.second];
   }
-  std::vector<std::optional<Track>> found(pairs.size());
-  ParallelFor(pairs.size(), threads, [&](std::size_t p) {
+  return ParallelCollect(pairs.size(), threads, [&](std::size_t p) -> std::optional<Track> {
     const CandidatePair& pair = pairs[p];
-    if (pair.overlap < kMinOverlap) return;
-    if (linked[pair.first] >= kEnoughPairs && linked[pair.second] >= kEnoughPairs) return;
-    const std::optional<DirectTie> tie = RegisterDirectly(input, pair.first, pair.second, relief);
-    if (!tie) return;
-    Track track;
-    track.point_in_enu = tie->place_in_enu;
-    Eigen::Vector2d pixel;
-    if (!PixelOf(input.views[pair.first], tie->place_in_enu, &pixel)) return;
-    track.observations.push_back({pair.first, pixel, tie->sigma_m / input.views[pair.first].GsdM()});
-    const Eigen::Vector3d shown(tie->place_in_enu + Eigen::Vector3d(tie->shift_m.x(), tie->shift_m.y(), 0.0));
-    if (!PixelOf(input.views[pair.second], shown, &pixel)) return;
-    track.observations.push_back({pair.second, pixel, tie->sigma_m / input.views[pair.second].GsdM()});
-    found[p] = std::move(track);
+    if (pair.overlap < kMinOverlap) return std::nullopt;
+    if (linked[pair.first] >= kEnoughPairs && linked[pair.second] >= kEnoughPairs) return std::nullopt;
+    return RegisterDirectly(input, pair.first, pair.second, relief);
   });
-  std::vector<Track> tracks;
-  for (std::optional<Track>& track : found) {
-    if (track) tracks.push_back(std::move(*track));
-  }
-  return tracks;
 }
 
 bool Agrees(const std::vector<View>& views, const Track& tie) {

@@ -237,8 +237,8 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
     }
     const std::size_t step = std::max<std::size_t>(1, pair.matches.size() / kMaxPlacesPerPair);
     for (std::size_t k = 0; k < pair.matches.size(); k += step) {
-      places[l].emplace_back((*views[pair.first].projected)[pair.matches[k].first].place,
-                             (*views[pair.second].projected)[pair.matches[k].second].place);
+      places[l].emplace_back(views[pair.first].projected[pair.matches[k].first].place,
+                             views[pair.second].projected[pair.matches[k].second].place);
     }
   }
   for (std::size_t p = 0; p < components.members.size(); ++p) {

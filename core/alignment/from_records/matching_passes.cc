@@ -151,7 +151,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
     }
   };
 
-  ProjectedKeypoints projected;
+  std::vector<GroundView> projected;
   std::vector<VerifiedPair> verified;
   const auto match_first_pass = [&] {
     matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat);
@@ -170,8 +170,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
     }
     match_first_pass();
   }
-  GroundGraph graph =
-      SolveGroundGraph(recorded, verified, projected.views, kFirstToleranceFactor * tolerance_m);
+  GroundGraph graph = SolveGroundGraph(recorded, verified, projected, kFirstToleranceFactor * tolerance_m);
   ReportRejected(graph, verified, posed, matched.rejected);
   matched.links = KeepInliers(graph, verified);
   total = graph.corrections;
@@ -190,7 +189,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
       expected[i].sigma_m = recorded[i].sigma_m;
       expected[i].sigma_turn_rad = recorded[i].sigma_turn_rad;
     }
-    graph = SolveGroundGraph(expected, verified, projected.views, tolerance_m);
+    graph = SolveGroundGraph(expected, verified, projected, tolerance_m);
     matched.links = KeepInliers(graph, verified);
     for (std::size_t i = 0; i < count; ++i) {
       if (graph.corrections[i].component < 0 && total[i].component >= 0) continue;

@@ -131,11 +131,9 @@ class CellIndex {
 struct BestTwo {
   int best = kFarthest, second = kFarthest, index = -1;
 
-  // is_same(a, b): these are one keypoint seen in two directions, so that they are no rivals.
-  template <typename IsSame>
-  void Offer(int distance, int candidate, const IsSame& is_same) {
+  void Offer(int distance, int candidate, const PhotoFeatures& features) {
     if (distance >= best && distance >= second) return;
-    const bool same = index >= 0 && is_same(index, candidate);
+    const bool same = index >= 0 && AreOnePatch(features, index, candidate);
     if (distance < best) {
       if (!same) second = best;
       best = distance;
@@ -151,8 +149,8 @@ struct BestTwo {
 std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundView& second,
                                          const GroundSimilarity& second_from_first,
                                          const MatchWindow& window) {
-  const std::vector<GroundKeypoint>& projected_first = *first.projected;
-  const std::vector<GroundKeypoint>& projected_second = *second.projected;
+  const std::vector<GroundKeypoint>& projected_first = first.projected;
+  const std::vector<GroundKeypoint>& projected_second = second.projected;
   const int count_first = std::min<int>(window.max_features, static_cast<int>(projected_first.size()));
   const int count_second = std::min<int>(window.max_features, static_cast<int>(projected_second.size()));
   const bool anywhere = !std::isfinite(window.radius_m);
@@ -160,15 +158,6 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
   CellIndex index(projected_second, count_second, anywhere ? 1e9 : 0.5 * window.radius_m);
   const double turned = std::arg(second_from_first.turn_and_scale);
   const double grown = std::log2(std::abs(second_from_first.turn_and_scale));
-  const auto is_same_of = [](const PhotoFeatures& features) {
-    return [&features](int a, int b) {
-      const Keypoint& x = features.keypoints[a];
-      const Keypoint& y = features.keypoints[b];
-      const float dx = x.x_px - y.x_px, dy = x.y_px - y.y_px, near = 0.5F * std::min(x.scale_px, y.scale_px);
-      return dx * dx + dy * dy < near * near;
-    };
-  };
-  const auto same_of_first = is_same_of(*first.features), same_of_second = is_same_of(*second.features);
   std::vector<BestTwo> of_first(count_first), of_second(count_second);
   for (int i = 0; i < count_first; ++i) {
     if (!projected_first[i].is_on_ground) continue;
@@ -177,8 +166,8 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
                         one.log2_scale + grown,        window.max_log2_scale, window.max_turn_rad};
     index.ForEach(wanted, [&](int j) {
       const int distance = SquaredDistance(first.features->descriptors[i], second.features->descriptors[j]);
-      of_first[i].Offer(distance, j, same_of_second);
-      of_second[j].Offer(distance, i, same_of_first);
+      of_first[i].Offer(distance, j, *second.features);
+      of_second[j].Offer(distance, i, *first.features);
     });
   }
   const double max_ratio = window.max_distance_ratio * window.max_distance_ratio;

@@ -24,45 +24,32 @@ std::complex<double> Baseline(const View& first, const View& second) {
   return {apart.x(), apart.y()};
 }
 
-std::optional<VerifiedPair> VerifyPair(int first, int second, const ProjectedKeypoints& projected,
+std::optional<VerifiedPair> VerifyPair(int first, int second, const std::vector<GroundView>& projected,
                                        const std::vector<KeypointMatch>& matches,
                                        const VerificationOptions& options) {
-  std::optional<VerifiedPair> pair =
-      VerifyOnGround(projected.views[first], projected.views[second], matches, options);
+  std::optional<VerifiedPair> pair = VerifyOnGround(projected[first], projected[second], matches, options);
   if (pair) pair->first = first, pair->second = second;
   return pair;
 }
 
-std::vector<VerifiedPair> Collect(std::vector<std::optional<VerifiedPair>>& found) {
-  std::vector<VerifiedPair> verified;
-  for (std::optional<VerifiedPair>& pair : found) {
-    if (pair) verified.push_back(std::move(*pair));
-  }
-  return verified;
-}
-
 }  // namespace
 
-ProjectedKeypoints ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads) {
-  ProjectedKeypoints projected;
-  projected.keypoints.resize(input.views.size());
-  projected.views.resize(input.views.size());
+std::vector<GroundView> ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads) {
+  std::vector<GroundView> projected(input.views.size());
   ParallelFor(input.views.size(), threads, [&](std::size_t i) {
-    if (!input.features[i]) return;
-    projected.keypoints[i] = ProjectToGround(*input.features[i], input.views[i], relief);
-    projected.views[i] = {input.features[i], &projected.keypoints[i]};
+    const PhotoFeatures* features = input.features[i];
+    if (features) projected[i] = {features, ProjectToGround(*features, input.views[i], relief)};
   });
   return projected;
 }
 
-std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const ProjectedKeypoints& projected,
+std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::vector<GroundView>& projected,
                                          const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
                                          int threads) {
-  std::vector<std::optional<VerifiedPair>> found(pairs.size());
-  ParallelFor(pairs.size(), threads, [&](std::size_t p) {
+  return ParallelCollect(pairs.size(), threads, [&](std::size_t p) -> std::optional<VerifiedPair> {
     const int i = pairs[p].first;
     const int j = pairs[p].second;
-    if (!projected.views[i].features || !projected.views[j].features) return;
+    if (!projected[i].features || !projected[j].features) return std::nullopt;
     const TraceSpan span("match pair");
     const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
     const double sigma_turn = std::hypot(input.sigma_turn_rad[i], input.sigma_turn_rad[j]);
@@ -75,12 +62,11 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
     window.max_turn_rad =
         pass.sigmas > 0.0 ? std::max(pass.max_turn_rad, 3.0 * sigma_turn + 0.3) : pass.max_turn_rad;
     window.max_distance_ratio = pass.max_distance_ratio;
-    std::vector<KeypointMatch> matches = MatchOnGround(projected.views[i], projected.views[j], {}, window);
+    std::vector<KeypointMatch> matches = MatchOnGround(projected[i], projected[j], {}, window);
     if (!pass.fit_motion) {
-      if (static_cast<int>(matches.size()) < pass.min_matches) return;
+      if (static_cast<int>(matches.size()) < pass.min_matches) return std::nullopt;
       matches.shrink_to_fit();
-      found[p] = VerifiedPair{i, j, {}, std::move(matches), 0.0};
-      return;
+      return VerifiedPair{i, j, {}, std::move(matches), 0.0};
     }
     VerificationOptions options;
     options.first_tolerance_m =
@@ -91,12 +77,12 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
     options.search_area_m2 = std::numbers::pi * window.radius_m * window.radius_m;
     options.any_turn = window.max_turn_rad > 1.5;
     options.min_matches = pass.min_matches;
-    found[p] = VerifyPair(i, j, projected, matches, options);
+    return VerifyPair(i, j, projected, matches, options);
   });
-  return Collect(found);
 }
 
-std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& projected,
+std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input,
+                                          const std::vector<GroundView>& projected,
                                           const std::vector<CandidatePair>& tried,
                                           const std::vector<VerifiedPair>& verified, int threads) {
   const int count = static_cast<int>(input.views.size());
@@ -145,25 +131,18 @@ std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const Proj
     }
   }
   std::sort(chosen.begin(), chosen.end());
-  std::vector<std::optional<VerifiedPair>> found(chosen.size());
-  ParallelFor(chosen.size(), threads, [&](std::size_t p) {
+  return ParallelCollect(chosen.size(), threads, [&](std::size_t p) {
     const auto [i, j] = chosen[p];
     const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
-    MatchWindow window;
-    window.max_features = kLostFeatures;
-    window.max_distance_ratio = 0.8;
-    const std::vector<KeypointMatch> matches =
-        MatchOnGround(projected.views[i], projected.views[j], {}, window);
-    VerificationOptions options;
-    options.first_tolerance_m = 0.07 * width_m;
-    options.last_tolerance_m = 0.02 * width_m;
-    options.baseline_m = 0.0;  // not to be trusted here
-    options.search_area_m2 = width_m * width_m;
-    options.any_turn = true;
-    options.min_matches = kLostMinMatches;
-    found[p] = VerifyPair(i, j, projected, matches, options);
+    const MatchWindow window{.max_distance_ratio = 0.8, .max_features = kLostFeatures};
+    return VerifyPair(i, j, projected, MatchOnGround(projected[i], projected[j], {}, window),
+                      {.first_tolerance_m = 0.07 * width_m,
+                       .last_tolerance_m = 0.02 * width_m,
+                       .baseline_m = 0.0,  // not to be trusted here
+                       .search_area_m2 = width_m * width_m,
+                       .any_turn = true,
+                       .min_matches = kLostMinMatches});
   });
-  return Collect(found);
 }
 
 }  // namespace skyquilt::alignment

@@ -30,20 +30,16 @@ struct MatchingInput {
   std::vector<double> sigma_turn_rad;
 };
 
-struct ProjectedKeypoints {
-  std::vector<std::vector<GroundKeypoint>> keypoints;
-  std::vector<GroundView> views;
-};
+// By photo; those that could not be read have no features.
+std::vector<GroundView> ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads);
 
-// Projects every photo's keypoints to the ground.
-ProjectedKeypoints ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads);
-
-std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const ProjectedKeypoints& projected,
+std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::vector<GroundView>& projected,
                                          const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
                                          int threads);
 
 // `tried` are the candidates matched so far, `verified` those of them that were verified.
-std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& projected,
+std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input,
+                                          const std::vector<GroundView>& projected,
                                           const std::vector<CandidatePair>& tried,
                                           const std::vector<VerifiedPair>& verified, int threads);
 

@@ -76,14 +76,6 @@ SKYQUILT_VECTOR_CLONES int CountBelow(const std::int32_t* values, int count, std
   return below;
 }
 
-// One place described in two directions or two sizes is no rival of itself.
-bool IsSamePlace(const PhotoFeatures& features, int a, int b) {
-  const Keypoint& x = features.keypoints[a];
-  const Keypoint& y = features.keypoints[b];
-  const float dx = x.x_px - y.x_px, dy = x.y_px - y.y_px, near = 0.5F * std::min(x.scale_px, y.scale_px);
-  return dx * dx + dy * dy < near * near;
-}
-
 // The nearest of the row, where it stands out from all at other places; -1: none does.
 int StandsOut(const std::int32_t* distances, int count, std::int32_t square, double max_ratio2,
               const PhotoFeatures& features) {
@@ -93,7 +85,7 @@ int StandsOut(const std::int32_t* distances, int count, std::int32_t square, dou
   const int nearest = static_cast<int>(std::find(distances, distances + count, least) - distances);
   if (CountBelow(distances, count, limit) > 1) {
     for (int j = 0; j < count; ++j) {
-      if (distances[j] < limit && j != nearest && !IsSamePlace(features, j, nearest)) return -1;
+      if (distances[j] < limit && j != nearest && !AreOnePatch(features, j, nearest)) return -1;
     }
   }
   return nearest;

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/alignment/scene/disjoint_sets.h"
+#include "core/alignment/scene/photo_set.h"
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -121,7 +124,7 @@ std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const Ground
   std::vector<std::pair<Complex, Complex>> places;
   places.reserve(count);
   for (const KeypointMatch& match : matches) {
-    places.emplace_back((*first.projected)[match.first].place, (*second.projected)[match.second].place);
+    places.emplace_back(first.projected[match.first].place, second.projected[match.second].place);
   }
   const auto find_inliers = [&](const GroundSimilarity& motion, const Tolerance& tolerance) {
     std::vector<int> inliers;
@@ -138,7 +141,7 @@ std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const Ground
   const int step = std::max(1, count / kMaxTrials);
   for (int k = 0; k < count; k += step) {
     const double keypoint_turn = std::remainder(
-        (*second.projected)[matches[k].second].angle_rad - (*first.projected)[matches[k].first].angle_rad,
+        second.projected[matches[k].second].angle_rad - first.projected[matches[k].first].angle_rad,
         2.0 * std::numbers::pi);
     for (const double turn : {0.0, keypoint_turn}) {
       if (!options.any_turn && std::abs(turn) > kTrustedTurnRad) continue;
@@ -182,23 +185,18 @@ std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const Ground
 }
 
 ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& pairs) {
-  std::vector<int> root(photos, -1);  // negative: no verified pair so far
-  const auto find = [&](int i) {
-    if (root[i] < 0) root[i] = i;
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
+  DisjointSets sets(photos);
+  PhotoSet paired(photos);
   for (const VerifiedPair& pair : pairs) {
-    const int a = find(pair.first);
-    const int b = find(pair.second);
-    root[std::max(a, b)] = std::min(a, b);
+    sets.Join(sets.SetOf(pair.first), sets.SetOf(pair.second));
+    for (const int photo : {pair.first, pair.second}) paired.Add(photo);
   }
   ConnectedComponents components;
   components.of_photo.assign(photos, -1);
   std::vector<int> number(photos, -1);
   for (std::size_t i = 0; i < photos; ++i) {
-    if (root[i] < 0) continue;
-    const int r = find(static_cast<int>(i));
+    if (!paired.Has(i)) continue;
+    const int r = sets.SetOf(static_cast<int>(i));
     if (number[r] < 0) {
       number[r] = static_cast<int>(components.members.size());
       components.members.emplace_back();

@@ -2,6 +2,7 @@
 // it shows where (told by core/alignment/features). Values; any thread.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -54,5 +55,13 @@ struct PhotoFeatures {
   double decode_s = 0.0;  // wall seconds
   double detect_s = 0.0;
 };
+
+// One patch described in two directions or two sizes, which is no rival of itself.
+inline bool AreOnePatch(const PhotoFeatures& features, int a, int b) {
+  const Keypoint& x = features.keypoints[a];
+  const Keypoint& y = features.keypoints[b];
+  const float dx = x.x_px - y.x_px, dy = x.y_px - y.y_px, near = 0.5F * std::min(x.scale_px, y.scale_px);
+  return dx * dx + dy * dy < near * near;
+}
 
 }  // namespace skyquilt::alignment

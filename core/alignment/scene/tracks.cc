@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 
+#include "core/alignment/scene/disjoint_sets.h"
 #include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
@@ -28,33 +29,24 @@ bool IsOnePlace(const PhotoFeatures& features, int a, int b) {
   return std::hypot(x.x_px - y.x_px, x.y_px - y.y_px) <= 1.0F;
 }
 
-// The keypoints of all photos under running numbers, and which of them are one point by the matches joined so
-// far (disjoint sets; the smallest number stands for its set).
+// The keypoints of all photos under running numbers, and which of them are one point by the matches so far.
 class KeypointSets {
  public:
   // By photo; null: it has none.
-  explicit KeypointSets(const std::vector<const PhotoFeatures*>& features) : first_of_{0} {
+  explicit KeypointSets(const std::vector<const PhotoFeatures*>& features) : first_of_{0}, sets_(0) {
     for (const PhotoFeatures* one : features) {
       first_of_.push_back(first_of_.back() + (one ? static_cast<int>(one->keypoints.size()) : 0));
     }
-    root_.resize(first_of_.back());
-    std::iota(root_.begin(), root_.end(), 0);
+    sets_ = DisjointSets(first_of_.back());
   }
 
-  std::size_t size() const { return root_.size(); }
-  int SetOf(const TrackElement& one) {
-    int number = first_of_[one.photo] + one.keypoint;
-    while (root_[number] != number) {
-      int& up = root_[number];
-      number = up = root_[up];
-    }
-    return number;
-  }
-  // Two sets by what stands for them.
-  void Join(int a, int b) { root_[std::max(a, b)] = std::min(a, b); }
+  std::size_t size() const { return sets_.size(); }
+  int SetOf(const TrackElement& one) { return sets_.SetOf(first_of_[one.photo] + one.keypoint); }
+  void Join(int a, int b) { sets_.Join(a, b); }
 
  private:
-  std::vector<int> first_of_, root_;
+  std::vector<int> first_of_;
+  DisjointSets sets_;
 };
 
 // Sets that know their members, each photo at most once.
@@ -136,6 +128,15 @@ PhotoSet ObservingPhotos(std::size_t photos, const std::vector<Track>& tracks) {
     for (const Observation& seen : track.observations) observing.Add(seen.photo);
   }
   return observing;
+}
+
+std::vector<Eigen::Vector3d> PointsWithHeights(const std::vector<Track>& tracks) {
+  constexpr double kUsefulAngleRad = 0.06;
+  std::vector<Eigen::Vector3d> points;
+  for (const Track& track : tracks) {
+    if (track.angle_rad > kUsefulAngleRad) points.push_back(track.point_in_enu);
+  }
+  return points;
 }
 
 double WidestAngle(const std::vector<View>& views, const Track& track) {

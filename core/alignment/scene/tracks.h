@@ -33,6 +33,8 @@ double KeypointSigmaPx(const PhotoFeatures& features, int keypoint);
 // Which of so many photos see any of the tracks.
 PhotoSet ObservingPhotos(std::size_t photos, const std::vector<Track>& tracks);
 
+// Those whose rays meet at an angle that tells their heights.
+std::vector<Eigen::Vector3d> PointsWithHeights(const std::vector<Track>& tracks);
 // Photos that see fewer are not held by them.
 inline constexpr int kEnoughObservations = 12;
 

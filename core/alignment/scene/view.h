@@ -63,7 +63,7 @@ struct GroundKeypoint {
 // What a search needs of one photo.
 struct GroundView {
   const PhotoFeatures* features = nullptr;
-  const std::vector<GroundKeypoint>* projected = nullptr;
+  std::vector<GroundKeypoint> projected;  // its keypoints
 };
 
 std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const View& view,

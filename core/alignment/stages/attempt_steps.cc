@@ -24,15 +24,6 @@ constexpr double kGroundSigmas = 3.0;  // largest error of an observation of a p
 
 constexpr std::size_t kManyPhotos = 500;
 
-std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
-  constexpr double kUsefulAngleRad = 0.06;
-  std::vector<Eigen::Vector3d> points;
-  for (const Track& track : tracks) {
-    if (track.angle_rad > kUsefulAngleRad) points.push_back(track.point_in_enu);
-  }
-  return points;
-}
-
 }  // namespace
 
 Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
@@ -58,7 +49,8 @@ Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const Ali
 
 Relief AdjustedRelief(const Attempt& attempt) {
   const double cell_m = kReliefCellGsds * MedianWidthM(attempt.input.views) / kResidualWidthPx;
-  return Relief::FromPoints(ReliefPoints(attempt.problem.tracks), cell_m, attempt.posed.ground_z_in_enu_m);
+  return Relief::FromPoints(PointsWithHeights(attempt.problem.tracks), cell_m,
+                            attempt.posed.ground_z_in_enu_m);
 }
 
 Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions& options) {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "core/alignment/from_records/direct_registration.h"
+#include "core/alignment/matching/verified_pair.h"
 #include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 
@@ -52,24 +52,11 @@ std::vector<int> FindAligned(const BundleProblem& problem, std::vector<Support>&
       if (support[i].observations < kEnoughObservations) strong.Remove(i);
     }
   }
-  std::vector<int> component(count, -1);
-  int components = 0;
+  std::vector<VerifiedPair> ties;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!strong.Has(i) || component[i] >= 0) continue;
-    std::vector<int> open{static_cast<int>(i)};
-    component[i] = components;
-    while (!open.empty()) {
-      const int at = open.back();
-      open.pop_back();
-      for (const int other : support[at].tied_to) {
-        if (component[other] >= 0) continue;
-        component[other] = components;
-        open.push_back(other);
-      }
-    }
-    ++components;
+    for (const int other : support[i].tied_to) ties.push_back({static_cast<int>(i), other, {}, {}, 0.0});
   }
-  return component;
+  return FindConnectedComponents(count, ties).of_photo;
 }
 
 // How the aligned photos of a line moved against their records, in cam (turn) and enu (shift).

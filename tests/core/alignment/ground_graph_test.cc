@@ -44,7 +44,7 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
       }
     }
   }
-  for (int i = 0; i < 12; ++i) block.views.push_back({nullptr, &block.projected[i]});
+  for (int i = 0; i < 12; ++i) block.views.push_back({nullptr, block.projected[i]});
   for (int i = 0; i < 12; ++i) {
     for (int j = i + 1; j < 12; ++j) {
       VerifiedPair link{i, j, {}, {}, 0.0};

@@ -26,7 +26,7 @@ struct Side {
     features.descriptors.push_back(descriptor);
     projected.push_back({place, angle_rad, log2_scale, true});
   }
-  GroundView View() const { return {&features, &projected}; }
+  GroundView View() const { return {&features, projected}; }
 };
 
 Descriptor RandomDescriptor(std::mt19937& random) {
