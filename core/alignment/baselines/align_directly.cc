@@ -39,9 +39,8 @@ Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const fligh
   }
   const Relief flat(posed.ground_z_in_enu_m);
   BundleProblem problem = MakeBundle(posed, as_recorded, FindLines(places));
-  BundleOptions once;
-  once.cuts_px = {0.0};
-  once.adjust_lens = false;  // one shift a pair says nothing of it
+  // One shift a pair says nothing of the lens.
+  const BundleOptions once{.cuts_px = {0.0}, .adjust_lens = false};
   for (int pass = 0; pass < kPasses && !progress.IsCancelled(); ++pass) {
     progress.Report(0.8 + 0.1 * pass, "comparing photos");
     const std::vector<CandidatePair> pairs = SelectPairs(input.views, input.ground_sigma_m, flat);

@@ -351,12 +351,10 @@ std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points) 
 void PredictControl(const BundleProblem& problem, std::vector<ControlReport>& reports) {
   const std::size_t points = problem.control.size();
   if (points < kMinPredictedPoints || points * ObservationsOf(problem) > kMaxPredictedObservations) return;
-  BundleOptions once;
-  once.cuts_px = {0.0};
   for (std::size_t left = 0; left < points; ++left) {
     BundleProblem others = problem;
     others.control.erase(others.control.begin() + static_cast<std::ptrdiff_t>(left));
-    if (AdjustBundle(others, once).termination == BundleTermination::kFailed) continue;
+    if (AdjustBundle(others, {.cuts_px = {0.0}}).termination == BundleTermination::kFailed) continue;
     const BundleControl& point = problem.control[left];
     const std::optional<Eigen::Vector3d> apart = SeenFromSurveyed(ViewsOf(others), point);
     if (!apart) continue;

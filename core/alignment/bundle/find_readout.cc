@@ -92,9 +92,7 @@ std::vector<int> LensesThatRoll(const BundleProblem& adjusted, const std::vector
     lens.finds_readout = false;
     lens.readout_s = 0.0;
   }
-  BundleOptions as_they_are;
-  as_they_are.cuts_px = {1e9};  // the same observations
-  AdjustBundle(still, as_they_are);
+  AdjustBundle(still, {.cuts_px = {1e9}});  // the same observations
   std::vector<int> rolling;
   for (const int c : lenses) {
     const double readout_s = std::abs(adjusted.lenses[c].readout_s);

@@ -200,11 +200,8 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
     for (Observation& seen : track.observations) seen.photo = number_of(seen.photo);
   }
   if (problem.tracks.empty()) return;
-  BundleOptions bundle;
-  bundle.cuts_px = options.cuts_px;
-  bundle.max_iterations = options.max_iterations;
-  bundle.adjust_lens = options.adjust_lens && free.empty();
-  AdjustBundle(problem, bundle);
+  const bool adjust_lens = options.adjust_lens && free.empty();
+  AdjustBundle(problem, {options.cuts_px, options.max_iterations, adjust_lens});
   for (std::size_t n = 0; n < photo_of.size(); ++n) {
     if (!problem.photos[n].is_fixed) {
       cam_from_world_[photo_of[n]] = problem.photos[n].cam_from_enu;
@@ -214,7 +211,7 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
     TriangulateSeenBy(free, threads);
     return;
   }
-  if (bundle.adjust_lens) {
+  if (adjust_lens) {
     lenses_ = std::move(problem.lenses);
     ParallelFor(placed_.Photos(), threads, [&](std::size_t i) {
       if (placed_.Has(i)) FindRays(static_cast<int>(i));

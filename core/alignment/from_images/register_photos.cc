@@ -7,7 +7,6 @@
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/from_images/grow_block.h"
 #include "core/alignment/from_images/view_graph.h"
-#include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
 
 namespace skyquilt::alignment {
@@ -121,11 +120,8 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
   }
   registration.residual_rms_px = observations > 0 ? std::sqrt(square / observations) : 0.0;
   for (const GraphPair& pair : graph.pairs) {
-    RegisteredPhoto& first = registration.photos[pair.first];
-    RegisteredPhoto& second = registration.photos[pair.second];
-    if (first.block < 0 || first.block != second.block) continue;
-    ++first.links;
-    ++second.links;
+    const int block = registration.photos[pair.first].block;
+    if (block < 0 || block != registration.photos[pair.second].block) continue;
     registration.links.push_back({pair.first, pair.second, {}, pair.view.matches, 0.0});
   }
 }
@@ -181,7 +177,6 @@ Registration RegisterPhotos(const RegistrationInput& given, int threads, Progres
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
   ViewGraph graph = BuildViewGraph(input, threads, report, progress);
   for (int pass = 0;; ++pass) {
-    ScopedTimer timer(report.growing_s);
     const SceneTracks scene = JoinMatches(input.Features(), graph.pairs);
     const std::vector<Block> blocks = GrowBlocks(input, graph, scene, threads, progress);
     Registration grown = begun;

@@ -13,7 +13,6 @@
 #include "core/alignment/matching/pair_sources.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
-#include "core/base/scoped_timer.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -150,24 +149,11 @@ void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) 
     }
   }
   if (is_changed) averaged = AverageRotations(photos, Rotations(graph.pairs));
-  if (!graph.pairs.empty()) {
-    const double refused_rad = std::max(kMinRefusedRad, kRefusedMedians * Median(averaged.residual_rad));
-    std::vector<GraphPair> kept;
-    for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
-      if (averaged.residual_rad[p] <= refused_rad) {
-        kept.push_back(std::move(graph.pairs[p]));
-      } else {
-        ++report.pairs_refused;
-      }
-    }
-    graph.pairs = std::move(kept);
-  }
-  report.pairs_flat = report.pairs_relief = report.pairs_without_parallax = 0;
-  for (const GraphPair& pair : graph.pairs) {
-    ++(pair.view.scene == Scene::kFlat     ? report.pairs_flat
-       : pair.view.scene == Scene::kRelief ? report.pairs_relief
-                                           : report.pairs_without_parallax);
-  }
+  if (graph.pairs.empty()) return;
+  const double refused_rad = std::max(kMinRefusedRad, kRefusedMedians * Median(averaged.residual_rad));
+  std::size_t p = 0;
+  report.pairs_refused += static_cast<int>(std::erase_if(
+      graph.pairs, [&](const GraphPair&) { return !(averaged.residual_rad[p++] <= refused_rad); }));
 }
 
 }  // namespace
@@ -176,67 +162,52 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, Registrati
                          Progress& progress) {
   ViewGraph graph;
   const int count = static_cast<int>(input.photos.size());
-  std::vector<Pair> candidates;
-  Appearance appearance;
-  {
-    ScopedTimer timer(report.candidates_s);
-    appearance = Appearance::Learn(input.Features(), threads);
-    candidates = CandidatePairs({input.photos, appearance, {}, {}, threads});
-  }
+  const Appearance appearance = Appearance::Learn(input.Features(), threads);
+  Verifier verifier(input, threads);
+  const auto compare = [&](const std::vector<Pair>& pairs, int features) {
+    verifier.Compare(pairs, features, graph);
+    report.pairs_compared += static_cast<int>(pairs.size());
+  };
+  const std::vector<Pair> candidates = CandidatePairs({input.photos, appearance, {}, {}, threads});
+  compare(candidates, kFeatures);
   std::set<Pair> tried(candidates.begin(), candidates.end());
-  {
-    ScopedTimer timer(report.matching_s);
-    Verifier verifier(input, threads);
-    verifier.Compare(candidates, kFeatures, graph);
-    report.pairs_compared = static_cast<int>(candidates.size());
-    for (const bool is_last : {false, true}) {
-      if (progress.IsCancelled()) break;
-      const PhotoSet wanted = WithFewerPartners(input, graph.pairs, is_last ? kFewPartners : kEnoughPartners);
-      if (wanted.Count() == 0) break;
-      std::vector<Pair> more =
-          CandidatePairs({input.photos, appearance, CandidateOptions::Generous(), wanted, threads});
-      // The last time all of their features are compared, also with those that did not agree by the first.
-      std::set<Pair> done;
-      for (const GraphPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
-      std::erase_if(
-          more, [&](const Pair& pair) { return done.contains(pair) || (!is_last && tried.contains(pair)); });
-      verifier.Compare(more, is_last ? kFeaturesOfWeak : kFeatures, graph);
-      report.pairs_compared += static_cast<int>(more.size());
-      tried.insert(more.begin(), more.end());
-    }
-    if (!progress.IsCancelled()) {
-      const std::vector<Pair> more = ThroughOthers(count, graph.pairs, tried);
-      verifier.Compare(more, kFeatures, graph);
-      report.pairs_compared += static_cast<int>(more.size());
-    }
-    Sort(graph.pairs);
-    report.pairs_verified = static_cast<int>(graph.pairs.size());
+  for (const bool is_last : {false, true}) {
+    if (progress.IsCancelled()) break;
+    const PhotoSet wanted = WithFewerPartners(input, graph.pairs, is_last ? kFewPartners : kEnoughPartners);
+    if (wanted.Count() == 0) break;
+    std::vector<Pair> more =
+        CandidatePairs({input.photos, appearance, CandidateOptions::Generous(), wanted, threads});
+    // The last time all of their features are compared, also with those that did not agree by the first.
+    std::set<Pair> done;
+    for (const GraphPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
+    std::erase_if(
+        more, [&](const Pair& pair) { return done.contains(pair) || (!is_last && tried.contains(pair)); });
+    compare(more, is_last ? kFeaturesOfWeak : kFeatures);
+    tried.insert(more.begin(), more.end());
   }
-  ScopedTimer timer(report.rotations_s);
+  if (!progress.IsCancelled()) compare(ThroughOthers(count, graph.pairs, tried), kFeatures);
+  Sort(graph.pairs);
+  report.pairs_verified = static_cast<int>(graph.pairs.size());
   AgreeOnRotations(count, graph, report);
   return graph;
 }
 
 void VerifyAgain(const RegistrationInput& input, int threads, RegistrationReport& report, ViewGraph& graph) {
   graph.pairs.clear();
-  {
-    ScopedTimer timer(report.matching_s);
-    Verifier(input, threads).Verify(graph.compared, graph.pairs);
-    Sort(graph.pairs);
-    // A pair that was compared twice, with all features the second time: the better.
-    std::vector<GraphPair> once;
-    for (GraphPair& pair : graph.pairs) {
-      if (once.empty() || once.back().first != pair.first || once.back().second != pair.second) {
-        once.push_back(std::move(pair));
-      } else if (pair.view.matches.size() > once.back().view.matches.size()) {
-        once.back() = std::move(pair);
-      }
+  Verifier(input, threads).Verify(graph.compared, graph.pairs);
+  Sort(graph.pairs);
+  // A pair that was compared twice, with all features the second time: the better.
+  std::vector<GraphPair> once;
+  for (GraphPair& pair : graph.pairs) {
+    if (once.empty() || once.back().first != pair.first || once.back().second != pair.second) {
+      once.push_back(std::move(pair));
+    } else if (pair.view.matches.size() > once.back().view.matches.size()) {
+      once.back() = std::move(pair);
     }
-    graph.pairs = std::move(once);
   }
+  graph.pairs = std::move(once);
   report.pairs_verified = static_cast<int>(graph.pairs.size());
   report.pairs_refused = 0;
-  ScopedTimer timer(report.rotations_s);
   AgreeOnRotations(static_cast<int>(input.photos.size()), graph, report);
 }
 

@@ -36,13 +36,10 @@ struct RegisteredPhoto {
   geo::Rigid3 cam_from_world;
   int lens = 0;
   int block = -1;  // 0 is the largest; negative: not registered
-  int links = 0;   // verified pairs with photos of its block
 };
 
 struct RegistrationReport {
   int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
-  int pairs_flat = 0, pairs_relief = 0, pairs_without_parallax = 0;                 // of those not refused
-  double candidates_s = 0.0, matching_s = 0.0, rotations_s = 0.0, growing_s = 0.0;  // wall
 };
 
 struct Registration {

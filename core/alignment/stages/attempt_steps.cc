@@ -225,8 +225,7 @@ Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& pr
   progress.Report(0.92, "adjusting");
   bool is_bent = ReweighPriors(attempt.problem);
   attempt.problem.plane = PlaneOf(attempt);
-  BundleOptions last;
-  last.estimate_lens_sigma = attempt.problem.photos.size() <= kMaxPhotosForLensSigma;
+  const BundleOptions last{.estimate_lens_sigma = attempt.problem.photos.size() <= kMaxPhotosForLensSigma};
   attempt = Adjusted(std::move(attempt), last, options);
   for (int round = 1; is_bent && round < kMaxUnbent; ++round) {
     is_bent = ReweighPositions(attempt.problem);

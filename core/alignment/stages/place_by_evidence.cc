@@ -42,20 +42,10 @@ constexpr int kMaxLostRounds = 5;
 constexpr double kOtherFocalSigmas = 3.0;
 constexpr double kSigmaFoundFocal = 0.01;
 
-BundleOptions FirstAdjustment() {
-  BundleOptions first;
-  first.cuts_px = {30.0, 10.0};
-  first.max_iterations = 15;
-  return first;
-}
+BundleOptions FirstAdjustment() { return {.cuts_px = {30.0, 10.0}, .max_iterations = 15}; }
 
 // Of photos that have been adjusted to each other.
-BundleOptions SettledAdjustment() {
-  BundleOptions settled = FirstAdjustment();
-  settled.cuts_px = {10.0};
-  settled.max_iterations = 8;
-  return settled;
-}
+BundleOptions SettledAdjustment() { return {.cuts_px = {10.0}, .max_iterations = 8}; }
 
 // How far the adjustment swung the photos' axes over the ground, in photo widths: half of them further.
 double LeanedShare(const std::vector<CorrectedPose>& corrected, const BundleProblem& problem) {

@@ -73,13 +73,9 @@ int main(int argc, char** argv) {
   }
   const alignment::Registration found = alignment::RegisterPhotos(blind, threads, progress);
   const alignment::RegistrationReport& report = found.report;
-  fmt::print(
-      "registration: cpu {:.2f} s; candidates {:.2f} s, matching {:.2f} s, rotations {:.2f} s, growing {:.2f} s\n",
-      CpuSeconds() - cpu, report.candidates_s, report.matching_s, report.rotations_s, report.growing_s);
-  fmt::print(
-      "pairs: {} compared, {} verified, {} refused; {} flat, {} relief, {} without parallax; {} tracks\n",
-      report.pairs_compared, report.pairs_verified, report.pairs_refused, report.pairs_flat,
-      report.pairs_relief, report.pairs_without_parallax, found.tracks.size());
+  fmt::print("registration: cpu {:.2f} s\n", CpuSeconds() - cpu);
+  fmt::print("pairs: {} compared, {} verified, {} refused; {} tracks\n", report.pairs_compared,
+             report.pairs_verified, report.pairs_refused, found.tracks.size());
   std::vector<int> links(photos.size(), 0);
   for (const alignment::VerifiedPair& link : found.links) ++links[link.first], ++links[link.second];
   for (std::size_t b = 0; b < found.block_sizes.size(); ++b) {
@@ -100,7 +96,7 @@ int main(int argc, char** argv) {
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (found.photos[i].block == 0) continue;
     fmt::print("  not in block 0: {} (block {}, {} links, {} features)\n", photos[i].name,
-               found.photos[i].block, found.photos[i].links, features[i].keypoints.size());
+               found.photos[i].block, links[i], features[i].keypoints.size());
   }
   for (const alignment::BundleLens& lens : found.lenses) {
     fmt::print("lens: focal {:.1f} -> {:.1f} px, k1 {:.4f} k2 {:.4f}\n", lens.recorded.focal_x_px,
