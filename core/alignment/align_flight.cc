@@ -4,7 +4,6 @@
 
 #include "core/alignment/stages/attempt_steps.h"
 #include "core/alignment/stages/conclude.h"
-#include "core/alignment/stages/extract_flight.h"
 #include "core/alignment/stages/place_by_evidence.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"

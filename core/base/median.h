@@ -1,11 +1,14 @@
 // Median: the middle value; of an even number the upper of the two middles, so that it is always one of the
 // values. Takes its values by copy, since finding it reorders them. Precondition: non-empty; MedianIfAny
-// is for values of which there may be none. Percentile: the same for any share. Pure; any thread.
+// is for values of which there may be none, MedianOf for what items have or are made into. Percentile: the
+// same for any share. Pure; any thread.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -27,6 +30,14 @@ inline constexpr double kSigmaOfMedian = 1.4826;
 template <typename Value>
 std::optional<Value> MedianIfAny(std::vector<Value> values) {
   if (values.empty()) return std::nullopt;
+  return Median(std::move(values));
+}
+
+// `of`: a member of the items, or a function of one.
+template <typename Item, typename Of>
+auto MedianOf(const std::vector<Item>& items, const Of& of) {
+  std::vector<std::decay_t<std::invoke_result_t<const Of&, const Item&>>> values;
+  for (const Item& item : items) values.push_back(std::invoke(of, item));
   return Median(std::move(values));
 }
 

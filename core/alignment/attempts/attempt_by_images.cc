@@ -260,9 +260,9 @@ ExtractedFlight WithUnplaced(const poses::PosedFlight& recorded) {
       whole.records.push_back(RecordOf(photo, false, posed.frame));
     return whole;
   }
-  std::vector<double> heights;
-  for (const poses::PosedPhoto& photo : posed.photos) heights.push_back(photo.height_above_ground_m);
-  const double height_m = heights.empty() ? kFallbackHeightM : Median(std::move(heights));
+  const double height_m = posed.photos.empty()
+                              ? kFallbackHeightM
+                              : MedianOf(posed.photos, &poses::PosedPhoto::height_above_ground_m);
   for (const flight::Photo& photo : recorded.unplaced)
     posed.photos.push_back(FallbackPose(photo, posed.frame, height_m, posed.ground_z_in_enu_m));
   posed.unplaced.clear();

@@ -79,9 +79,7 @@ PhotoSet TiedPhotos(const Attempt& attempt) {
 }
 
 double MedianWidthPx(const poses::PosedFlight& posed) {
-  std::vector<double> widths;
-  for (const poses::PosedPhoto& photo : posed.photos) widths.push_back(photo.photo.intrinsics.width_px);
-  return Median(std::move(widths));
+  return MedianOf(posed.photos, [](const poses::PosedPhoto& one) { return one.photo.intrinsics.width_px; });
 }
 
 AttemptEvidence Weigh(const ExtractedFlight& extracted, const Attempt& attempt) {

@@ -22,9 +22,7 @@ Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const fligh
   SKYQUILT_TRY(options.Validate());
   report = {};
   ScopedTimer total_timer(report.total_s);
-  FeatureOptions thumbnails_only;
-  thumbnails_only.detector_pixels = options.detector_pixels;
-  thumbnails_only.max_features = 0;
+  const FeatureOptions thumbnails_only{.detector_pixels = options.detector_pixels, .max_features = 0};
   const Photographed photographed =
       ExtractAll(posed, source, thumbnails_only, {}, options.threads, 0.8, progress);
   const std::size_t count = posed.photos.size();

@@ -80,12 +80,10 @@ std::vector<View> ViewsOf(const BundleProblem& problem) {
 BundleSummary AdjustBundle(BundleProblem& problem, const BundleOptions& options) {
   BundleSummary summary;
   std::vector<Eigen::Vector3d> line_bias_rad(problem.lines, Eigen::Vector3d::Zero());
-  std::vector<camera::Intrinsics> recorded;
-  for (const BundleLens& lens : problem.lenses) recorded.push_back(lens.recorded);
   BundleOptions round_options = options;
   for (std::size_t round = 0; round < options.cuts_px.size(); ++round) {
     round_options.estimate_lens_sigma = options.estimate_lens_sigma && round + 1 == options.cuts_px.size();
-    SolveRound(recorded, round_options, problem, line_bias_rad, summary);
+    SolveRound(round_options, problem, line_bias_rad, summary);
     summary.dropped += DropOutliers(ViewsOf(problem), options.cuts_px[round], problem.tracks);
   }
   const std::vector<View> views = ViewsOf(problem);

@@ -57,9 +57,8 @@ ceres::CostFunction* Derived(const Residual& residual) {
 // One solve from the problem's present state, which becomes the solution where there is a usable one.
 class Round {
  public:
-  Round(BundleProblem& problem, const std::vector<camera::Intrinsics>& recorded, const BundleOptions& options)
+  Round(BundleProblem& problem, const BundleOptions& options)
       : bundle_(problem),
-        recorded_(recorded),
         options_(options),
         first_lens_(kPoseSize * problem.photos.size()),
         first_bias_(first_lens_ + kLensSize * problem.lenses.size()),
@@ -115,7 +114,7 @@ class Round {
       if (in_use.Has(i)) eliminate_last(Pose(i));
       eliminate_last(Correction(i));
     }
-    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+    for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
       eliminate_last(Lens(c));
       eliminate_last(Readout(c));
     }
@@ -147,9 +146,9 @@ class Round {
   }
 
   void AddLenses() {
-    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+    for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
       const camera::Intrinsics& now = bundle_.lenses[c].intrinsics;
-      const camera::Intrinsics& was = recorded_[c];
+      const camera::Intrinsics& was = bundle_.lenses[c].recorded;
       Eigen::Map<Eigen::Matrix<double, kLensSize, 1>> lens(Lens(c));
       lens << std::log(now.focal_x_px / was.focal_x_px), now.center_x_px - was.center_x_px,
           now.center_y_px - was.center_y_px, now.k1, now.k2, now.p1, now.p2;
@@ -175,7 +174,7 @@ class Round {
       ceres_.AddResidualBlock(Derived<kRowsOfPoint, kPointSize>(residual), nullptr,
                               Point(bundle_.tracks.size() + t));
     }
-    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+    for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
       if (!ceres_.HasParameterBlock(Lens(c))) continue;
       if (!options_.adjust_lens || bundle_.lenses[c].is_fixed) {
         ceres_.SetParameterBlockConstant(Lens(c));
@@ -183,12 +182,12 @@ class Round {
       }
       const BundleLens& lens = bundle_.lenses[c];
       PriorResidual<kLensSize> prior;
-      prior.expected << 0.0, 0.0, 0.0, recorded_[c].k1, recorded_[c].k2, recorded_[c].p1, recorded_[c].p2;
+      prior.expected << 0.0, 0.0, 0.0, lens.recorded.k1, lens.recorded.k2, lens.recorded.p1, lens.recorded.p2;
       prior.sigma << lens.sigma_focal_share, lens.sigma_center_px, lens.sigma_center_px, lens.sigma_k1,
           lens.sigma_k2, lens.sigma_p, lens.sigma_p;
       AddPrior(prior, Lens(c));
     }
-    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+    for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
       if (!ceres_.HasParameterBlock(Readout(c))) continue;
       const BundleLens& lens = bundle_.lenses[c];
       PriorResidual<kReadoutSize> prior;
@@ -247,7 +246,7 @@ class Round {
 
   void AddObservation(double* point, const Observation& seen) {
     const BundlePhoto& photo = bundle_.photos[seen.photo];
-    const camera::Intrinsics& lens = recorded_[photo.lens];
+    const camera::Intrinsics& lens = bundle_.lenses[photo.lens].recorded;
     if (photo.readout_doubt.IsAny()) {
       ceres_.AddResidualBlock(
           MakeTurningReprojectionCost(photo.cam_from_enu, photo.readout_motion, photo.readout_doubt, lens,
@@ -268,7 +267,7 @@ class Round {
   // Of the whole photo where that is one, of the observation's row where the camera turned.
   std::shared_ptr<const CameraStart> StartAt(const Observation& seen) {
     const BundlePhoto& photo = bundle_.photos[seen.photo];
-    const camera::Intrinsics& lens = recorded_[photo.lens];
+    const camera::Intrinsics& lens = bundle_.lenses[photo.lens].recorded;
     if (!photo.readout_motion.turns_rad.empty()) {
       return StartOf(camera::PoseAtRow(photo.cam_from_enu, photo.readout_motion, seen.pixel_in_image.y(),
                                        lens.height_px),
@@ -314,7 +313,7 @@ class Round {
 
   void EstimateLensSigma() {
     std::vector<std::pair<const double*, const double*>> blocks;
-    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+    for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
       if (ceres_.HasParameterBlock(Lens(c)) && !ceres_.IsParameterBlockConstant(Lens(c))) {
         blocks.emplace_back(Lens(c), Lens(c));
       }
@@ -324,14 +323,14 @@ class Round {
     options.num_threads = 1;
     ceres::Covariance covariance(options);
     if (!covariance.Compute(blocks, &ceres_)) return;
-    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+    for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
       Eigen::Matrix<double, kLensSize, kLensSize, Eigen::RowMajor> block;
       if (!ceres_.HasParameterBlock(Lens(c)) ||
           !covariance.GetCovarianceBlock(Lens(c), Lens(c), block.data())) {
         continue;
       }
       bundle_.lenses[c].found_sigma_focal_px =
-          std::sqrt(std::max(0.0, block(0, 0))) * recorded_[c].focal_x_px;
+          std::sqrt(std::max(0.0, block(0, 0))) * bundle_.lenses[c].recorded.focal_x_px;
     }
   }
 
@@ -346,8 +345,8 @@ class Round {
       photo.readout_motion = Corrected(photo.readout_motion, photo.readout_doubt, correction);
       photo.readout_correction += correction;
     }
-    for (std::size_t c = 0; c < recorded_.size(); ++c) {
-      bundle_.lenses[c].intrinsics = Applied(recorded_[c], Lens(c));
+    for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
+      bundle_.lenses[c].intrinsics = Applied(bundle_.lenses[c].recorded, Lens(c));
       bundle_.lenses[c].readout_s += *Readout(c);
     }
     for (int l = 0; l < bundle_.lines; ++l) line_bias[l] = Eigen::Map<Eigen::Vector3d>(Bias(l));
@@ -377,7 +376,6 @@ class Round {
   double* Point(std::size_t t) { return state_.data() + first_point_ + kPointSize * t; }
 
   BundleProblem& bundle_;
-  const std::vector<camera::Intrinsics>& recorded_;
   const BundleOptions& options_;
   // One buffer for all unknowns: Ceres orders blocks by address, and an order that hangs on where the
   // allocator put things would change the last digits from run to run.
@@ -392,9 +390,9 @@ class Round {
 
 }  // namespace
 
-void SolveRound(const std::vector<camera::Intrinsics>& recorded, const BundleOptions& options,
-                BundleProblem& problem, std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
-  Round(problem, recorded, options).Solve(line_bias, summary);
+void SolveRound(const BundleOptions& options, BundleProblem& problem, std::vector<Eigen::Vector3d>& line_bias,
+                BundleSummary& summary) {
+  Round(problem, options).Solve(line_bias, summary);
 }
 
 }  // namespace skyquilt::alignment

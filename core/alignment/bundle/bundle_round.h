@@ -1,7 +1,6 @@
 // SolveRound: one solve of a bundle adjustment from the problem's present state, which becomes the solution
-// where Ceres finds a usable one; between rounds AdjustBundle drops outliers. recorded: the lenses as they
-// were before the first round, by lens. line_bias: in and out, radians, in cam. Not for concurrent use of one
-// problem.
+// where Ceres finds a usable one; between rounds AdjustBundle drops outliers. line_bias: in and out, radians,
+// in cam. Not for concurrent use of one problem.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +10,7 @@
 
 namespace skyquilt::alignment {
 
-void SolveRound(const std::vector<camera::Intrinsics>& recorded, const BundleOptions& options,
-                BundleProblem& problem, std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary);
+void SolveRound(const BundleOptions& options, BundleProblem& problem, std::vector<Eigen::Vector3d>& line_bias,
+                BundleSummary& summary);
 
 }  // namespace skyquilt::alignment

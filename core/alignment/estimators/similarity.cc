@@ -47,9 +47,7 @@ double SpreadOf(const std::vector<PlacePair>& pairs) {
   std::vector<Eigen::Vector2d> places;
   for (const PlacePair& pair : pairs) places.push_back(pair.in_target.head<2>());
   const Eigen::Vector2d middle = MedianByAxis(places);
-  std::vector<double> away;
-  for (const PlacePair& pair : pairs) away.push_back((pair.in_target.head<2>() - middle).norm());
-  return Median(std::move(away));
+  return MedianOf(pairs, [&](const PlacePair& pair) { return (pair.in_target.head<2>() - middle).norm(); });
 }
 
 // Gauss-Newton over what holds; seven unknowns, robust weights.
@@ -165,10 +163,9 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
       proposed = FitSimilarity3(three);
     }
     if (!proposed) continue;
-    std::vector<double> residuals;
-    for (const PlacePair& pair : pairs)
-      residuals.push_back(HorizontalResidual(*proposed, pair) / pair.sigma.head<2>().mean());
-    const double median = Median(std::move(residuals));
+    const double median = MedianOf(pairs, [&](const PlacePair& pair) {
+      return HorizontalResidual(*proposed, pair) / pair.sigma.head<2>().mean();
+    });
     if (best && median >= least) continue;
     least = median;
     best = proposed;

@@ -209,14 +209,11 @@ std::vector<int> Fitting(const RelativePose& pose, const std::vector<RayPair>& p
 
 double MedianAngle(const Eigen::Quaterniond& rotation, const std::vector<RayPair>& pairs,
                    const std::vector<int>& used) {
-  std::vector<double> angles;
-  for (const int k : used) {
-    const RayPair& pair = pairs[k];
-    const Vector3d a = (rotation * pair.first.homogeneous()).normalized();
-    const Vector3d b = pair.second.homogeneous().normalized();
-    angles.push_back(std::atan2(a.cross(b).norm(), a.dot(b)));
-  }
-  return Median(std::move(angles));
+  return MedianOf(used, [&](int k) {
+    const Vector3d a = (rotation * pairs[k].first.homogeneous()).normalized();
+    const Vector3d b = pairs[k].second.homogeneous().normalized();
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+  });
 }
 
 struct Candidate {

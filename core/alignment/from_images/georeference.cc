@@ -99,17 +99,14 @@ Quaterniond Orientation(const Registration& registration, const std::vector<std:
 // of them than chance would fit to the block do.
 bool AreSpread(const std::vector<PlacePair>& pairs, const FittedSimilarity& fitted) {
   std::vector<Vector3d> places;
-  std::vector<double> sigmas, away;
-  for (const PlacePair& pair : pairs) {
-    places.push_back(pair.in_target);
-    sigmas.push_back(pair.sigma.x());
-  }
+  for (const PlacePair& pair : pairs) places.push_back(pair.in_target);
   if (places.size() < 3) return false;
   const Vector3d middle = MedianByAxis(places);
-  for (const Vector3d& place : places) away.push_back((place - middle).head<2>().norm());
-  double apart_m = Median(std::move(sigmas));
+  double apart_m = MedianOf(pairs, [](const PlacePair& pair) { return pair.sigma.x(); });
   if (fitted.held >= kFewestThatFit) apart_m = std::min(apart_m, fitted.median_residual);
-  return Median(std::move(away)) > kMinSpreadSigmas * apart_m;
+  const double away_m =
+      MedianOf(places, [&](const Vector3d& place) { return (place - middle).head<2>().norm(); });
+  return away_m > kMinSpreadSigmas * apart_m;
 }
 
 // A level block that surveyed heights tip over: they are wrong, or of points that have none.
@@ -176,9 +173,8 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     up = UpDirection{sum.norm() > 1e-6 ? Vector3d(sum.normalized()) : Vector3d::UnitZ(), 0.3};
   }
   const auto ground_height = [&](const Similarity3& enu_from_world) {
-    std::vector<double> heights;
-    for (const Vector3d& point : points) heights.push_back((enu_from_world * point).z());
-    return heights.empty() ? 0.0 : Median(std::move(heights));
+    if (points.empty()) return 0.0;
+    return MedianOf(points, [&](const Vector3d& point) { return (enu_from_world * point).z(); });
   };
 
   std::vector<PlacePair> control = records.control;
@@ -234,10 +230,10 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     // Heights that count from anywhere, or are of another scale than the pictures: the ground lies where the
     // flight's ground lies.
     const double ground_z_m = ground_height(place.enu_from_world);
-    std::vector<double> flown;
-    for (const Vector3d& center : centers) flown.push_back((place.enu_from_world * center).z() - ground_z_m);
+    const double flown_m = MedianOf(
+        centers, [&](const Vector3d& center) { return (place.enu_from_world * center).z() - ground_z_m; });
     const double off_m = records.ground_z_in_enu_m - ground_z_m;
-    if (!records.trusts_heights || std::abs(off_m) > kMaxHeightShare * Median(std::move(flown))) {
+    if (!records.trusts_heights || std::abs(off_m) > kMaxHeightShare * flown_m) {
       place.enu_from_world.shift.z() += off_m;
     }
     return place;

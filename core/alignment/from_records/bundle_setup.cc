@@ -168,9 +168,7 @@ std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const
 }
 
 double MedianWidthM(const std::vector<View>& views) {
-  std::vector<double> widths;
-  for (const View& view : views) widths.push_back(view.WidthM());
-  return widths.empty() ? 1.0 : Median(widths);
+  return views.empty() ? 1.0 : MedianOf(views, &View::WidthM);
 }
 
 std::vector<CandidatePair> OnlyWithinComponents(const std::vector<CandidatePair>& pairs,
@@ -294,9 +292,7 @@ std::optional<BundlePlane> FitPlane(const BundleProblem& problem) {
   constexpr double kMadsOfSigma = 1.5;
   const std::vector<Eigen::Vector3d> points = PointsWithHeights(problem.tracks);
   if (points.size() < kFewPoints) return std::nullopt;
-  std::vector<double> flown;
-  for (const BundlePhoto& photo : problem.photos) flown.push_back(photo.height_above_ground_m);
-  const double min_sigma_m = kMinSigmaShare * Median(flown);
+  const double min_sigma_m = kMinSigmaShare * MedianOf(problem.photos, &BundlePhoto::height_above_ground_m);
   const geo::HeightTrend plane = geo::FitShape(points, geo::HeightTrend::Shape::kPlane, 0.1 * min_sigma_m);
   return BundlePlane{plane.At(Eigen::Vector2d::Zero()), plane.slope.x(), plane.slope.y(),
                      std::max(min_sigma_m, kMadsOfSigma * plane.error_m)};

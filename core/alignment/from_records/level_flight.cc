@@ -75,10 +75,9 @@ std::optional<Levelling> FindLevelling(const BundleProblem& adjusted,
   if (tilts.size() < kMinPhotos || 2 * tilts.size() < placed.size()) return std::nullopt;
   if (Median(std::move(sigmas_height)) < kMinSigmaHeightM) return std::nullopt;
   const Eigen::Vector2d tilt = MedianByAxis(tilts);
-  std::vector<double> apart;
-  for (const Eigen::Vector2d& one : tilts) apart.push_back((one - tilt).norm());
   if (tilt.norm() < kMinTiltSigmas * Median(std::move(sigmas_tilt))) return std::nullopt;
-  if (Median(std::move(apart)) > kMaxSpreadShare * tilt.norm()) return std::nullopt;
+  const double apart = MedianOf(tilts, [&](const Eigen::Vector2d& one) { return (one - tilt).norm(); });
+  if (apart > kMaxSpreadShare * tilt.norm()) return std::nullopt;
 
   Levelling levelling;
   levelling.level_from_tilted = geo::RotationFromVector({tilt.x(), tilt.y(), 0.0});

@@ -44,7 +44,7 @@ SharedError Learn(const std::vector<GroundCorrection>& corrections, const std::v
   SharedError shared;
   shared.photos = members.size();
   if (members.empty()) return shared;
-  std::vector<double> east, north, away, turned;
+  std::vector<double> east, north, turned;
   Complex mean_turn(0.0, 0.0);
   for (const int i : members) {
     east.push_back(corrections[i].shift.real());
@@ -61,9 +61,10 @@ SharedError Learn(const std::vector<GroundCorrection>& corrections, const std::v
   const double middle = Median(turned);
   shared.turn_rad = std::remainder(around + middle, 2.0 * std::numbers::pi);
   for (double& turn : turned) turn = std::abs(turn - middle);
-  for (const int i : members) away.push_back(std::abs(corrections[i].shift - shared.shift));
   shared.turn_scatter_rad = 1.5 * Median(turned);
-  shared.shift_scatter_m = 1.2 * Median(away);  // of two dimensions: the median is 1.18 sigma
+  // Of two dimensions: the median is 1.18 sigma.
+  shared.shift_scatter_m =
+      1.2 * MedianOf(members, [&](int i) { return std::abs(corrections[i].shift - shared.shift); });
   return shared;
 }
 

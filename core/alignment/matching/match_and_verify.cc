@@ -19,11 +19,6 @@ constexpr int kLostMinMatches = 14;
 constexpr int kMaxPairsOfALostPhoto = 10;
 constexpr double kPromisingOverlap = 0.3;
 
-std::complex<double> Baseline(const View& first, const View& second) {
-  const Eigen::Vector3d apart = second.CenterInEnu() - first.CenterInEnu();
-  return {apart.x(), apart.y()};
-}
-
 std::optional<VerifiedPair> VerifyPair(int first, int second, const std::vector<GroundView>& projected,
                                        const std::vector<KeypointMatch>& matches,
                                        const VerificationOptions& options) {
@@ -72,7 +67,8 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::
     options.first_tolerance_m =
         std::max(pass.tolerance_share * width_m, 0.5 * std::min(window.radius_m, 0.1 * width_m));
     options.last_tolerance_m = pass.tolerance_share * width_m;
-    options.baseline_m = Baseline(input.views[i], input.views[j]);
+    const Eigen::Vector3d apart_m = input.views[j].CenterInEnu() - input.views[i].CenterInEnu();
+    options.baseline_m = {apart_m.x(), apart_m.y()};
     options.relief_share = pass.relief_share;
     options.search_area_m2 = std::numbers::pi * window.radius_m * window.radius_m;
     options.any_turn = window.max_turn_rad > 1.5;

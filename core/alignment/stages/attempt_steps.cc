@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/alignment/attempts/attempt_by_images.h"
 #include "core/alignment/attempts/attempt_evidence.h"
 #include "core/alignment/bundle/control_points.h"
 #include "core/alignment/bundle/find_readout.h"
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/from_records/gyro_lag.h"
 #include "core/alignment/scene/tracks.h"
-#include "core/alignment/stages/extract_flight.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
@@ -19,6 +20,7 @@
 namespace skyquilt::alignment {
 namespace {
 
+constexpr double kExtractedFraction = 0.7;  // of the alignment's progress
 constexpr double kReliefCellGsds = 60.0;
 constexpr double kGroundSigmas = 3.0;  // largest error of an observation of a point on the ground
 
@@ -108,6 +110,29 @@ void HoldFixed(const poses::PosedFlight& posed, const PhotoSet& fixed, BundlePro
 }
 
 }  // namespace
+
+Error AlignmentCancelled() { return {ErrorCode::kCancelled, "the alignment was cancelled", ""}; }
+
+Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
+                                      const AlignOptions& options, FoundFeatures found, Progress& progress) {
+  ExtractedFlight extracted = WithUnplaced(recorded);
+  extracted.photographed = ExtractAll(extracted.posed, source, options.Features(), std::move(found),
+                                      options.threads, kExtractedFraction, progress);
+  if (progress.IsCancelled()) return AlignmentCancelled();
+  extracted.readable = extracted.photographed.Readable();
+  for (std::size_t i = 0; i < extracted.readable.size(); ++i) {
+    TraceDecision(extracted.readable[i] ? "photo read" : "photo unreadable",
+                  {{"photo", i}, {"keypoints", extracted.photographed.features[i].keypoints.size()}},
+                  extracted.posed.photos[i].photo.name);
+  }
+  extracted.gyros = TieGyrosToRows(extracted.posed, extracted.readable, options.threads);
+  std::vector<Eigen::Vector2d> places;
+  for (const poses::PosedPhoto& photo : extracted.posed.photos) {
+    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  }
+  extracted.lines = FindLines(places);
+  return extracted;
+}
 
 Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
                                Progress& progress) {

@@ -1,5 +1,5 @@
-// The first and the last stage of an attempt, and the steps that several stages take with it. The same for
-// any number of threads.
+// What each photo of a flight shows, the first and the last stage of an attempt, and the steps that several
+// stages take with it. The same for any number of threads.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,16 @@
 #include "core/alignment/stages/align_options.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/flight/photos/photo_source.h"
 
 namespace skyquilt::alignment {
+
+Error AlignmentCancelled();
+
+// What each photo shows (features) beside what it records, before any photo is compared with another. Photos
+// that no record places take part, in the order of capture. Errors: kCancelled.
+Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
+                                      const AlignOptions& options, FoundFeatures found, Progress& progress);
 
 // Tracks by the poses as they stand, and an adjustment of those.
 Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options);

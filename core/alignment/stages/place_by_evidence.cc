@@ -16,7 +16,6 @@
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/from_records/level_flight.h"
 #include "core/alignment/from_records/position_lag.h"
-#include "core/alignment/stages/extract_flight.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"

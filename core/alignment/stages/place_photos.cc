@@ -110,14 +110,14 @@ std::optional<double> ControlErrorM(const AlignReport& report) {
 
 // Above the points that the photos show from two sides; nothing without such points.
 std::optional<double> FoundHeightM(const AlignedFlight& flight) {
-  std::vector<double> cameras_m, ground_m;
+  std::vector<double> cameras_m;
   for (const AlignedPhoto& photo : flight.photos) {
     if (photo.placement == Placement::kAligned)
       cameras_m.push_back(photo.cam_from_enu.TargetOriginInSource().z());
   }
-  for (const Eigen::Vector3d& point : flight.tie_points_in_enu) ground_m.push_back(point.z());
-  if (cameras_m.empty() || ground_m.empty()) return std::nullopt;
-  return Median(std::move(cameras_m)) - Median(std::move(ground_m));
+  if (cameras_m.empty() || flight.tie_points_in_enu.empty()) return std::nullopt;
+  return Median(std::move(cameras_m)) -
+         MedianOf(flight.tie_points_in_enu, [](const Eigen::Vector3d& point) { return point.z(); });
 }
 
 // Of each photo the angle off the vertical under which it sees most points that it shares with others.
