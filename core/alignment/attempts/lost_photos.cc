@@ -42,10 +42,10 @@ std::uint64_t KeyOf(double x_px, double y_px) {
 
 // By photo, which track each of its pixels sees.
 std::vector<PointOfPixel> IndexPoints(const LostInput& input) {
-  std::vector<PointOfPixel> points(input.views->size());
-  for (std::size_t t = 0; t < input.tracks->size(); ++t) {
-    for (const Observation& one : (*input.tracks)[t].observations) {
-      if (!input.tied->Has(one.photo)) continue;
+  std::vector<PointOfPixel> points(input.views.size());
+  for (std::size_t t = 0; t < input.tracks.size(); ++t) {
+    for (const Observation& one : input.tracks[t].observations) {
+      if (!input.tied.Has(one.photo)) continue;
       points[one.photo].emplace(KeyOf(one.pixel_in_image.x(), one.pixel_in_image.y()), static_cast<int>(t));
     }
   }
@@ -54,22 +54,22 @@ std::vector<PointOfPixel> IndexPoints(const LostInput& input) {
 
 std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<int>& alike) {
   std::set<int> partners;
-  const int count = static_cast<int>(input.views->size());
+  const int count = static_cast<int>(input.views.size());
   for (const int step : {-1, 1}) {
     // The next aligned ones, over others that are lost too.
     int found = 0;
     for (int i = lost + step; i >= 0 && i < count && found < kMaxSteps; i += step) {
-      if (!input.tied->Has(i)) continue;
+      if (!input.tied.Has(i)) continue;
       partners.insert(i);
       ++found;
     }
   }
-  const auto& record = (*input.records)[lost];
+  const auto& record = input.records[lost];
   if (record.center_in_enu) {
     std::vector<std::pair<double, int>> near;
     for (int i = 0; i < count; ++i) {
-      if (!input.tied->Has(i)) continue;
-      const Eigen::Vector3d center = (*input.views)[i].CenterInEnu();
+      if (!input.tied.Has(i)) continue;
+      const Eigen::Vector3d center = input.views[i].CenterInEnu();
       near.emplace_back((center - *record.center_in_enu).head<2>().norm(), i);
     }
     std::sort(near.begin(), near.end());
@@ -77,7 +77,7 @@ std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<
     for (const auto& [apart_m, i] : near) partners.insert(i);
   }
   for (const int i : alike) {
-    if (input.tied->Has(i)) partners.insert(i);
+    if (input.tied.Has(i)) partners.insert(i);
   }
   return {partners.begin(), partners.end()};
 }
@@ -113,20 +113,20 @@ enum class PointsOf { kTracks, kTracksAndGround };
 std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<PointOfPixel>& points,
                                      const std::vector<int>& partners, double median_height_m, int lost,
                                      PointsOf points_of) {
-  const PhotoFeatures& features = *(*input.features)[lost];
+  const PhotoFeatures& features = *input.features[lost];
   std::vector<PointObservation> observations;
   std::vector<Pairing> pairings;
   for (const int partner : partners) {
-    const PhotoFeatures* other = (*input.features)[partner];
+    const PhotoFeatures* other = input.features[partner];
     if (!other) continue;
     for (const KeypointMatch& match : MatchDescriptors(features, *other, kMaxFeatures)) {
       const Keypoint& seen = other->keypoints[match.second];
       const auto point = points[partner].find(KeyOf(seen.x_px, seen.y_px));
       Eigen::Vector3d point_in_enu;
       if (point != points[partner].end()) {
-        point_in_enu = (*input.tracks)[point->second].point_in_enu;
+        point_in_enu = input.tracks[point->second].point_in_enu;
       } else if (points_of == PointsOf::kTracks ||
-                 !MeetGround((*input.views)[partner], *input.relief, {seen.x_px, seen.y_px}, &point_in_enu)) {
+                 !MeetGround(input.views[partner], input.relief, {seen.x_px, seen.y_px}, &point_in_enu)) {
         continue;
       }
       const Keypoint& keypoint = features.keypoints[match.first];
@@ -135,7 +135,7 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
     }
   }
   const std::optional<FoundPose> found =
-      FindPose((*input.views)[lost].intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost),
+      FindPose(input.views[lost].intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost),
                {.min_inliers = static_cast<int>(kMinInliers), .max_samples = kMaxSamples});
   if (!found) return std::nullopt;
   // A point seen by three partners is one witness, not three.
@@ -159,28 +159,28 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
 }  // namespace
 
 std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
-  const std::size_t count = input.views->size();
+  const std::size_t count = input.views.size();
   std::vector<int> lost;
   std::vector<double> heights_m;
   bool any_without_position = false;
   for (std::size_t i = 0; i < count; ++i) {
-    if (input.tied->Has(i)) {
-      heights_m.push_back((*input.views)[i].height_above_ground_m);
-    } else if (ShowsEnough((*input.features)[i])) {
+    if (input.tied.Has(i)) {
+      heights_m.push_back(input.views[i].height_above_ground_m);
+    } else if (ShowsEnough(input.features[i])) {
       lost.push_back(static_cast<int>(i));
-      any_without_position = any_without_position || !(*input.records)[i].center_in_enu;
+      any_without_position = any_without_position || !input.records[i].center_in_enu;
     }
   }
   if (lost.empty() || heights_m.empty()) return {};
   const double median_height_m = Median(std::move(heights_m));
   std::vector<std::vector<int>> alike(count);
   // Learning what photos look like is worth its time only where no position says which are near.
-  if (any_without_position) alike = Appearance::Learn(*input.features, threads).MostAlike(kAlike, threads);
+  if (any_without_position) alike = Appearance::Learn(input.features, threads).MostAlike(kAlike, threads);
   const std::vector<PointOfPixel> points = IndexPoints(input);
   return ParallelCollect(lost.size(), threads, [&](std::size_t k) {
     const int i = lost[k];
     const std::vector<int> partners =
-        PartnersOf(input, i, (*input.records)[i].center_in_enu ? std::vector<int>() : alike[i]);
+        PartnersOf(input, i, input.records[i].center_in_enu ? std::vector<int>() : alike[i]);
     if (auto found = Resect(input, points, partners, median_height_m, i, PointsOf::kTracks)) return found;
     return Resect(input, points, partners, median_height_m, i, PointsOf::kTracksAndGround);
   });
@@ -233,7 +233,7 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
   BundleProblem& problem = attempt.problem;
   const PhotoSet tied = TiedPhotos(attempt);
   const std::vector<RegisteredLost> found = RegisterLost(
-      {&extracted.readable, &input.views, &tied, &tracks, &extracted.records, &attempt.relief}, threads);
+      {extracted.readable, input.views, tied, tracks, extracted.records, attempt.relief}, threads);
   if (found.empty()) return 0;
   // Where the images placed the others, its record counts as little as theirs, and that is said of all of
   // them.

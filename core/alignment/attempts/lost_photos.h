@@ -17,12 +17,12 @@
 namespace skyquilt::alignment {
 
 struct LostInput {
-  const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
-  const std::vector<View>* views = nullptr;                     // adjusted where tied
-  const PhotoSet* tied = nullptr;                               // the alignment
-  const std::vector<Track>* tracks = nullptr;                   // in enu, seen by photos of the alignment
-  const std::vector<PhotoRecord>* records = nullptr;            // say only which photos may show the same
-  const Relief* relief = nullptr;                               // the ground
+  const std::vector<const PhotoFeatures*>& features;  // of all photos that could be read
+  const std::vector<View>& views;                     // adjusted where tied
+  const PhotoSet& tied;                               // the alignment
+  const std::vector<Track>& tracks;                   // in enu, seen by photos of the alignment
+  const std::vector<PhotoRecord>& records;            // say only which photos may show the same
+  const Relief& relief;                               // the ground
 };
 
 struct RegisteredLost {

@@ -25,33 +25,49 @@ constexpr double kBelievedStretch = 3.0;
 
 double Cauchy(double residual, double scale) { return 1.0 / (1.0 + (residual / scale) * (residual / scale)); }
 
+// What the pairs of a flight say, beside what is believed of its photos.
+struct PairGraph {
+  const std::vector<GroundPrior>& priors;
+  const std::vector<VerifiedPair>& pairs;
+  std::vector<std::vector<int>> of_photo;                        // pairs
+  std::vector<std::vector<std::pair<Complex, Complex>>> places;  // by pair; a few matches stand for all
+  std::vector<double> tolerances_m;                              // by pair
+
+  // How far apart a pair's two photos put the same places, rms.
+  double Residual(std::size_t l, const std::vector<GroundCorrection>& corrections) const {
+    const int first = pairs[l].first, second = pairs[l].second;
+    const GroundSimilarity a = AsSimilarity(corrections[first], priors[first].middle);
+    const GroundSimilarity b = AsSimilarity(corrections[second], priors[second].middle);
+    double square = 0.0;
+    for (const auto& [x, y] : places[l]) square += std::norm(a * x - b * y);
+    return std::sqrt(square / static_cast<double>(places[l].size()));
+  }
+};
+
 // Places the photos of a component relative to each other along the strongest pairs, from the given roots
 // outwards, which stay as recorded. Photos of other components get no correction.
-std::vector<GroundCorrection> SpreadAlongPairs(const std::vector<int>& roots,
-                                               const std::vector<GroundPrior>& priors,
-                                               const std::vector<VerifiedPair>& pairs,
-                                               const std::vector<std::vector<int>>& pairs_of) {
-  std::vector<GroundCorrection> corrections(priors.size());
-  PhotoSet placed(priors.size());
+std::vector<GroundCorrection> SpreadAlongPairs(const std::vector<int>& roots, const PairGraph& graph) {
+  std::vector<GroundCorrection> corrections(graph.priors.size());
+  PhotoSet placed(graph.priors.size());
   using Entry = std::pair<std::size_t, int>;  // matches, minus pair number: strongest first, then the earlier
   std::priority_queue<Entry> open;
   const auto open_pairs = [&](int photo) {
-    for (const int l : pairs_of[photo]) open.emplace(pairs[l].matches.size(), -l);
+    for (const int l : graph.of_photo[photo]) open.emplace(graph.pairs[l].matches.size(), -l);
   };
   for (const int root : roots) placed.Add(root);
   for (const int root : roots) open_pairs(root);
   while (!open.empty()) {
     const int l = -open.top().second;
     open.pop();
-    const VerifiedPair& pair = pairs[l];
+    const VerifiedPair& pair = graph.pairs[l];
     if (placed.Has(pair.first) && placed.Has(pair.second)) continue;
     const bool forth = placed.Has(pair.first);
     const int from = forth ? pair.first : pair.second;
     const int to = forth ? pair.second : pair.first;
     // The corrected grounds agree: C_to * (to_from * z) = C_from * z.
     const GroundSimilarity to_from = forth ? pair.second_from_first : pair.second_from_first.Inverse();
-    const GroundSimilarity from_correction = AsSimilarity(corrections[from], priors[from].middle);
-    corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), priors[to].middle);
+    const GroundSimilarity from_correction = AsSimilarity(corrections[from], graph.priors[from].middle);
+    corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), graph.priors[to].middle);
     placed.Add(to);
     open_pairs(to);
   }
@@ -95,35 +111,18 @@ GroundSimilarity FitToPositions(const std::vector<int>& members, const std::vect
   return best;
 }
 
-using PairPlaces = std::vector<std::pair<Complex, Complex>>;  // a few matches stand for all
-
-// How far apart a pair's two photos put the same places, rms.
-double PairResidual(const VerifiedPair& pair, const PairPlaces& places,
-                    const std::vector<GroundPrior>& priors,
-                    const std::vector<GroundCorrection>& corrections) {
-  const GroundSimilarity a = AsSimilarity(corrections[pair.first], priors[pair.first].middle);
-  const GroundSimilarity b = AsSimilarity(corrections[pair.second], priors[pair.second].middle);
-  double square = 0.0;
-  for (const auto& [x, y] : places) square += std::norm(a * x - b * y);
-  return std::sqrt(square / static_cast<double>(places.size()));
-}
-
 // What a component's corrections leave unexplained: residuals of pairs, photos far from where they were
 // recorded.
-double Unexplained(const std::vector<int>& members, const std::vector<GroundPrior>& priors,
-                   const std::vector<VerifiedPair>& pairs, const std::vector<PairPlaces>& places,
-                   const std::vector<std::vector<int>>& pairs_of,
-                   const std::vector<GroundCorrection>& corrections,
-                   const std::vector<double>& tolerances_m) {
+double Unexplained(const std::vector<int>& members, const PairGraph& graph,
+                   const std::vector<GroundCorrection>& corrections) {
   constexpr double kWideTolerances = 4.0;
   double sum = 0.0;
   for (const int i : members) {
-    const double away = std::abs(corrections[i].shift) / (2.0 * priors[i].sigma_m);
+    const double away = std::abs(corrections[i].shift) / (2.0 * graph.priors[i].sigma_m);
     sum += std::min(1.0, away * away);
-    for (const int l : pairs_of[i]) {
-      if (pairs[l].first != i) continue;
-      const double residual =
-          PairResidual(pairs[l], places[l], priors, corrections) / (kWideTolerances * tolerances_m[l]);
+    for (const int l : graph.of_photo[i]) {
+      if (graph.pairs[l].first != i) continue;
+      const double residual = graph.Residual(l, corrections) / (kWideTolerances * graph.tolerances_m[l]);
       sum += std::min(1.0, residual * residual);
     }
   }
@@ -132,14 +131,12 @@ double Unexplained(const std::vector<int>& members, const std::vector<GroundPrio
 
 // The corrections of a component as its pairs place it, brought as a whole to the recorded positions.
 std::vector<GroundCorrection> PlaceComponentOnPositions(const std::vector<int>& members,
-                                                        const std::vector<GroundPrior>& priors,
-                                                        const std::vector<VerifiedPair>& pairs,
-                                                        const std::vector<std::vector<int>>& pairs_of) {
-  std::vector<GroundCorrection> corrections = SpreadAlongPairs({members.front()}, priors, pairs, pairs_of);
-  const GroundSimilarity motion = FitToPositions(members, priors, corrections);
+                                                        const PairGraph& graph) {
+  std::vector<GroundCorrection> corrections = SpreadAlongPairs({members.front()}, graph);
+  const GroundSimilarity motion = FitToPositions(members, graph.priors, corrections);
   for (const int i : members) {
-    const GroundSimilarity corrected = AsSimilarity(corrections[i], priors[i].middle);
-    corrections[i] = AsCorrection(motion.After(corrected), priors[i].middle);
+    const Complex middle = graph.priors[i].middle;
+    corrections[i] = AsCorrection(motion.After(AsSimilarity(corrections[i], middle)), middle);
   }
   return corrections;
 }
@@ -152,29 +149,43 @@ bool IsTurnedAsAWhole(const std::vector<int>& members, const std::vector<GroundC
   return 2 * turned > std::ssize(members);
 }
 
-// One weighted least-squares step over all photos of all components; unknowns (turn_and_scale, shift) a
-// photo.
-void SolveLinear(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& pairs,
-                 const std::vector<PairPlaces>& places, const std::vector<double>& pair_weights,
-                 const std::vector<double>& turn_weights, const std::vector<double>& shift_weights,
-                 const std::vector<Complex>& expected_turn, std::vector<GroundCorrection>& corrections) {
+// One least-squares step over all photos of all components, weighted by what the corrections so far leave;
+// unknowns (turn_and_scale, shift) a photo.
+void SolveLinear(const PairGraph& graph, double tolerance_m, double trust_width,
+                 std::vector<GroundCorrection>& corrections) {
+  const std::vector<GroundPrior>& priors = graph.priors;
   const int count = static_cast<int>(priors.size());
   // Blocks of 2x2 by photos; a photo without pairs keeps its prior.
   std::vector<Eigen::Triplet<Complex>> entries;
   Eigen::VectorXcd right = Eigen::VectorXcd::Zero(2 * count);
   const auto add = [&](int row, int column, Complex value) { entries.emplace_back(row, column, value); };
   for (int i = 0; i < count; ++i) {
-    add(2 * i, 2 * i, turn_weights[i]);
-    right[2 * i] += turn_weights[i] * expected_turn[i];
-    add(2 * i + 1, 2 * i + 1, shift_weights[i]);
+    const GroundCorrection& now = corrections[i];
+    const double sigma = priors[i].sigma_m;
+    // Scale stays near one; the turn is free to go where the pairs want it, once it is far from the
+    // recorded.
+    const Complex unit = std::abs(now.turn_and_scale) > 1e-6
+                             ? now.turn_and_scale / std::abs(now.turn_and_scale)
+                             : Complex(1.0, 0.0);
+    const bool turned = std::abs(std::arg(unit)) > std::max(0.35, 3.0 * priors[i].sigma_turn_rad);
+    // A turn moves things about as far out as this.
+    const double reach_m = 10.0 * tolerance_m * priors[i].coarseness;
+    const double turn_weight = (reach_m * reach_m) / (sigma * sigma);
+    add(2 * i, 2 * i, turn_weight);
+    right[2 * i] += turn_weight * (turned ? unit : Complex(1.0, 0.0));
+    add(2 * i + 1, 2 * i + 1, Cauchy(std::abs(now.shift), 3.0 * sigma) / (sigma * sigma));
   }
-  for (std::size_t l = 0; l < pairs.size(); ++l) {
-    const int i = pairs[l].first;
-    const int j = pairs[l].second;
-    const double weight = pair_weights[l] / static_cast<double>(places[l].size());
+  for (std::size_t l = 0; l < graph.pairs.size(); ++l) {
+    const int i = graph.pairs[l].first;
+    const int j = graph.pairs[l].second;
+    const double tolerance = graph.tolerances_m[l];
+    const double strength = std::min<double>(4.0, static_cast<double>(graph.pairs[l].matches.size()) / 20.0);
+    const double pair_weight =
+        strength / (tolerance * tolerance) * Cauchy(graph.Residual(l, corrections), tolerance * trust_width);
+    const double weight = pair_weight / static_cast<double>(graph.places[l].size());
     Eigen::Matrix4cd block = Eigen::Matrix4cd::Zero();
     Eigen::Vector4cd target = Eigen::Vector4cd::Zero();
-    for (const auto& [a, b] : places[l]) {
+    for (const auto& [a, b] : graph.places[l]) {
       const Complex u = a - priors[i].middle;
       const Complex v = b - priors[j].middle;
       Eigen::RowVector4cd row;  // a_i u + t_i - a_j v - t_j = middle_j - middle_i
@@ -213,21 +224,17 @@ GroundCorrection AsCorrection(const GroundSimilarity& similarity, Complex middle
 GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& pairs,
                              const std::vector<GroundView>& views, double tolerance_m) {
   const std::size_t count = priors.size();
-  GroundGraph graph;
-  graph.corrections.resize(count);
-  graph.is_inlier.assign(pairs.size(), true);
+  GroundGraph solution;
+  solution.corrections.resize(count);
+  solution.is_inlier.assign(pairs.size(), true);
   const ConnectedComponents components = FindConnectedComponents(count, pairs);
-  std::vector<std::vector<int>> pairs_of(count);
   std::vector<int> agreeing(count, 0);
-  std::vector<PairPlaces> places(pairs.size());
-  std::vector<double> tolerances_m;
-  for (const VerifiedPair& pair : pairs)
-    tolerances_m.push_back(tolerance_m *
-                           std::max(priors[pair.first].coarseness, priors[pair.second].coarseness));
+  PairGraph graph{priors, pairs, std::vector<std::vector<int>>(count), {}, {}};
   for (std::size_t l = 0; l < pairs.size(); ++l) {
     const VerifiedPair& pair = pairs[l];
-    pairs_of[pair.first].push_back(static_cast<int>(l));
-    pairs_of[pair.second].push_back(static_cast<int>(l));
+    for (const int photo : {pair.first, pair.second}) graph.of_photo[photo].push_back(static_cast<int>(l));
+    graph.tolerances_m.push_back(tolerance_m *
+                                 std::max(priors[pair.first].coarseness, priors[pair.second].coarseness));
     const Complex moved = pair.second_from_first * priors[pair.first].middle - priors[pair.first].middle;
     const double believable = 3.5 * std::hypot(priors[pair.first].sigma_m, priors[pair.second].sigma_m);
     if (std::abs(std::arg(pair.second_from_first.turn_and_scale)) < kAgreesWithYawRad &&
@@ -235,10 +242,11 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
       ++agreeing[pair.first];
       ++agreeing[pair.second];
     }
+    auto& places = graph.places.emplace_back();
     const std::size_t step = std::max<std::size_t>(1, pair.matches.size() / kMaxPlacesPerPair);
     for (std::size_t k = 0; k < pair.matches.size(); k += step) {
-      places[l].emplace_back(views[pair.first].projected[pair.matches[k].first].place,
-                             views[pair.second].projected[pair.matches[k].second].place);
+      places.emplace_back(views[pair.first].projected[pair.matches[k].first].place,
+                          views[pair.second].projected[pair.matches[k].second].place);
     }
   }
   for (std::size_t p = 0; p < components.members.size(); ++p) {
@@ -247,62 +255,33 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
     for (const int i : members) {
       if (agreeing[i] > 0) roots.push_back(i);
     }
-    std::vector<GroundCorrection> solved = PlaceComponentOnPositions(members, priors, pairs, pairs_of);
+    std::vector<GroundCorrection> solved = PlaceComponentOnPositions(members, graph);
     if (!roots.empty()) {
       // Between photos that stand close, pairs agree with the record even where all cameras are turned alike:
       // only the whole component shows that.
-      std::vector<GroundCorrection> as_recorded = SpreadAlongPairs(roots, priors, pairs, pairs_of);
-      const auto unexplained = [&](const std::vector<GroundCorrection>& corrections) {
-        return Unexplained(members, priors, pairs, places, pairs_of, corrections, tolerances_m);
-      };
-      if (!IsTurnedAsAWhole(members, solved) || unexplained(solved) > 0.5 * unexplained(as_recorded)) {
+      std::vector<GroundCorrection> as_recorded = SpreadAlongPairs(roots, graph);
+      if (!IsTurnedAsAWhole(members, solved) ||
+          Unexplained(members, graph, solved) > 0.5 * Unexplained(members, graph, as_recorded)) {
         solved = std::move(as_recorded);
       }
     }
     for (const int i : members) {
-      graph.corrections[i] = solved[i];
-      graph.corrections[i].component = static_cast<int>(p);
+      solution.corrections[i] = solved[i];
+      solution.corrections[i].component = static_cast<int>(p);
     }
   }
-
-  std::vector<double> pair_weights(pairs.size()), turn_weights(count), shift_weights(count);
-  std::vector<Complex> expected_turn(count);
-  for (const double trust_width : kTrustWidths) {
-    for (std::size_t l = 0; l < pairs.size(); ++l) {
-      const double residual = PairResidual(pairs[l], places[l], priors, graph.corrections);
-      const double strength = std::min<double>(4.0, static_cast<double>(pairs[l].matches.size()) / 20.0);
-      pair_weights[l] =
-          strength / (tolerances_m[l] * tolerances_m[l]) * Cauchy(residual, tolerances_m[l] * trust_width);
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      const GroundCorrection& now = graph.corrections[i];
-      const double sigma = priors[i].sigma_m;
-      shift_weights[i] = Cauchy(std::abs(now.shift), 3.0 * sigma) / (sigma * sigma);
-      // Scale stays near one; the turn is free to go where the pairs want it, once it is far from the
-      // recorded.
-      const Complex unit = std::abs(now.turn_and_scale) > 1e-6
-                               ? now.turn_and_scale / std::abs(now.turn_and_scale)
-                               : Complex(1.0, 0.0);
-      const bool turned = std::abs(std::arg(unit)) > std::max(0.35, 3.0 * priors[i].sigma_turn_rad);
-      expected_turn[i] = turned ? unit : Complex(1.0, 0.0);
-      // A turn moves things about as far out as this.
-      const double reach_m = 10.0 * tolerance_m * priors[i].coarseness;
-      turn_weights[i] = (reach_m * reach_m) / (sigma * sigma);
-    }
-    SolveLinear(priors, pairs, places, pair_weights, turn_weights, shift_weights, expected_turn,
-                graph.corrections);
-  }
+  for (const double trust_width : kTrustWidths)
+    SolveLinear(graph, tolerance_m, trust_width, solution.corrections);
   for (std::size_t l = 0; l < pairs.size(); ++l) {
-    if (PairResidual(pairs[l], places[l], priors, graph.corrections) > 4.0 * tolerances_m[l])
-      graph.is_inlier[l] = false;
+    if (graph.Residual(l, solution.corrections) > 4.0 * graph.tolerances_m[l]) solution.is_inlier[l] = false;
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const double stretch = std::abs(graph.corrections[i].turn_and_scale);
+    const double stretch = std::abs(solution.corrections[i].turn_and_scale);
     if (stretch <= kBelievedStretch && stretch >= 1.0 / kBelievedStretch) continue;
-    graph.corrections[i] = {};
-    for (const int l : pairs_of[i]) graph.is_inlier[l] = false;
+    solution.corrections[i] = {};
+    for (const int l : graph.of_photo[i]) solution.is_inlier[l] = false;
   }
-  return graph;
+  return solution;
 }
 
 }  // namespace skyquilt::alignment

@@ -43,7 +43,7 @@ struct LostPhoto {
     }
   }
   std::vector<RegisteredLost> Register() const {
-    return RegisterLost({&features, &views, &tied, &tracks, &records, &relief}, 2);
+    return RegisterLost({features, views, tied, tracks, records, relief}, 2);
   }
   double OffM(const RegisteredLost& one) const {
     return (one.cam_from_enu.TargetOriginInSource() - scene.cam_from_enu[kLost].TargetOriginInSource())
