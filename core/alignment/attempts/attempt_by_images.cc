@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <set>
 
@@ -12,7 +11,6 @@
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/georeference.h"
 #include "core/alignment/from_images/register_photos.h"
-#include "core/alignment/from_records/bundle_setup.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"

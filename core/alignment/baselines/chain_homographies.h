@@ -7,7 +7,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
 #include <vector>
 
 #include "core/alignment/scene/keypoints.h"

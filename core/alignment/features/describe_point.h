@@ -4,8 +4,6 @@
 // thread.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <vector>
 
 #include "core/alignment/features/scale_space.h"

@@ -5,7 +5,6 @@
 // threads; the same bytes give the same features.
 #pragma once
 
-#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>

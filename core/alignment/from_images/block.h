@@ -4,7 +4,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <utility>
 #include <vector>
 
 #include "core/alignment/scene/photo_set.h"

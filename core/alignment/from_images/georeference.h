@@ -6,7 +6,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <optional>
 #include <vector>
 
 #include "core/alignment/estimators/similarity.h"

@@ -1,7 +1,6 @@
 #include "core/alignment/from_images/grow_block.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/from_images/resect_over_ground.h"

@@ -1,7 +1,6 @@
 #include "core/alignment/from_images/view_graph.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <map>
 #include <optional>

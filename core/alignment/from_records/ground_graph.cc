@@ -3,7 +3,6 @@
 #include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <queue>
 
 #include "core/alignment/matching/verified_pair.h"

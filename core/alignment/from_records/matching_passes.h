@@ -5,7 +5,6 @@
 // not depend on their number.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/alignment/matching/match_and_verify.h"

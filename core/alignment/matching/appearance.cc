@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/alignment/estimators/sampler.h"
 #include "core/base/parallel_for.h"

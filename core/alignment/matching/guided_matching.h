@@ -4,8 +4,6 @@
 // thread.
 #pragma once
 
-#include <complex>
-#include <cstdint>
 #include <limits>
 #include <vector>
 

@@ -9,7 +9,6 @@
 
 #include "core/alignment/features/sharpness.h"
 #include "core/base/median.h"
-#include "core/geo/bounds.h"
 
 namespace skyquilt::alignment {
 namespace {
