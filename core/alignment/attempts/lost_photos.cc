@@ -155,38 +155,6 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
   return registered;
 }
 
-}  // namespace
-
-std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
-  const std::size_t count = input.views.size();
-  std::vector<int> lost;
-  std::vector<double> heights_m;
-  bool any_without_position = false;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (input.tied.Has(i)) {
-      heights_m.push_back(input.views[i].height_above_ground_m);
-    } else if (ShowsEnough(input.features[i])) {
-      lost.push_back(static_cast<int>(i));
-      any_without_position = any_without_position || !input.records[i].center_in_enu;
-    }
-  }
-  if (lost.empty() || heights_m.empty()) return {};
-  const double median_height_m = Median(std::move(heights_m));
-  std::vector<std::vector<int>> alike(count);
-  // Learning what photos look like is worth its time only where no position says which are near.
-  if (any_without_position) alike = Appearance::Learn(input.features, threads).MostAlike(kAlike, threads);
-  const std::vector<PointOfPixel> points = IndexPoints(input);
-  return ParallelCollect(lost.size(), threads, [&](std::size_t k) {
-    const int i = lost[k];
-    const std::vector<int> partners =
-        PartnersOf(input, i, input.records[i].center_in_enu ? std::vector<int>() : alike[i]);
-    if (auto found = Resect(input, points, partners, median_height_m, i, PointsOf::kTracks)) return found;
-    return Resect(input, points, partners, median_height_m, i, PointsOf::kTracksAndGround);
-  });
-}
-
-namespace {
-
 constexpr double kMaxLostShare = 0.3;
 
 // A position that is as far off as this counts for nothing in what is said of the map.
@@ -216,6 +184,34 @@ CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m
 }
 
 }  // namespace
+
+std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
+  const std::size_t count = input.views.size();
+  std::vector<int> lost;
+  std::vector<double> heights_m;
+  bool any_without_position = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (input.tied.Has(i)) {
+      heights_m.push_back(input.views[i].height_above_ground_m);
+    } else if (ShowsEnough(input.features[i])) {
+      lost.push_back(static_cast<int>(i));
+      any_without_position = any_without_position || !input.records[i].center_in_enu;
+    }
+  }
+  if (lost.empty() || heights_m.empty()) return {};
+  const double median_height_m = Median(std::move(heights_m));
+  std::vector<std::vector<int>> alike(count);
+  // Learning what photos look like is worth its time only where no position says which are near.
+  if (any_without_position) alike = Appearance::Learn(input.features, threads).MostAlike(kAlike, threads);
+  const std::vector<PointOfPixel> points = IndexPoints(input);
+  return ParallelCollect(lost.size(), threads, [&](std::size_t k) {
+    const int i = lost[k];
+    const std::vector<int> partners =
+        PartnersOf(input, i, input.records[i].center_in_enu ? std::vector<int>() : alike[i]);
+    if (auto found = Resect(input, points, partners, median_height_m, i, PointsOf::kTracks)) return found;
+    return Resect(input, points, partners, median_height_m, i, PointsOf::kTracksAndGround);
+  });
+}
 
 bool HasLost(const AttemptEvidence& evidence) {
   if (evidence.Lost() == 0 || evidence.tied < 2) return false;

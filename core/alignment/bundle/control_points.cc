@@ -110,6 +110,24 @@ std::size_t ObservationsOf(const BundleProblem& problem) {
   return observations;
 }
 
+// Two points that disagree: nothing tells which of them is wrong.
+std::optional<flight::Remark> Disagreement(const std::vector<ControlReport>& points) {
+  std::vector<const ControlReport*> used;
+  for (const ControlReport& point : points) {
+    if (point.is_used && !point.is_check) used.push_back(&point);
+  }
+  if (used.size() != 2) return std::nullopt;
+  const double apart_m =
+      std::hypot(used[0]->miss_east_m - used[1]->miss_east_m, used[0]->miss_north_m - used[1]->miss_north_m);
+  if (apart_m <= kNoSurveyM) return std::nullopt;
+  return flight::Remark{RemarkCode::kControlPairDisagrees,
+                        {{"point", used[0]->name}, {"other", used[1]->name}, {"apart_m", apart_m}}};
+}
+
+bool IsOfList(const flight::Remark& reason) {
+  return reason.code == RemarkCode::kControlOfOtherPixels || reason.code == RemarkCode::kControlElsewhere;
+}
+
 }  // namespace
 
 MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
@@ -293,28 +311,6 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
     told.residual_px = std::sqrt(square / static_cast<double>(tied.track.observations.size()));
   }
 }
-
-namespace {
-
-// Two points that disagree: nothing tells which of them is wrong.
-std::optional<flight::Remark> Disagreement(const std::vector<ControlReport>& points) {
-  std::vector<const ControlReport*> used;
-  for (const ControlReport& point : points) {
-    if (point.is_used && !point.is_check) used.push_back(&point);
-  }
-  if (used.size() != 2) return std::nullopt;
-  const double apart_m =
-      std::hypot(used[0]->miss_east_m - used[1]->miss_east_m, used[0]->miss_north_m - used[1]->miss_north_m);
-  if (apart_m <= kNoSurveyM) return std::nullopt;
-  return flight::Remark{RemarkCode::kControlPairDisagrees,
-                        {{"point", used[0]->name}, {"other", used[1]->name}, {"apart_m", apart_m}}};
-}
-
-bool IsOfList(const flight::Remark& reason) {
-  return reason.code == RemarkCode::kControlOfOtherPixels || reason.code == RemarkCode::kControlElsewhere;
-}
-
-}  // namespace
 
 std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points) {
   std::vector<flight::Remark> remarks;

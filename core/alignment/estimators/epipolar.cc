@@ -92,8 +92,7 @@ std::optional<Matrix3d> FitHomography(const std::vector<RayPair>& pairs, const s
   // Two ways to map them alike well: three of four lie on a line.
   if (!eigen.converged || eigen.values[1] < 1e-9 * eigen.values[8]) return std::nullopt;
   const Eigen::Matrix<double, 9, 1> found = eigen.vectors.col(0);
-  Matrix3d unit;
-  unit << found[0], found[1], found[2], found[3], found[4], found[5], found[6], found[7], found[8];
+  const Matrix3d unit = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(found.data());
   const Matrix3d homography = of_second.inverse() * unit * of_first;
   const double determinant = homography.determinant();
   const double size = homography.norm();

@@ -73,8 +73,7 @@ std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlanePair>& pairs
   // A second vanishing eigenvalue: the pairs leave the map open.
   if (!eigen.converged || eigen.values[1] < 1e-12 * eigen.values[8]) return std::nullopt;
   const Eigen::Matrix<double, 9, 1> h = eigen.vectors.col(0);
-  Eigen::Matrix3d normal;
-  normal << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
+  const Eigen::Matrix3d normal = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
   Eigen::Matrix3d to_from = normal_to->inverse() * normal * *normal_from;
   if (std::abs(to_from(2, 2)) < 1e-12 * to_from.norm()) return std::nullopt;
   to_from /= to_from(2, 2);

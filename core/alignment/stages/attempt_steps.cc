@@ -26,78 +26,6 @@ constexpr double kGroundSigmas = 3.0;  // largest error of an observation of a p
 
 constexpr std::size_t kManyPhotos = 500;
 
-}  // namespace
-
-Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
-  if (attempt.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
-  {
-    ScopedTimer timer(attempt.adjustment_s);
-    attempt.problem.tracks = {};  // not both at a time
-    attempt.problem.tracks = BuildTracks(attempt.matched.links, attempt.input.features, attempt.input.views,
-                                         {.observations_per_photo = options.observations_per_photo});
-    std::erase_if(attempt.problem.tracks,
-                  [&](Track& track) { return !Triangulate(attempt.input.views, track); });
-    attempt.adjusted = AdjustBundle(attempt.problem, bundle_options);
-  }
-  TraceDecision("adjusted", {{"points", attempt.problem.tracks.size()},
-                             {"observations", attempt.adjusted.observations},
-                             {"dropped", attempt.adjusted.dropped},
-                             {"residual_px", attempt.adjusted.rms_px},
-                             {"iterations", attempt.adjusted.iterations}});
-  attempt.iterations += attempt.adjusted.iterations;
-  attempt.is_adjusted = true;
-  return attempt;
-}
-
-Relief AdjustedRelief(const Attempt& attempt) {
-  const double cell_m = kReliefCellGsds * MedianWidthM(attempt.input.views) / kResidualWidthPx;
-  return Relief::FromPoints(PointsWithHeights(attempt.problem.tracks), cell_m,
-                            attempt.posed.ground_z_in_enu_m);
-}
-
-Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions& options) {
-  const std::size_t count = attempt.input.views.size();
-  {
-    ScopedTimer timer(attempt.matching_s);
-    attempt.input.views = ViewsOf(attempt.problem);
-    attempt.relief = AdjustedRelief(attempt);
-    attempt.matched.pairs = OnlyWithinComponents(
-        SelectPairs(attempt.input.views, std::vector<double>(count, 0.0), attempt.relief),
-        attempt.matched.links, count);
-    attempt.matched.links = {};  // not both at a time
-    attempt.matched.links =
-        MatchAndVerify(attempt.input, ProjectAllToGround(attempt.input, attempt.relief, options.threads),
-                       attempt.matched.pairs, pass, options.threads);
-  }
-  TraceDecision("compared again",
-                {{"pairs", attempt.matched.pairs.size()}, {"verified", attempt.matched.links.size()}});
-  return attempt;
-}
-
-std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& options) {
-  const std::vector<View>& views = attempt.input.views;
-  std::vector<Track> tracks =
-      BuildTracks(attempt.matched.links, attempt.input.features, views,
-                  {.observations_per_photo = options.max_features, .splits_contradictory = true});
-  std::erase_if(tracks, [&](Track& track) {
-    // The observation with the largest error goes first, for it pulls the point away from the others.
-    while (track.observations.size() >= 2 && Triangulate(views, track)) {
-      const auto error = [&](const Observation& one) {
-        return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu) / one.sigma_px;
-      };
-      const auto worst =
-          std::max_element(track.observations.begin(), track.observations.end(),
-                           [&](const Observation& a, const Observation& b) { return error(a) < error(b); });
-      if (error(*worst) <= kGroundSigmas) return false;
-      track.observations.erase(worst);
-    }
-    return true;
-  });
-  return tracks;
-}
-
-namespace {
-
 // Photos that are placed already are no matter of doubt, whatever the verified pairs suggested.
 void HoldFixed(const poses::PosedFlight& posed, const PhotoSet& fixed, BundleProblem& problem) {
   for (std::size_t i = 0; i < fixed.Photos(); ++i) {
@@ -108,69 +36,6 @@ void HoldFixed(const poses::PosedFlight& posed, const PhotoSet& fixed, BundlePro
     problem.lenses[photo.lens].is_fixed = true;
   }
 }
-
-}  // namespace
-
-Error AlignmentCancelled() { return {ErrorCode::kCancelled, "the alignment was cancelled", ""}; }
-
-Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
-                                      const AlignOptions& options, FoundFeatures found, Progress& progress) {
-  ExtractedFlight extracted = WithUnplaced(recorded);
-  extracted.photographed = ExtractAll(extracted.posed, source, options.Features(), std::move(found),
-                                      options.threads, kExtractedFraction, progress);
-  if (progress.IsCancelled()) return AlignmentCancelled();
-  extracted.readable = extracted.photographed.Readable();
-  for (std::size_t i = 0; i < extracted.readable.size(); ++i) {
-    TraceDecision(extracted.readable[i] ? "photo read" : "photo unreadable",
-                  {{"photo", i}, {"keypoints", extracted.photographed.features[i].keypoints.size()}},
-                  extracted.posed.photos[i].photo.name);
-  }
-  extracted.gyros = TieGyrosToRows(extracted.posed, extracted.readable, options.threads);
-  std::vector<Eigen::Vector2d> places;
-  for (const poses::PosedPhoto& photo : extracted.posed.photos) {
-    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
-  }
-  extracted.lines = FindLines(places);
-  return extracted;
-}
-
-Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
-                               Progress& progress) {
-  const std::size_t count = extracted.posed.photos.size();
-  Attempt attempt;
-  attempt.posed = extracted.posed;
-  attempt.relief = Relief(attempt.posed.ground_z_in_enu_m);
-  attempt.input = MakeMatchingInput(attempt.posed);
-  attempt.input.features = extracted.readable;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (extracted.records[i].is_unplaced) attempt.input.features[i] = nullptr;  // until the images place it
-    const poses::PosedPhoto& photo = attempt.posed.photos[i];
-    if (photo.photo.turning) attempt.input.views[i].readout_motion = ReadoutMotion(photo, 0);
-  }
-  {
-    ScopedTimer timer(attempt.matching_s);
-    progress.Report(0.7, "comparing photos");
-    attempt.matched = MatchInPasses(attempt.posed, extracted.lines, attempt.input, options.threads, progress);
-  }
-  if (progress.IsCancelled()) return AlignmentCancelled();
-  TraceDecision("compared by records", {{"pairs", attempt.matched.pairs.size()},
-                                        {"verified", attempt.matched.links.size()},
-                                        {"refused", attempt.matched.rejected.size()}});
-  attempt.compared = attempt.matched.pairs;
-  attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
-  for (std::size_t i = 0; i < count; ++i) {
-    // A guessed place says nothing of how good the recorded ones are, and is no better for those that are.
-    const PhotoRecord& record = extracted.records[i];
-    if (!record.is_unplaced && !record.center_in_enu) attempt.problem.photos[i].has_record = false;
-  }
-  if (options.fixed.Photos() > 0) {
-    HoldFixed(attempt.posed, options.fixed, attempt.problem);
-    attempt.input.views = ViewsOf(attempt.problem);
-  }
-  return attempt;
-}
-
-namespace {
 
 // From the adjusted poses, on the adjusted relief.
 const MatchingPass kLastPass{.min_radius_share = 0.012,
@@ -243,6 +108,133 @@ std::optional<BundlePlane> PlaneOf(const Attempt& attempt) {
 }
 
 }  // namespace
+
+Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
+  if (attempt.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
+  {
+    ScopedTimer timer(attempt.adjustment_s);
+    attempt.problem.tracks = {};  // not both at a time
+    attempt.problem.tracks = BuildTracks(attempt.matched.links, attempt.input.features, attempt.input.views,
+                                         {.observations_per_photo = options.observations_per_photo});
+    std::erase_if(attempt.problem.tracks,
+                  [&](Track& track) { return !Triangulate(attempt.input.views, track); });
+    attempt.adjusted = AdjustBundle(attempt.problem, bundle_options);
+  }
+  TraceDecision("adjusted", {{"points", attempt.problem.tracks.size()},
+                             {"observations", attempt.adjusted.observations},
+                             {"dropped", attempt.adjusted.dropped},
+                             {"residual_px", attempt.adjusted.rms_px},
+                             {"iterations", attempt.adjusted.iterations}});
+  attempt.iterations += attempt.adjusted.iterations;
+  attempt.is_adjusted = true;
+  return attempt;
+}
+
+Relief AdjustedRelief(const Attempt& attempt) {
+  const double cell_m = kReliefCellGsds * MedianWidthM(attempt.input.views) / kResidualWidthPx;
+  return Relief::FromPoints(PointsWithHeights(attempt.problem.tracks), cell_m,
+                            attempt.posed.ground_z_in_enu_m);
+}
+
+Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions& options) {
+  const std::size_t count = attempt.input.views.size();
+  {
+    ScopedTimer timer(attempt.matching_s);
+    attempt.input.views = ViewsOf(attempt.problem);
+    attempt.relief = AdjustedRelief(attempt);
+    attempt.matched.pairs = OnlyWithinComponents(
+        SelectPairs(attempt.input.views, std::vector<double>(count, 0.0), attempt.relief),
+        attempt.matched.links, count);
+    attempt.matched.links = {};  // not both at a time
+    attempt.matched.links =
+        MatchAndVerify(attempt.input, ProjectAllToGround(attempt.input, attempt.relief, options.threads),
+                       attempt.matched.pairs, pass, options.threads);
+  }
+  TraceDecision("compared again",
+                {{"pairs", attempt.matched.pairs.size()}, {"verified", attempt.matched.links.size()}});
+  return attempt;
+}
+
+std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& options) {
+  const std::vector<View>& views = attempt.input.views;
+  std::vector<Track> tracks =
+      BuildTracks(attempt.matched.links, attempt.input.features, views,
+                  {.observations_per_photo = options.max_features, .splits_contradictory = true});
+  std::erase_if(tracks, [&](Track& track) {
+    // The observation with the largest error goes first, for it pulls the point away from the others.
+    while (track.observations.size() >= 2 && Triangulate(views, track)) {
+      const auto error = [&](const Observation& one) {
+        return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu) / one.sigma_px;
+      };
+      const auto worst =
+          std::max_element(track.observations.begin(), track.observations.end(),
+                           [&](const Observation& a, const Observation& b) { return error(a) < error(b); });
+      if (error(*worst) <= kGroundSigmas) return false;
+      track.observations.erase(worst);
+    }
+    return true;
+  });
+  return tracks;
+}
+
+Error AlignmentCancelled() { return {ErrorCode::kCancelled, "the alignment was cancelled", ""}; }
+
+Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
+                                      const AlignOptions& options, FoundFeatures found, Progress& progress) {
+  ExtractedFlight extracted = WithUnplaced(recorded);
+  extracted.photographed = ExtractAll(extracted.posed, source, options.Features(), std::move(found),
+                                      options.threads, kExtractedFraction, progress);
+  if (progress.IsCancelled()) return AlignmentCancelled();
+  extracted.readable = extracted.photographed.Readable();
+  for (std::size_t i = 0; i < extracted.readable.size(); ++i) {
+    TraceDecision(extracted.readable[i] ? "photo read" : "photo unreadable",
+                  {{"photo", i}, {"keypoints", extracted.photographed.features[i].keypoints.size()}},
+                  extracted.posed.photos[i].photo.name);
+  }
+  extracted.gyros = TieGyrosToRows(extracted.posed, extracted.readable, options.threads);
+  std::vector<Eigen::Vector2d> places;
+  for (const poses::PosedPhoto& photo : extracted.posed.photos) {
+    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  }
+  extracted.lines = FindLines(places);
+  return extracted;
+}
+
+Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
+                               Progress& progress) {
+  const std::size_t count = extracted.posed.photos.size();
+  Attempt attempt;
+  attempt.posed = extracted.posed;
+  attempt.relief = Relief(attempt.posed.ground_z_in_enu_m);
+  attempt.input = MakeMatchingInput(attempt.posed);
+  attempt.input.features = extracted.readable;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (extracted.records[i].is_unplaced) attempt.input.features[i] = nullptr;  // until the images place it
+    const poses::PosedPhoto& photo = attempt.posed.photos[i];
+    if (photo.photo.turning) attempt.input.views[i].readout_motion = ReadoutMotion(photo, 0);
+  }
+  {
+    ScopedTimer timer(attempt.matching_s);
+    progress.Report(0.7, "comparing photos");
+    attempt.matched = MatchInPasses(attempt.posed, extracted.lines, attempt.input, options.threads, progress);
+  }
+  if (progress.IsCancelled()) return AlignmentCancelled();
+  TraceDecision("compared by records", {{"pairs", attempt.matched.pairs.size()},
+                                        {"verified", attempt.matched.links.size()},
+                                        {"refused", attempt.matched.rejected.size()}});
+  attempt.compared = attempt.matched.pairs;
+  attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
+  for (std::size_t i = 0; i < count; ++i) {
+    // A guessed place says nothing of how good the recorded ones are, and is no better for those that are.
+    const PhotoRecord& record = extracted.records[i];
+    if (!record.is_unplaced && !record.center_in_enu) attempt.problem.photos[i].has_record = false;
+  }
+  if (options.fixed.Photos() > 0) {
+    HoldFixed(attempt.posed, options.fixed, attempt.problem);
+    attempt.input.views = ViewsOf(attempt.problem);
+  }
+  return attempt;
+}
 
 Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& progress) {
   progress.Report(0.88, "comparing photos once more");

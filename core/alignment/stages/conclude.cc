@@ -133,21 +133,17 @@ std::optional<flight::Remark> RemarkOfClock(const BundleProblem& problem) {
       {{"clock_s", clock_s}, {"moved_m", moved_m}}};
 }
 
-AlignPhotoReport PhotoReport(const ExtractedFlight& extracted, const Attempt& attempt, std::size_t i) {
-  AlignPhotoReport told;
-  told.name = extracted.posed.photos[i].photo.name;
-  told.features = static_cast<int>(extracted.photographed.features[i].keypoints.size());
-  told.is_by_images = attempt.problem.photos[i].is_by_images;
-  return told;
-}
-
 void ReportAttempt(const ExtractedFlight& extracted, Attempt& attempt, AlignReport& report) {
   const std::vector<std::string> names = extracted.Names();
   report.photos = static_cast<int>(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
-    report.photo_reports.push_back(PhotoReport(extracted, attempt, i));
-    report.decode_s += extracted.photographed.features[i].decode_s;
-    report.features_s += extracted.photographed.features[i].detect_s;
+    const PhotoFeatures& features = extracted.photographed.features[i];
+    AlignPhotoReport& told = report.photo_reports.emplace_back();
+    told.name = names[i];
+    told.features = static_cast<int>(features.keypoints.size());
+    told.is_by_images = attempt.problem.photos[i].is_by_images;
+    report.decode_s += features.decode_s;
+    report.features_s += features.detect_s;
   }
   report.gyros = extracted.gyros;
   report.pairs_tried = static_cast<int>(attempt.matched.pairs.size());
