@@ -8,6 +8,7 @@
 
 #include "core/alignment/align_flight.h"
 #include "core/alignment/estimators/similarity.h"
+#include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/register_photos.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
