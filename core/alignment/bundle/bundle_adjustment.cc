@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/alignment/bundle/bundle_round.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {

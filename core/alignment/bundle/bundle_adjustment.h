@@ -101,6 +101,11 @@ struct BundleSummary {
 
 BundleSummary AdjustBundle(BundleProblem& problem, const BundleOptions& options);
 
+// One solve from the problem's present state, which becomes the solution where Ceres finds a usable one;
+// between such rounds AdjustBundle drops outliers. line_bias: in and out, radians, in cam.
+void SolveRound(const BundleOptions& options, BundleProblem& problem, std::vector<Eigen::Vector3d>& line_bias,
+                BundleSummary& summary);
+
 // The views of a problem's photos as adjusted.
 std::vector<View> ViewsOf(const BundleProblem& problem);
 

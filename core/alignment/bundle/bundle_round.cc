@@ -1,5 +1,3 @@
-#include "core/alignment/bundle/bundle_round.h"
-
 #include <ceres/ceres.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/bundle/reprojection_cost.h"
 #include "core/base/trace.h"
 

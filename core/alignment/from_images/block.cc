@@ -221,18 +221,6 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
   Normalise();
 }
 
-void Block::Move(double scale, const Eigen::Quaterniond& turn, const Eigen::Vector3d& shift) {
-  for (std::size_t i = 0; i < placed_.Photos(); ++i) {
-    if (!placed_.Has(i)) continue;
-    const Eigen::Vector3d center = scale * (turn * cam_from_world_[i].TargetOriginInSource()) + shift;
-    cam_from_world_[i] = geo::Rigid3::FromRotationAndTargetOrigin(
-        (cam_from_world_[i].rotation * turn.conjugate()).normalized(), center);
-  }
-  for (std::size_t t = 0; t < point_.size(); ++t) {
-    if (!seen_by_[t].empty()) point_[t] = scale * (turn * point_[t]) + shift;
-  }
-}
-
 void Block::Normalise() {
   std::vector<double> depths;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -247,7 +235,15 @@ void Block::Normalise() {
     if (placed_.Has(i)) middle += cam_from_world_[i].TargetOriginInSource() / placed;
   }
   const double scale = kMedianDepth / Median(std::move(depths));
-  Move(scale, Eigen::Quaterniond::Identity(), -scale * middle);
+  const Eigen::Vector3d shift = -scale * middle;
+  for (std::size_t i = 0; i < placed_.Photos(); ++i) {
+    if (!placed_.Has(i)) continue;
+    cam_from_world_[i] = geo::Rigid3::FromRotationAndTargetOrigin(
+        cam_from_world_[i].rotation.normalized(), scale * cam_from_world_[i].TargetOriginInSource() + shift);
+  }
+  for (std::size_t t = 0; t < point_.size(); ++t) {
+    if (!seen_by_[t].empty()) point_[t] = scale * point_[t] + shift;
+  }
 }
 
 std::vector<int> Block::PointsSeen() const {

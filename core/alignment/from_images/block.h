@@ -52,8 +52,7 @@ class Block {
   // Bundle adjustment of `free` photos (all: an empty list), the others fixed; points are triangulated anew.
   void Adjust(const std::vector<int>& free, const BlockAdjustment& options, int threads);
 
-  // Similarity of the whole block: world' = scale * turn * world + shift.
-  void Move(double scale, const Eigen::Quaterniond& turn, const Eigen::Vector3d& shift);
+  // Of the size above, with the cameras about the origin.
   void Normalise();
 
   // Points that a photo sees in agreement with others.
