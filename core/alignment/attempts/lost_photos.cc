@@ -96,12 +96,10 @@ std::vector<VerifiedPair> LinksOf(const std::vector<Pairing>& pairings, const st
   std::vector<VerifiedPair> links;
   for (auto& [partner, matches] : of_partner) {
     if (static_cast<int>(matches.size()) < kMinMatchesOfALink) continue;
-    if (lost < partner) {
-      links.push_back({lost, partner, {}, std::move(matches), 0.0});
-      continue;
+    for (KeypointMatch& match : matches) {
+      if (partner < lost) std::swap(match.first, match.second);
     }
-    for (KeypointMatch& match : matches) std::swap(match.first, match.second);
-    links.push_back({partner, lost, {}, std::move(matches), 0.0});
+    links.push_back({std::min(lost, partner), std::max(lost, partner), {}, std::move(matches), 0.0});
   }
   return links;
 }

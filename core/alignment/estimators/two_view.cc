@@ -31,13 +31,6 @@ constexpr double kOtherPoseRad = 0.03;
 constexpr double kNearlyAsWell = 0.9;
 constexpr int kRefinements = 8;
 
-struct Motion {
-  Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
-  Vector2d shift = Vector2d::Zero();
-
-  Vector2d operator*(const Vector2d& at) const { return linear * at + shift; }
-};
-
 Vector2d PlaceOf(const PhotoFeatures& features, int k) {
   const Keypoint& keypoint = features.keypoints[k];
   return {keypoint.x_px, keypoint.y_px};
@@ -88,12 +81,12 @@ std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& se
     }
     normal.diagonal().array() += 1e-9 * normal.trace();
     const Eigen::Matrix<double, 3, 2> fitted = geo::SolveSymmetric(normal, right);
-    Motion motion;
-    motion.linear = fitted.topRows<2>().transpose();
-    motion.shift = fitted.row(2).transpose();
+    const Eigen::Matrix2d linear = fitted.topRows<2>().transpose();
+    const Vector2d shift = fitted.row(2).transpose();
     best.clear();
     for (int m = 0; m < count; ++m) {
-      if ((to[m] - motion * from[m]).norm() < loose_px) best.push_back(m);
+      const Vector2d moved = linear * from[m] + shift;
+      if ((to[m] - moved).norm() < loose_px) best.push_back(m);
     }
     if (best.size() < 6) return {};
   }

@@ -29,7 +29,25 @@ enum class PhotoFault {
 inline constexpr std::array kAllPhotoFaults = {
     PhotoFault::kPositionWrong, PhotoFault::kYawWrong,   PhotoFault::kStoredTurned, PhotoFault::kCopy,
     PhotoFault::kBlurred,       PhotoFault::kOtherPlace, PhotoFault::kFarAway};
-std::string_view FaultName(PhotoFault fault);
+inline std::string_view FaultName(PhotoFault fault) {
+  switch (fault) {
+    case PhotoFault::kPositionWrong:
+      return "position_wrong";
+    case PhotoFault::kYawWrong:
+      return "yaw_wrong";
+    case PhotoFault::kStoredTurned:
+      return "stored_turned";
+    case PhotoFault::kCopy:
+      return "copy";
+    case PhotoFault::kBlurred:
+      return "blurred";
+    case PhotoFault::kOtherPlace:
+      return "other_place";
+    case PhotoFault::kFarAway:
+      return "far_away";
+  }
+  return {};
+}
 
 struct AlignPhotoReport {
   std::string name;
