@@ -73,7 +73,7 @@ class PlaceOnTheServer(ServerTestCase):
         _, kept = server.json("PUT", address, {"reference_system": "EPSG:4326", "points": list(points.values())}, code=200)
         self.assertEqual(len(server.json("GET", address)[1]["points"]), 3)
         before = self.bounds(server, flight)
-        server.remade(flight, {"place": "control"})
+        job = server.remade(flight, {"place": "control"})
         after = self.bounds(server, flight)
         self.assertAlmostEqual(after["south_west"][1] - before["south_west"][1], 0.001, delta=1e-4)
         report = server.json("GET", f"/api/v1/flights/{flight}/report")[1]
