@@ -7,6 +7,8 @@ import { encodePng } from '../support/tile_picture.js';
 
 const { setUp } = usePages();
 const kGround_m = 405;
+/** Enough for what is drawn in three dimensions by a processor. */
+const kSmall = { viewport: { width: 1000, height: 640 } };
 
 /** 412.35 m everywhere, as terrarium. */
 const kTile = encodePng(256, 256, new Uint8Array(256 * 256 * 4).map((_, i) => [129, 156, 90, 255][i % 4]));
@@ -236,7 +238,7 @@ test('hillshade and contours lie over the map below its photos until they are ta
 });
 
 test('in three dimensions the map is tilted, one measures on it, and it lies level again', options, async () => {
-  const { page } = await openHeights({ context: { reducedMotion: 'reduce', is_drawn: true } });
+  const { page } = await openHeights({ context: { reducedMotion: 'reduce', is_drawn: true, ...kSmall } });
   assert.deepEqual([(await mapState(page)).pitch, await page.getAttribute('#tool-3d', 'aria-pressed')], [0, 'false']);
   await page.click('#tool-3d');
   await until(async () => (await mapState(page)).pitch === 60);
@@ -258,7 +260,7 @@ test('in three dimensions the map is tilted, one measures on it, and it lies lev
 });
 
 test('all of it goes with the map', options, async () => {
-  const { page, other, mock } = await openHeights({ context: { reducedMotion: 'reduce', is_drawn: true } });
+  const { page, other, mock } = await openHeights({ context: { reducedMotion: 'reduce', is_drawn: true, ...kSmall } });
   await page.click('#tool-layers');
   await page.check('#show-contours');
   await page.check('#show-hillshade');
