@@ -98,14 +98,14 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
   const Wide a = Widen(first, max_features), b = Widen(second, max_features);
   std::vector<KeypointMatch> matches;
   if (a.count == 0 || b.count == 0) return matches;
-  constexpr double max_ratio2 = kMaxDistanceRatio * kMaxDistanceRatio;
+  constexpr double kMaxRatio2 = kMaxDistanceRatio * kMaxDistanceRatio;
   std::vector<KeypointMatch> forth;
   std::vector<std::int32_t> distances(static_cast<std::size_t>(kRowsAtOnce) * std::max(a.count, b.count));
   for (int i = 0; i < a.count; i += kRowsAtOnce) {
     CompareFour(a.rows.data() + static_cast<std::size_t>(i) * kDescriptorSize, b.rows.data(), b.square.data(),
                 b.count, distances.data());
     for (int r = 0; r < kRowsAtOnce && i + r < a.count; ++r) {
-      const int j = StandsOut(distances.data() + r * b.count, b.count, a.square[i + r], max_ratio2, second);
+      const int j = StandsOut(distances.data() + r * b.count, b.count, a.square[i + r], kMaxRatio2, second);
       if (j >= 0) forth.push_back(MatchOf(i + r, j));
     }
   }
@@ -121,7 +121,7 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
     CompareFour(chosen.data(), a.rows.data(), a.square.data(), a.count, distances.data());
     for (std::size_t r = 0; r < rows; ++r) {
       const int i = StandsOut(distances.data() + r * a.count, a.count, b.square[forth[m + r].second],
-                              max_ratio2, first);
+                              kMaxRatio2, first);
       if (i == forth[m + r].first) matches.push_back(forth[m + r]);
     }
   }
