@@ -2,7 +2,7 @@
 // flight, and flights that are to be kept.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { kPhone, mapIdle, openMap } from './support/browser.js';
+import { kPhone, mapIdle, openMap, until } from './support/browser.js';
 import { assertAccessible, openReady, options, usePages } from './support/pages.js';
 import { hasTags, tagCounts } from '../../web/src/home/flight_list.js';
 import { typedTags } from '../../web/src/flight/flight_tags.js';
@@ -224,7 +224,7 @@ test('where old flights go to the trash, one is marked to be kept', options, asy
   await page.focus('#flight-keep');
   await page.keyboard.press('Space');
   await page.waitForFunction(() => document.activeElement?.id === 'flight-keep' && /** @type {HTMLInputElement} */ (document.activeElement).checked);
-  assert.equal(flight.keep, true);
+  await until(() => flight.keep === true, 'the server keeps it');
   await assertAccessible(page, 'a flight that is kept, on a phone');
 });
 

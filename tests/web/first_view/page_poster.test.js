@@ -9,6 +9,8 @@ const { setUp, setUpFlight } = usePages();
 const laptop = { viewport: { width: 1366, height: 768 } };
 const phone = { ...kPhone, deviceScaleFactor: 2 };
 const kPoster = '.poster:not([hidden])';
+/** The list before asks for smaller ones. @param {URL} address */
+const isPoster = ({ pathname, searchParams }) => pathname.endsWith('thumbnail.webp') && searchParams.get('size') === '1024';
 
 /** Opens an address from nothing, while the library that draws maps is held back; the answer lets it through. */
 async function openHeld(page, address) {
@@ -76,7 +78,7 @@ test('before the map its picture lies exactly where the map will lie, on laptop 
     const shift = shifts.reduce((/** @type {number} */ sum, /** @type {{value: number}} */ { value }) => sum + value, 0);
     assert.ok(shift < 0.03, `${name}: the layout moved: ${JSON.stringify(shifts)}`);
     assert.ok(!shifts.some(({ moved }) => moved.some((/** @type {string} */ part) => /poster|stage|^map/.test(part))), JSON.stringify(shifts));
-    const pictures = asked.filter(({ pathname, searchParams }) => pathname.endsWith('thumbnail.webp') && searchParams.get('size') === '1024');
+    const pictures = asked.filter(isPoster);
     assert.equal(pictures.length, 1);
     assert.equal(asked.filter(({ pathname }) => pathname === `/api/v1/flights/${flight.id}`).length, 1, 'what was asked early is not asked again');
     assert.equal(asked.filter(({ pathname }) => pathname === `/tiles/${flight.id}.json`).length, 1);
@@ -168,6 +170,6 @@ test('the bare map has its picture too, with the token of its address', options,
   const asked = [];
   page.on('request', (request) => asked.push(new URL(request.url())));
   await assertGivesWay({ page, mock }, flight, `${mock.url}embed/${flight.id}#token=sq_guest`, 'bare map');
-  assert.equal(asked.find(({ pathname }) => pathname.endsWith('thumbnail.webp'))?.searchParams.get('token'), 'sq_guest');
+  assert.equal(asked.find(isPoster)?.searchParams.get('token'), 'sq_guest');
   await assertAccessible(page, 'bare map');
 });
