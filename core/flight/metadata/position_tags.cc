@@ -114,7 +114,8 @@ bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
   if (xmp.Number("drone-dji:RtkFlag").value_or(0.0) > 0.0) return true;
   const std::string make = LowerCase(exif.make);
   // Autel's older firmware wrote "ellipsoidal" beside heights above the sea.
-  const std::string zero = LowerCase(xmp.Text("Camera:VertCS"));
+  std::string zero = LowerCase(xmp.Text("Camera:VertCS"));
+  if (zero.empty()) zero = LowerCase(xmp.Text("drone-skydio:VertCS"));
   if (!zero.empty() && make.find("autel") == std::string::npos)
     return zero.starts_with("ellips") || zero == "epsg:4979";
   // Of the X10 the EXIF altitude; drone-skydio:AbsoluteAltitude is above the sea.
@@ -157,6 +158,9 @@ void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition&
     absolute = XmpExifAltitude(xmp);
   }
   (is_ellipsoidal ? recorded.height_ellipsoid_m : recorded.height_amsl_m) = absolute;
+  // Named by what it counts from, whatever AbsoluteAltitude beside it does.
+  if (const auto above_sea = Height(xmp, "drone-skydio:GpsMslHeight"); above_sea && *above_sea != 0.0)
+    recorded.height_amsl_m = above_sea;
 }
 
 void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& recorded) {
@@ -166,8 +170,12 @@ void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& 
   const auto std_lat = Sigma(xmp, "drone-dji:RtkStdLat");
   if (std_lon && std_lat) recorded.sigma_horizontal_m = std::hypot(*std_lon, *std_lat) / std::sqrt(2.0);
   recorded.sigma_vertical_m = Sigma(xmp, "drone-dji:RtkStdHgt");
-  if (!recorded.sigma_horizontal_m) recorded.sigma_horizontal_m = Sigma(xmp, "Camera:GPSXYAccuracy");
-  if (!recorded.sigma_vertical_m) recorded.sigma_vertical_m = Sigma(xmp, "Camera:GPSZAccuracy");
+  for (const std::string_view name : {"Camera:GPSXYAccuracy", "drone-skydio:GpsHorizontalAccuracy"}) {
+    if (!recorded.sigma_horizontal_m) recorded.sigma_horizontal_m = Sigma(xmp, name);
+  }
+  for (const std::string_view name : {"Camera:GPSZAccuracy", "drone-skydio:GpsVerticalAccuracy"}) {
+    if (!recorded.sigma_vertical_m) recorded.sigma_vertical_m = Sigma(xmp, name);
+  }
   if (!recorded.sigma_horizontal_m) recorded.sigma_horizontal_m = exif.position_error_m;
   // Written in whole seconds, say: what is lost of a step is spread evenly over it.
   constexpr double kCoarseStepM = 1.0;

@@ -79,14 +79,21 @@ std::optional<Intrinsics> FromCalibratedFocalLength(int width_px, int height_px,
   return Intrinsics::Centered(width_px, height_px, scaled);
 }
 
+// One side of what Skydio writes as a structure of X and Y; programs that copy tags join the names.
+std::optional<double> SkydioSide(const XmpTags& xmp, const std::string& name, char side) {
+  const std::string whole = "drone-skydio:" + name;
+  if (const auto value = xmp.Number(whole + "/drone-skydio:" + side)) return value;
+  return xmp.Number(whole + side);
+}
+
 // Skydio's, in pixels of the picture as the camera wrote it, whose size the centre tells. Its distortion is
 // left to the images: of which model it is, is not documented.
 std::optional<Intrinsics> FromSkydioCalibration(int width_px, int height_px, const XmpTags& xmp) {
-  const auto focal_x = xmp.Number("drone-skydio:CalibratedFocalLengthX");
+  const auto focal_x = SkydioSide(xmp, "CalibratedFocalLength", 'X');
   if (!focal_x) return std::nullopt;
-  const double focal_y = xmp.Number("drone-skydio:CalibratedFocalLengthY").value_or(*focal_x);
-  const auto center_x = xmp.Number("drone-skydio:CalibratedOpticalCenterX");
-  const auto center_y = xmp.Number("drone-skydio:CalibratedOpticalCenterY");
+  const double focal_y = SkydioSide(xmp, "CalibratedFocalLength", 'Y').value_or(*focal_x);
+  const auto center_x = SkydioSide(xmp, "CalibratedOpticalCenter", 'X');
+  const auto center_y = SkydioSide(xmp, "CalibratedOpticalCenter", 'Y');
   double scale = 1.0;
   if (IsCentre(center_x) && IsCentre(center_y)) {
     scale = camera::ScaleFromNative(width_px, height_px, static_cast<int>(std::lround(2.0 * *center_x + 1.0)),

@@ -14,9 +14,9 @@ namespace skyquilt::flight {
 namespace {
 
 ChosenIntrinsics Choose(int width_px, int height_px, const ExifRecord& exif,
-                        const std::string& attributes = "") {
+                        const std::string& attributes = "", const std::string& elements = "") {
   XmpTags xmp;
-  EXPECT_TRUE(xmp.AddPacket(XmpPacket(attributes)));
+  EXPECT_TRUE(xmp.AddPacket(XmpPacket(attributes, elements)));
   std::vector<Remark> notes;
   return ChooseIntrinsics(width_px, height_px, exif, xmp, notes);
 }
@@ -90,6 +90,28 @@ TEST(ChooseIntrinsics, TakesSkydiosCalibrationInThePixelsOfThePicture) {
                    "xmlns:s=\"https://www.skydio.com/drone-skydio/1.0/\" s:CalibratedFocalLengthX=\"0\"")
                 .source,
             FocalSource::kAssumed);
+}
+
+TEST(ChooseIntrinsics, ReadsSkydiosCalibrationAsTheStructureThatItIs) {
+  const std::string uri = "xmlns:s=\"https://www.skydio.com/drone-skydio/1.0/\"";
+  const auto structure = [](const std::string& name, const std::string& x, const std::string& y) {
+    const std::string open = "<s:" + name + " rdf:parseType=\"Resource\">", close = "</s:" + name + ">";
+    return open + "<s:X>" + x + "</s:X><s:Y>" + y + "</s:Y>" + close;
+  };
+  const auto in_attributes = [](const std::string& name, const std::string& x, const std::string& y) {
+    return "<s:" + name + " s:X=\"" + x + "\" s:Y=\"" + y + "\"/>";
+  };
+  const std::string whole = structure("CalibratedFocalLength", "4940.1", "4938.7") +
+                            structure("CalibratedOpticalCenter", "4095.5", "3071.5");
+  for (const std::string& elements :
+       {whole, in_attributes("CalibratedFocalLength", "4940.1", "4938.7") +
+                   in_attributes("CalibratedOpticalCenter", "4095.5", "3071.5")}) {
+    const auto chosen = Choose(8192, 6144, {}, uri, elements);
+    EXPECT_EQ(chosen.source, FocalSource::kCalibrated);
+    EXPECT_EQ(chosen.intrinsics.focal_x_px, 4940.1);
+    EXPECT_EQ(chosen.intrinsics.focal_y_px, 4938.7);
+  }
+  EXPECT_DOUBLE_EQ(Choose(4096, 3072, {}, uri, whole).intrinsics.focal_x_px, 2470.05);
 }
 
 TEST(ChooseIntrinsics, ReadsThePix4dSchemesLens) {

@@ -277,6 +277,21 @@ TEST(ReadPhotoHeights, CountsFromTheZeroThatThePhotoOrItsMakerNames) {
   EXPECT_EQ(At549("Skydio", "VT300-L_93", skydio_sea).height_amsl_m, 500.0);
 }
 
+// An X10 whose two heights differ by the geoid, 26.28 m.
+TEST(ReadPhotoHeights, TakesEachOfSkydiosHeightsForWhatItIs) {
+  const std::string both =
+      "xmlns:s=\"https://www.skydio.com/drone-skydio/1.0/\" s:AbsoluteAltitude=\"20.1\" "
+      "s:GpsMslHeight=\"46.38\" s:GpsHorizontalAccuracy=\"0.25\" s:GpsVerticalAccuracy=\"0.5\" ";
+  const RecordedPosition unsaid = At549("Skydio", "VT300-L_93", both);
+  EXPECT_EQ(unsaid.height_amsl_m, 46.38);
+  EXPECT_FALSE(unsaid.height_ellipsoid_m);
+  EXPECT_EQ(unsaid.sigma_horizontal_m, 0.25);
+  EXPECT_EQ(unsaid.sigma_vertical_m, 0.5);
+  const RecordedPosition said = At549("Skydio", "VT300-L_93", both + "s:VertCS=\"ellipsoidal\"");
+  EXPECT_EQ(said.height_amsl_m, 46.38);
+  EXPECT_EQ(said.height_ellipsoid_m, 20.1);
+}
+
 TEST(ReadPhotoHeights, ReadsPhaseOnesHeightAboveTakeOff) {
   const RecordedPosition position = At549("Phase One", "iXM-100",
                                           "xmlns:aerialgps=\"http://www.phaseone.com/aerialgps/\" "
