@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string_view>
+#include <utility>
 
 #include "core/flight/bytes/log_bytes.h"
 #include "core/flight/bytes/text_fields.h"
@@ -135,6 +136,9 @@ std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
   const std::string skydio_struct = "drone-skydio:CameraOrientationNED/drone-skydio:";
   const Degrees skydio = FromXmp(xmp, skydio_struct + "Yaw", skydio_struct + "Pitch", skydio_struct + "Roll");
   if (IsUsable(skydio, "drone-skydio", notes)) return Gimbal(skydio, "drone-skydio");
+  const Degrees yuneec =
+      FromXmp(xmp, "drone-yuneec:GimbalYaw", "drone-yuneec:GimbalPitch", "drone-yuneec:GimbalRoll");
+  if (IsUsable(yuneec, "drone-yuneec", notes)) return Gimbal(yuneec, "drone-yuneec");
   const Degrees teal{Sum(xmp.Number("exif:PlatformYaw"), xmp.Number("exif:CameraYaw")),
                      Sum(xmp.Number("exif:PlatformPitch"), xmp.Number("exif:CameraPitch")),
                      Sum(xmp.Number("exif:PlatformRoll"), xmp.Number("exif:CameraRoll"))};
@@ -154,11 +158,12 @@ std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
   if (!sensefly.any()) sensefly = FromXmp(xmp, "sensefly:Yaw", "sensefly:Pitch", "sensefly:Roll");
   if (IsUsable(sensefly, "sensefly", notes)) return Attitude(AttitudeKind::kAirframe, sensefly, "sensefly");
 
-  if (auto heading = HeadingOnly(xmp.Number("drone-dji:FlightYawDegree"), "drone-dji flight", notes)) {
-    return heading;
-  }
-  if (auto heading = HeadingOnly(xmp.Number("drone-parrot:DroneYawDegree"), "drone-parrot flight", notes)) {
-    return heading;
+  constexpr std::pair<std::string_view, std::string_view> kHeadings[] = {
+      {"drone-dji:FlightYawDegree", "drone-dji flight"},
+      {"drone-parrot:DroneYawDegree", "drone-parrot flight"},
+      {"drone-yuneec:DroneYaw", "drone-yuneec flight"}};
+  for (const auto& [name, source] : kHeadings) {
+    if (auto heading = HeadingOnly(xmp.Number(name), source, notes)) return heading;
   }
   if (maker_note) return HeadingOnly(maker_note->yaw_deg, "DJI maker note flight", notes);
   return std::nullopt;

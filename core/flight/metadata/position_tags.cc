@@ -188,8 +188,9 @@ void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& 
 }  // namespace
 
 std::optional<double> HeightAboveTakeoffFromTags(const XmpTags& xmp) {
-  for (const std::string_view name : {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude",
-                                      "sensefly:Height", "aerialgps:GPSAltitudeAboveTakeOff"}) {
+  for (const std::string_view name :
+       {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude", "drone-yuneec:AboveHomeAltitude",
+        "sensefly:Height", "aerialgps:GPSAltitudeAboveTakeOff"}) {
     if (const auto height_m = Height(xmp, name)) return height_m;
   }
   return std::nullopt;

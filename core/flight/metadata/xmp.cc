@@ -34,6 +34,7 @@ constexpr std::array kKnownNamespaces = {
     KnownNamespace{"ns.sensefly.com/sensefly/1.0", "sensefly"},
     KnownNamespace{"ns.sensefly.com/camera/1.0", "Camera"},
     KnownNamespace{"skydio.com/drone-skydio/1.0", "drone-skydio"},
+    KnownNamespace{"yuneec.com/drone-yuneec/1.0", "drone-yuneec"},
     KnownNamespace{"micasense.com/micasense/1.0", "MicaSense"},
     KnownNamespace{"micasense.com/dls/1.0", "DLS"},
     KnownNamespace{"ns.adobe.com/exif/1.0", "exif"},

@@ -131,6 +131,18 @@ TEST(AttitudeFromTags, CountsParrotAnafiFromTheHorizon) {
                AttitudeKind::kGimbal, 100.5, -12.0, 0.3);
 }
 
+TEST(AttitudeFromTags, CountsYuneecFromTheHorizon) {
+  const std::string drone =
+      "xmlns:y=\"http://www.yuneec.com/drone-yuneec/1.0/\" y:DroneYaw=\"96.699997\" "
+      "y:DronePitch=\"-3.72\" y:DroneRoll=\"1.64\" ";
+  ExpectAngles(
+      ReadXmp(drone + "y:GimbalYaw=\"73.230003\" y:GimbalPitch=\"-89.95999\" y:GimbalRoll=\"0.000000\""),
+      AttitudeKind::kGimbal, 73.230003, -89.95999, 0.0);
+  const AttitudeRead without_gimbal = ReadXmp(drone);
+  ExpectAngles(without_gimbal, AttitudeKind::kAirframe, 96.699997, 0.0, 0.0);
+  EXPECT_EQ(without_gimbal.notes.size(), 1u);
+}
+
 TEST(AttitudeFromTags, CountsThePix4dSchemeFromNadir) {
   const std::string uri = "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" ";
   const AttitudeRead down =

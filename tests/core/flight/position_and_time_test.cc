@@ -292,11 +292,16 @@ TEST(ReadPhotoHeights, TakesEachOfSkydiosHeightsForWhatItIs) {
   EXPECT_EQ(said.height_ellipsoid_m, 20.1);
 }
 
-TEST(ReadPhotoHeights, ReadsPhaseOnesHeightAboveTakeOff) {
-  const RecordedPosition position = At549("Phase One", "iXM-100",
-                                          "xmlns:aerialgps=\"http://www.phaseone.com/aerialgps/\" "
-                                          "aerialgps:GPSAltitudeAboveTakeOff=\"151615/1000\"");
-  EXPECT_NEAR(position.height_above_takeoff_m.value(), 151.615, 1e-9);
+TEST(ReadPhotoHeights, ReadsEachMakersHeightAboveTakeOff) {
+  const RecordedPosition phase_one = At549("Phase One", "iXM-100",
+                                           "xmlns:aerialgps=\"http://www.phaseone.com/aerialgps/\" "
+                                           "aerialgps:GPSAltitudeAboveTakeOff=\"151615/1000\"");
+  EXPECT_NEAR(phase_one.height_above_takeoff_m.value(), 151.615, 1e-9);
+  const RecordedPosition yuneec = At549("Yuneec", "E90",
+                                        "xmlns:y=\"http://www.yuneec.com/drone-yuneec/1.0/\" "
+                                        "y:GPSAltitude=\"549.00\" y:AboveHomeAltitude=\"34.40\"");
+  EXPECT_EQ(yuneec.height_above_takeoff_m, 34.4);
+  EXPECT_EQ(yuneec.height_amsl_m, 549.0);
 }
 
 TEST(ReadPhotoHeights, SeesARelativeHeightInTheExifAltitude) {
