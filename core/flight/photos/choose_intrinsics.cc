@@ -255,8 +255,20 @@ ChosenIntrinsics BySensorOrCrop(const Intrinsics& by_sensor, const ExifRecord& e
           FocalSource::k35mmEquivalent};
 }
 
-// Inches for centimetres and the like: why the focal plane's resolution is not what it says, by the sensor
-// and the lens that the other tags tell of, or by a sensor that no camera has.
+// Whether a picture has the shape of a whole one: its camera's, or one that is usual.
+bool HasShapeOfWhole(int width_px, int height_px, const std::optional<camera::SensorSize>& sensor) {
+  constexpr double kRounded = 0.005;
+  const auto shape_of = [](double a, double b) { return std::max(a, b) / std::min(a, b); };
+  const auto is = [&](double whole) {
+    return std::abs(shape_of(width_px, height_px) / whole - 1.0) < kRounded;
+  };
+  if (sensor && is(shape_of(sensor->native_width_px, sensor->native_height_px))) return true;
+  return is(4.0 / 3.0) || is(3.0 / 2.0) || is(16.0 / 9.0);
+}
+
+// Inches for centimetres and the like, or the pixels of a picture of another size: why the focal plane's
+// resolution is not what it says, by the sensor and the lens that the other tags tell of, or by a sensor that
+// no camera has.
 std::optional<Remark> WhyPlaneIsWrong(int width_px, int height_px, const ExifRecord& exif) {
   if (!exif.focal_plane_x_px_per_mm) return std::nullopt;
   const double side_px = std::max(width_px, height_px);
@@ -285,14 +297,19 @@ std::optional<Remark> WhyPlaneIsWrong(int width_px, int height_px, const ExifRec
     const double as_smaller_copy = as_written * side_px / recorded_px;
     if (IsNear(as_written, 1.0) || IsNear(as_smaller_copy, 1.0)) return std::nullopt;
     constexpr double kUnits[] = {2.54, 10.0, 25.4};
-    if (std::any_of(std::begin(kUnits), std::end(kUnits), [&](double factor) {
-          return IsNear(as_smaller_copy, factor) || IsNear(as_smaller_copy, 1.0 / factor);
-        })) {
-      why = {RemarkCode::kSensorOfWrongUnit,
-             {{"written_mm", sensor_mm},
-              {"sensor_mm", sensor_mm * as_smaller_copy},
-              {"known", Remark(other.name)}}};
-    }
+    const bool is_unit = std::any_of(std::begin(kUnits), std::end(kUnits), [&](double factor) {
+      return IsNear(as_smaller_copy, factor) || IsNear(as_smaller_copy, 1.0 / factor);
+    });
+    // Fewer pixels than by the tag: a copy of the whole that was made smaller, else a part, which keeps them.
+    constexpr double kClearlyApart = 1.4;
+    const bool is_of_other_size =
+        as_smaller_copy < 1.0 / kClearlyApart ||
+        (as_smaller_copy > kClearlyApart && HasShapeOfWhole(width_px, height_px, sensor));
+    if (!is_unit && !is_of_other_size) continue;
+    why = {is_unit ? RemarkCode::kSensorOfWrongUnit : RemarkCode::kSensorOfOtherSize,
+           {{"written_mm", sensor_mm},
+            {"sensor_mm", sensor_mm * as_smaller_copy},
+            {"known", Remark(other.name)}}};
   }
   constexpr double kNarrowestMm = 1.5, kWidestMm = 60.0;
   if (why || (sensor_mm > kNarrowestMm && sensor_mm < kWidestMm)) return why;

@@ -3,8 +3,9 @@
 //   drone-dji:CalibratedFocalLength    pixels, often only nominal
 //   Camera:PerspectiveFocalLength      mm (or pixels), with the focal plane resolution
 //   Camera:FisheyePolynomial           our lens model fitted to the calibrated fisheye
-//   EXIF focal length and FocalPlaneXResolution, unless its unit is wrong: by 2.54, 10 or 25.4 off from all
-//     that the next two say, or a sensor's size that does not exist; said in a note
+//   EXIF focal length and FocalPlaneXResolution, unless it is wrong: its unit, by 2.54, 10 or 25.4 off from
+//     all that the next two say, or its picture's size, clearly off by another factor, or a sensor's size
+//     that does not exist; said in a note
 //   EXIF focal length and the table of sensors
 //   EXIF 35 mm equivalent; before the table's, where by it the camera used a part of its sensor only
 //   a usual drone lens (focal length 0.8 of the longer side), said in a note

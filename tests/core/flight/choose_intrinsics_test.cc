@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "core/camera/sensor_database.h"
 #include "core/flight/remarks/remark_words.h"
@@ -216,6 +217,32 @@ TEST(ChooseIntrinsics, KeepsAFocalPlaneThatAnyOtherSourceConfirms) {
   EXPECT_EQ(Choose(1600, 1200, exif).source, FocalSource::kFocalPlane);
   // Nothing beside it, and a sensor that may be.
   EXPECT_EQ(Choose(4000, 3000, ExifInUnit(1.0 / 2.54)).source, FocalSource::kFocalPlane);
+}
+
+// Programs write the size of what they made and leave the focal plane that of the camera's picture, or take
+// that of the preview in a raw picture.
+TEST(ChooseIntrinsics, LeavesAFocalPlaneOfAnotherPictureAside) {
+  constexpr std::pair<int, double> kSizes[] = {{2000, 1.0}, {1000, 1.0}, {4000, 0.5}};
+  for (const auto& [side_px, factor] : kSizes) {
+    for (const bool is_listed : {true, false}) {
+      SCOPED_TRACE(testing::Message() << side_px << " " << factor << " " << is_listed);
+      ExifRecord exif = ExifInUnit(factor);
+      exif.recorded_width_px = side_px;
+      if (is_listed) exif.model = "FC300S";
+      if (!is_listed) exif.focal_length_35mm_mm = 20.0;
+      std::vector<Remark> notes;
+      const auto chosen = ChooseIntrinsics(side_px, 3 * side_px / 4, exif, XmpTags(), notes);
+      EXPECT_EQ(chosen.source, is_listed ? FocalSource::kSensorTable : FocalSource::k35mmEquivalent);
+      EXPECT_NEAR(chosen.intrinsics.focal_x_px, 3.61 / 6.17 * side_px, 0.015 * side_px);
+      ASSERT_EQ(notes.size(), 1u);
+      EXPECT_EQ(notes[0].code, RemarkCode::kSensorOfOtherSize);
+    }
+  }
+  // By its shape a part, which keeps its pixels; the equivalent stays that of the whole.
+  ExifRecord part = ExifInUnit(1.0);
+  part.recorded_width_px = 2000;
+  part.focal_length_35mm_mm = 20.0;
+  EXPECT_EQ(Choose(2000, 2000, part).source, FocalSource::kFocalPlane);
 }
 
 TEST(ChooseIntrinsics, LeavesASensorThatNoCameraHasAside) {

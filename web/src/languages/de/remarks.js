@@ -71,6 +71,7 @@ export const remark_words = {
   fisheye_fitted: (v) => `Das Objektiv ist ein Fischauge, dessen Kalibrierung das Objektivmodell auf ${fixed(v.worst_px, 1)}\u00a0px trifft.`,
   size_not_as_recorded: (v) => `Die Kamera zeichnete ein Bild von ${number(v.recorded_px)}\u00a0px auf, dieses hat ${number(v.side_px)}\u00a0px: Es gilt als Ausschnitt mit gleicher Pixelgröße, sofern die Fotos nichts anderes zeigen.`,
   sensor_of_wrong_unit: (v) => `Nach der Auflösung der Bildebene wäre der Sensor ${fixed(v.written_mm, 1)}\u00a0mm breit, und er ist ${fixed(v.sensor_mm, 1)}\u00a0mm breit, ${v.known}: Die Einheit stimmt nicht (Zoll statt Zentimeter oder dergleichen), und die Angabe wurde nicht verwendet.`,
+  sensor_of_other_size: (v) => `Nach der Auflösung der Bildebene wäre der Sensor ${fixed(v.written_mm, 1)}\u00a0mm breit, und er ist ${fixed(v.sensor_mm, 1)}\u00a0mm breit, ${v.known}: Das Bild wurde seither in anderer Größe geschrieben, und die Angabe wurde nicht verwendet.`,
   sensor_as_known: () => 'wie vom Sensor der Kamera bekannt',
   sensor_by_equivalent: () => 'wie die auf Kleinbild umgerechnete Brennweite sagt',
   sensor_impossible: (v) => `Nach der Auflösung der Bildebene wäre der Sensor ${fixed(v.written_mm, 1)}\u00a0mm breit, was kaum einer ist: Die Angabe wurde nicht verwendet.`,

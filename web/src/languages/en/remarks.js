@@ -70,6 +70,7 @@ export const remark_words = {
   fisheye_fitted: (v) => `The lens is a fisheye, whose calibration the lens model fits within ${fixed(v.worst_px, 1)}\u00a0px.`,
   size_not_as_recorded: (v) => `The camera recorded a picture of ${number(v.recorded_px)}\u00a0px, this one has ${number(v.side_px)}\u00a0px: taken as a crop with the same pixel size, unless the photos say otherwise.`,
   sensor_of_wrong_unit: (v) => `By the focal plane resolution the sensor would be ${fixed(v.written_mm, 1)}\u00a0mm wide, and it is ${fixed(v.sensor_mm, 1)}\u00a0mm as ${v.known}: its unit is wrong (inches for centimetres, or the like), and it was not used.`,
+  sensor_of_other_size: (v) => `By the focal plane resolution the sensor would be ${fixed(v.written_mm, 1)}\u00a0mm wide, and it is ${fixed(v.sensor_mm, 1)}\u00a0mm as ${v.known}: the picture was written in another size since, and the resolution was not used.`,
   sensor_as_known: () => 'the sensor of the camera is known',
   sensor_by_equivalent: () => 'the 35\u00a0mm equivalent says',
   sensor_impossible: (v) => `By the focal plane resolution the sensor would be ${fixed(v.written_mm, 1)}\u00a0mm wide, which hardly any is: it was not used.`,
