@@ -112,7 +112,9 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
   const auto focal = xmp.Number("Camera:PerspectiveFocalLength");
   if (!focal) return std::nullopt;
   const std::string unit = xmp.Text("Camera:PerspectiveFocalLengthUnits");
-  const bool is_in_pixels = unit.starts_with("p");
+  // MicaSense's firmwares before 3 write pixels and no unit.
+  constexpr double kLongestLensMm = 200.0;
+  const bool is_in_pixels = unit.starts_with("p") || (unit.empty() && *focal > kLongestLensMm);
   if (!is_in_pixels && !exif.focal_plane_x_px_per_mm) return std::nullopt;
   const double px_per_unit = is_in_pixels ? 1.0 : *exif.focal_plane_x_px_per_mm;
   const double focal_px = *focal * px_per_unit;
@@ -123,13 +125,18 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
     return camera;
   }
   if (const auto center = AllXmpNumbers(xmp.Text("Camera:PrincipalPoint"), 2)) {
-    const double x_px = (*center)[0] * px_per_unit - 0.5;
-    const double y_px =
-        (*center)[1] * (is_in_pixels ? 1.0 : exif.focal_plane_y_px_per_mm.value_or(px_per_unit)) - 0.5;
-    if (std::abs(x_px / width_px - 0.5) < 0.1 && std::abs(y_px / height_px - 0.5) < 0.1) {
+    const auto take = [&](double px_per_x, double px_per_y) {
+      const double x_px = (*center)[0] * px_per_x - 0.5;
+      const double y_px = (*center)[1] * px_per_y - 0.5;
+      if (!(std::abs(x_px / width_px - 0.5) < 0.1) || !(std::abs(y_px / height_px - 0.5) < 0.1)) return false;
       camera.center_x_px = x_px;
       camera.center_y_px = y_px;
-    }
+      return true;
+    };
+    // Beside a focal length in pixels it is in millimetres too, as MicaSense has it.
+    const std::optional<double>& per_mm = exif.focal_plane_x_px_per_mm;
+    const bool is_taken = is_in_pixels && take(1.0, 1.0);
+    if (!is_taken && per_mm) take(*per_mm, exif.focal_plane_y_px_per_mm.value_or(*per_mm));
   }
   // R1, R2, R3, T1, T2.
   if (const auto bend = AllXmpNumbers(xmp.Text("Camera:PerspectiveDistortion"), 5);

@@ -130,6 +130,27 @@ TEST(ChooseIntrinsics, ReadsThePix4dSchemesLens) {
   EXPECT_EQ(chosen.intrinsics.p1, 0.0002);
 }
 
+// As MicaSense's cameras did before they named the unit: the centre is in millimetres all the same.
+TEST(ChooseIntrinsics, ReadsAFocalLengthInPixelsThatNamesNoUnit) {
+  ExifRecord exif;
+  exif.focal_length_mm = 5.5;
+  exif.focal_plane_x_px_per_mm = exif.focal_plane_y_px_per_mm = 1280 / 4.8;
+  const auto lens = [&](const std::string& focal, const std::string& unit) {
+    return Choose(1280, 960, exif,
+                  "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" Camera:PrincipalPoint=\"2.43,1.79\" "
+                  "Camera:PerspectiveDistortion=\"-0.1,0.15,-0.07,0.0002,-0.0003\" " +
+                      unit + " Camera:PerspectiveFocalLength=\"" + focal + "\"");
+  };
+  for (const char* unit : {"", "Camera:PerspectiveFocalLengthUnits=\"pixels\""}) {
+    const auto chosen = lens("1459.7272592972727", unit);
+    EXPECT_EQ(chosen.source, FocalSource::kXmpCamera) << unit;
+    EXPECT_NEAR(chosen.intrinsics.focal_x_px, 1459.7272593, 1e-6);
+    EXPECT_NEAR(chosen.intrinsics.center_x_px, 2.43 * 1280 / 4.8 - 0.5, 1e-9);
+    EXPECT_EQ(chosen.intrinsics.k1, -0.1);
+  }
+  EXPECT_NEAR(lens("5.4418739708109527", "").intrinsics.focal_x_px, 5.4418739708 * 1280 / 4.8, 1e-6);
+}
+
 TEST(ChooseIntrinsics, UsesTheFocalPlaneBeforeTheTable) {
   ExifRecord exif;
   exif.model = "FC6310";
