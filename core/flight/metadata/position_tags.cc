@@ -110,7 +110,10 @@ std::optional<double> XmpExifAltitude(const XmpTags& xmp) {
 // By what the photo says of it, else by what the makers say of their aircraft.
 bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
   const std::string kind = xmp.Text("drone-dji:AltitudeType");
-  if (!kind.empty()) return kind == "RtkAlt";
+  // Some without a receiver of RTK (Mini 3 Pro) write it beside heights above the sea.
+  const bool knows_rtk =
+      xmp.Find("drone-dji:RtkFlag") != nullptr || xmp.Find("drone-dji:RtkStdHgt") != nullptr;
+  if (!kind.empty()) return kind == "RtkAlt" && knows_rtk;
   if (xmp.Number("drone-dji:RtkFlag").value_or(0.0) > 0.0) return true;
   const std::string make = LowerCase(exif.make);
   // Autel's older firmware wrote "ellipsoidal" beside heights above the sea.

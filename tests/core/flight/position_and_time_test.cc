@@ -244,6 +244,22 @@ TEST(ReadPhotoHeights, TakesRtkHeightsAsEllipsoidal) {
   }
 }
 
+TEST(ReadPhotoHeights, TakesRtkHeightsOfNoReceiverOfRtkAsAboveTheSea) {
+  const auto height_of = [](const std::string& tags) {
+    return test::ValueOf(
+        Read(ExifWriter().Position(46.0, 7.0), Dji("drone-dji:AbsoluteAltitude=\"+317.547\" " + tags))
+            .position);
+  };
+  for (const char* of_receiver : {"drone-dji:RtkFlag=\"0\"", "drone-dji:RtkStdHgt=\"2.5\""}) {
+    EXPECT_EQ(height_of("drone-dji:AltitudeType=\"RtkAlt\" " + std::string(of_receiver)).height_ellipsoid_m,
+              317.547)
+        << of_receiver;
+  }
+  EXPECT_EQ(height_of("drone-dji:AltitudeType=\"RtkAlt\"").height_amsl_m, 317.547);
+  EXPECT_EQ(height_of("drone-dji:AltitudeType=\"GpsFusionAlt\" drone-dji:RtkFlag=\"16\"").height_amsl_m,
+            317.547);
+}
+
 // 549 m by EXIF, of a maker's aircraft.
 RecordedPosition At549(const std::string& make, const std::string& model, const std::string& xmp = "") {
   const Photo photo = Read(ExifWriter()
