@@ -176,6 +176,10 @@ std::optional<double> PixelsPerMm(const ExifTable& table, std::uint16_t resoluti
   return Within(*resolution / unit_mm, 10.0, 2000.0);
 }
 
+// In millimetres, of a lens that exists; the same as of a picture of 36 mm by 24.
+std::optional<double> OfLens(std::optional<double> mm) { return Within(mm, 0.5, 2000.0); }
+std::optional<double> OfFullFrame(std::optional<double> mm) { return Within(mm, 5.0, 5000.0); }
+
 std::optional<std::chrono::minutes> ParseZone(const std::string& text) {
   if (text == "Z" || text == "z") return std::chrono::minutes(0);
   int hours = 0, minutes = 0;
@@ -290,8 +294,8 @@ ExifRecord InterpretExif(const ExifTable& table) {
   record.exposure_time_s = ExposureTimeS(table);
   record.iso = IsoOf(table);
   record.f_number = Within(table.Number(ExifIfd::kExif, tag::kFNumber), 0.3, 200.0);
-  record.focal_length_mm = Within(table.Number(ExifIfd::kExif, tag::kFocalLength), 0.5, 2000.0);
-  record.focal_length_35mm_mm = Within(table.Number(ExifIfd::kExif, tag::kFocalLength35), 5.0, 5000.0);
+  record.focal_length_mm = OfLens(table.Number(ExifIfd::kExif, tag::kFocalLength));
+  record.focal_length_35mm_mm = OfFullFrame(table.Number(ExifIfd::kExif, tag::kFocalLength35));
   record.focal_plane_x_px_per_mm = PixelsPerMm(table, tag::kFocalPlaneX);
   record.focal_plane_y_px_per_mm = PixelsPerMm(table, tag::kFocalPlaneY);
   constexpr double kMaxSide = 100000.0;
@@ -305,6 +309,14 @@ ExifRecord InterpretExif(const ExifTable& table) {
   ReadDirection(table, record);
   ReadClock(table, record);
   return record;
+}
+
+void FillFromXmp(const XmpTags& xmp, ExifRecord& record) {
+  if (record.make.empty()) record.make = xmp.Text("tiff:Make");
+  if (record.model.empty()) record.model = xmp.Text("tiff:Model");
+  if (!record.focal_length_mm) record.focal_length_mm = OfLens(xmp.Number("exif:FocalLength"));
+  if (!record.focal_length_35mm_mm)
+    record.focal_length_35mm_mm = OfFullFrame(xmp.Number("exif:FocalLengthIn35mmFilm"));
 }
 
 }  // namespace skyquilt::flight

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/flight/metadata/exif_table.h"
+#include "core/flight/metadata/xmp.h"
 #include "core/flight/photo.h"
 #include "core/geo/lat_lon.h"
 
@@ -46,6 +47,10 @@ struct ExifRecord {
 };
 
 ExifRecord InterpretExif(const ExifTable& table);
+
+// Camera and lens out of XMP's copies of EXIF (tiff:, exif:), where the tags themselves are lost: programs
+// that write PNG, and some that write JPEG, keep nothing else.
+void FillFromXmp(const XmpTags& xmp, ExifRecord& record);
 
 // Of a file whose other tags do not matter.
 std::optional<double> ExposureTimeS(const ExifTable& table);

@@ -178,8 +178,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   const XmpTags xmp = ReadXmp(header, source, photo.notes);
   photo.notes.insert(photo.notes.end(), exif.notes.begin(), exif.notes.end());
   if (auto panorama = WhyPanorama(header.width_px, header.height_px, xmp)) return *std::move(panorama);
-  if (exif.make.empty()) exif.make = xmp.Text("tiff:Make");
-  if (exif.model.empty()) exif.model = xmp.Text("tiff:Model");
+  FillFromXmp(xmp, exif);
   photo.make = exif.make;
   photo.model = exif.model;
   photo.software = exif.software;

@@ -125,6 +125,31 @@ TEST(ReadPhoto, TellsCamerasApart) {
   EXPECT_NE(key({.exif = exif(45)}), key({.width_px = 2000, .height_px = 1500, .exif = exif(45)}));
 }
 
+TEST(ReadPhoto, TakesTheLensFromXmpWhereTheTagsAreLost) {
+  const auto read = [](const std::string& tags, const Bytes& exif = {}) {
+    return ValueOf(ReadPhotoFromBytes(
+        "a.jpg", JpegHeader({.exif = exif,
+                             .xmp = XmpPacket("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" "
+                                              "xmlns:tiff=\"http://ns.adobe.com/tiff/1.0/\" " +
+                                              tags)})));
+  };
+  const auto by_sensor = read("tiff:Make=\"DJI\" tiff:Model=\"FC300S\" exif:FocalLength=\"361/100\"");
+  EXPECT_EQ(by_sensor.make, "DJI");
+  EXPECT_EQ(by_sensor.focal_source, FocalSource::kSensorTable);
+  EXPECT_NEAR(by_sensor.intrinsics.focal_x_px, 3.61 / 6.17 * 4000, 1e-9);
+  const auto by_equivalent = read("exif:FocalLength=\"20/1\" exif:FocalLengthIn35mmFilm=\"30\"");
+  EXPECT_EQ(by_equivalent.focal_source, FocalSource::k35mmEquivalent);
+  EXPECT_NEAR(by_equivalent.intrinsics.focal_x_px, 30.0 / 43.2666 * 5000.0, 0.1);
+  EXPECT_EQ(read("exif:FocalLengthIn35mmFilm=\"0\"").focal_source, FocalSource::kAssumed);
+  // The tags themselves come first.
+  const Bytes exif = ExifWriter()
+                         .Ascii(ExifIfd::kImage, 0x0110, "FC300S")
+                         .Rational(ExifIfd::kExif, 0x920A, {{361, 100}})
+                         .Write();
+  EXPECT_NEAR(read("tiff:Model=\"FC6310\" exif:FocalLength=\"88/10\"", exif).intrinsics.focal_x_px,
+              3.61 / 6.17 * 4000, 1e-9);
+}
+
 TEST(ReadPhoto, NotesWhatAFilterMakesOfTheChannels) {
   const auto notes_of = [](const char* make, const char* model, const std::string& bands = "") {
     const Bytes exif =
