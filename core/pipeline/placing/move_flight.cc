@@ -1,6 +1,7 @@
 #include "core/pipeline/placing/move_flight.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <optional>
@@ -196,6 +197,16 @@ void TellOfControl(const std::vector<alignment::ControlReport>& control, const V
   facts.align_report->control = control;
   Vector3d& bias_m = facts.align_report->position_bias_m;
   bias_m = facts.is_placed ? Vector3d(bias_m + moved_m) : Vector3d(Vector3d::Zero());
+}
+
+bool IsOfControl(const flight::Remark& said) {
+  using flight::RemarkCode;
+  constexpr std::array kCodes = {
+      RemarkCode::kControlNotUsed,       RemarkCode::kControlFarOff,    RemarkCode::kControlFarOffAndNoted,
+      RemarkCode::kControlNoted,         RemarkCode::kPlacedByControl,  RemarkCode::kMovedToControl,
+      RemarkCode::kControlOfOtherPixels, RemarkCode::kControlElsewhere, RemarkCode::kControlPairDisagrees,
+      RemarkCode::kControlHeightOff,     RemarkCode::kControlOverruled};
+  return std::find(kCodes.begin(), kCodes.end(), said.code) != kCodes.end();
 }
 
 Result<MoveOfPairs> MoveByPairs(const FlightFacts& known, const std::vector<ShownPair>& pairs) {

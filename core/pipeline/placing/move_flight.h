@@ -10,6 +10,7 @@
 #include "core/alignment/scene/ground_control.h"
 #include "core/alignment/scene/matches.h"
 #include "core/base/result.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/local_frame.h"
 #include "core/pipeline/placing/place_request.h"
 #include "core/pipeline/report/flight_facts.h"
@@ -57,6 +58,9 @@ double ExtentM(const FlightFacts& known);
 // among the alignment's figures, where the flight has any. A flight that lay nowhere did not move.
 void TellOfControl(const std::vector<alignment::ControlReport>& control, const Eigen::Vector3d& moved_m,
                    FlightFacts& facts);
+
+// Is it of what a survey had the map say?
+bool IsOfControl(const flight::Remark& said);
 
 struct MoveOfPairs {
   alignment::Similarity3 new_from_old;

@@ -1,7 +1,6 @@
 #include "core/pipeline/placing/place_by_lists.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <map>
@@ -175,17 +174,6 @@ std::optional<double> SurveyAboveRecordsM(const FlightFacts& facts,
     if (surveyed_m[k] && !empty[k]) above_m.push_back(*surveyed_m[k] - shown_m[k]);
   }
   return MedianIfAny(std::move(above_m));
-}
-
-// What an earlier survey had the map say.
-bool IsOfControl(const flight::Remark& said) {
-  using flight::RemarkCode;
-  constexpr std::array kCodes = {RemarkCode::kControlNotUsed,        RemarkCode::kControlFarOff,
-                                 RemarkCode::kControlFarOffAndNoted, RemarkCode::kControlNoted,
-                                 RemarkCode::kPlacedByControl,       RemarkCode::kMovedToControl,
-                                 RemarkCode::kControlOfOtherPixels,  RemarkCode::kControlElsewhere,
-                                 RemarkCode::kControlPairDisagrees,  RemarkCode::kControlHeightOff};
-  return std::find(kCodes.begin(), kCodes.end(), said.code) != kCodes.end();
 }
 
 // Where the finished map has points that did not place it, against where they were surveyed; east and north

@@ -264,6 +264,20 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
   return placed;
 }
 
+// Somebody said where the map lies: the survey that placed it before does so no longer.
+void OverruleControl(FlightFacts& placed) {
+  if (!placed.align_report) return;
+  std::vector<alignment::ControlReport>& control = placed.align_report->control;
+  const auto placing =
+      std::count_if(control.begin(), control.end(),
+                    [](const alignment::ControlReport& point) { return point.is_used && !point.is_check; });
+  if (placing == 0) return;
+  control.clear();
+  std::vector<Remark>& warnings = placed.flight.warnings;
+  std::erase_if(warnings, IsOfControl);
+  warnings.insert(warnings.begin(), Remark{RemarkCode::kControlOverruled, {{"points", placing}}});
+}
+
 // `flight` is where somebody said, whatever its records say.
 void TellPlaced(FlightFacts& flight) {
   flight.is_placed = flight.poses_report.is_placed = true;
@@ -294,6 +308,7 @@ Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& req
                                               ? PlaceByPairs(known, request.pairs)
                                               : PlaceByControl(known, request.control, contradict));
   placed.is_by_hand = request.control.empty();
+  if (placed.is_by_hand) OverruleControl(placed);
   if (!request.origin && placed.align_report) {
     placed.align_report->by_images.is_scale_guessed.reset();
     placed.align_report->by_images.is_north_guessed.reset();

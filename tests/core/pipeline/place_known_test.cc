@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "core/flight/remarks/remark_words.h"
+#include "core/pipeline/placing/place_by_lists.h"
+#include "core/pipeline/report/judge_map.h"
 #include "tests/core/pipeline/displaced_flight.h"
 #include "tests/support/value_of.h"
 
@@ -269,6 +271,36 @@ TEST(PlaceKnown, OnePlaceShiftsAMapThatHasItsPlace) {
   const Eigen::Vector3d here = placed.flight.photos[4].cam_from_enu.TargetOriginInSource();
   const Eigen::Vector3d there = placed.flight.frame.EnuAtHeight(PairBelow(flight, 4).is, kGroundZ);
   EXPECT_LT((here - there).head<2>().norm(), 0.05);
+}
+
+MapQuality JudgedPlace(const FlightFacts& placed) {
+  return JudgeMap({.flight = placed.flight,
+                   .poses = placed.poses_report,
+                   .alignment = &*placed.align_report,
+                   .is_placed = placed.is_placed,
+                   .is_by_images = placed.is_by_images,
+                   .is_by_hand = placed.is_by_hand});
+}
+
+TEST(PlaceKnown, ByHandStatesNoAccuracyOfTheSurveyThatPlacedItBefore) {
+  const Nowhere flight;
+  const auto surveyed = ValueOf(PlaceKnown(flight.known, flight.BySurvey(4)));
+  EXPECT_EQ(JudgedPlace(surveyed).absolute.by, AbsoluteSupport::kControlPoints);
+  PlaceRequest request;
+  request.origin = geo::LatLon{46.8, 7.1};
+  request.is_again = true;
+  const auto placed = ValueOf(PlaceKnown(surveyed, request));
+  EXPECT_TRUE(placed.align_report->control.empty());
+  EXPECT_EQ(JudgedPlace(placed).absolute, (AbsoluteAccuracy{std::nullopt, AbsoluteSupport::kHand, 0}));
+  EXPECT_EQ(JudgedPlace(placed).status, MapStatus::kLimited);
+  EXPECT_TRUE(placed.flight.warnings.front() ==
+              flight::Remark(flight::RemarkCode::kControlOverruled, {{"points", 4}}));
+  EXPECT_THAT(InWords(placed.flight.warnings), Each(Not(HasSubstr("was placed by 4 surveyed points"))));
+  const auto again = ValueOf(PlaceKnown(placed, request));
+  EXPECT_TRUE(again.flight.warnings.front() == placed.flight.warnings.front()) << "it is so still";
+  const auto by_survey = ValueOf(PlaceByLists(again, flight.Survey(4)));
+  EXPECT_EQ(JudgedPlace(by_survey).absolute.by, AbsoluteSupport::kControlPoints);
+  EXPECT_THAT(InWords(by_survey.flight.warnings), Each(Not(HasSubstr("placed by hand now"))));
 }
 
 TEST(PlaceKnown, RefusesPlacesThatTellNothing) {

@@ -315,6 +315,7 @@ export const remark_words = {
   moved_to_control: (v) => `Die fertige Karte wurde als Ganzes auf ${count(v.points, { one: 'Passpunkt', other: 'Passpunkte' })} verschoben: ${fixed(v.east_m, 2)}\u00a0m nach Osten, ${fixed(v.north_m, 2)}\u00a0m nach Norden, um ${fixed(v.turn_deg, 2)}° gedreht, ${fixed(v.growth_percent, 2)}\u00a0% größer.`,
   placed_by_control: (v) => `Die fertige Karte wurde nach ${count(v.points, { one: 'Passpunkt', other: 'Passpunkten' })} platziert (Median des Fehlers ${fixed(v.apart_m, 2)}\u00a0m), ${turned(v)}.`,
   placed_by_pairs: (v) => `Die Karte wurde von Hand an ${count(v.points, { one: 'Punkt', other: 'Punkten' })} platziert, ${turned(v)}.`,
+  control_overruled: (v) => `Die Karte ist jetzt von Hand platziert, nicht mehr nach ${count(v.points, { one: 'Passpunkt', other: 'Passpunkten' })}.`,
   pairs_disagree: (v) => `Die Punkte widersprechen sich um bis zu ${fixed(v.apart_m, 2)}\u00a0m.`,
   placed_by_origin: (v) => `Die Karte wurde von Hand platziert: Ihr Ursprung liegt bei ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; sie wurde ${turned(v)}. ${check_place}`,
   placed_by_photo: (v) => `Die Karte wurde von Hand platziert: ${v.photo} liegt bei ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; sie wurde ${turned(v)}. ${check_place}`,

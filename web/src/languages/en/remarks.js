@@ -314,6 +314,7 @@ export const remark_words = {
   moved_to_control: (v) => `The finished map was moved as a whole to ${count(v.points, { one: 'control point', other: 'control points' })}: ${fixed(v.east_m, 2)}\u00a0m east, ${fixed(v.north_m, 2)}\u00a0m north, rotated by ${fixed(v.turn_deg, 2)}°, ${fixed(v.growth_percent, 2)}\u00a0% larger.`,
   placed_by_control: (v) => `The finished map was placed by ${count(v.points, { one: 'control point', other: 'control points' })} (median error ${fixed(v.apart_m, 2)}\u00a0m), ${turned(v)}.`,
   placed_by_pairs: (v) => `The map was placed by hand at ${count(v.points, { one: 'point', other: 'points' })}, ${turned(v)}.`,
+  control_overruled: (v) => `The map is placed by hand now, no longer by ${count(v.points, { one: 'control point', other: 'control points' })}.`,
   pairs_disagree: (v) => `The points disagree by up to ${fixed(v.apart_m, 2)}\u00a0m.`,
   placed_by_origin: (v) => `The map was placed by hand: its origin lies at ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; it was ${turned(v)}. ${check_place}`,
   placed_by_photo: (v) => `The map was placed by hand: ${v.photo} lies at ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; the map was ${turned(v)}. ${check_place}`,
