@@ -79,14 +79,14 @@ Result<Vector3d> OriginIn(const FlightFacts& known, const PlaceRequest& request)
 }
 
 Result<FlightFacts> PlaceByOrigin(const FlightFacts& known, const PlaceRequest& request) {
-  const double gsd_m = MedianGsdM(known);
+  const double gsd_m = MedianGsdM(known), north_deg = request.north_deg.value_or(0.0);
   Similarity3 move;
   if (request.photo_pixel_m) move.scale = *request.photo_pixel_m / gsd_m;
   if (request.factor) move.scale = *request.factor;
-  if (!(move.scale > 0.0) || !std::isfinite(move.scale) || !std::isfinite(request.north_deg)) {
+  if (!(move.scale > 0.0) || !std::isfinite(move.scale) || !std::isfinite(north_deg)) {
     return Refused(ErrorCode::kInvalidArgument, "The scale must be above 0, and north a number of degrees.");
   }
-  move.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(geo::DegToRad(request.north_deg), Vector3d::UnitZ()));
+  move.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(geo::DegToRad(north_deg), Vector3d::UnitZ()));
   SKYQUILT_TRY_ASSIGN(const Vector3d origin, OriginIn(known, request));
   const double ground_z_m = known.ground.MeanHeight();
   move.shift = -(move.scale * (move.rotation * Vector3d(origin.x(), origin.y(), ground_z_m)));
@@ -278,6 +278,15 @@ void OverruleControl(FlightFacts& placed) {
   warnings.insert(warnings.begin(), Remark{RemarkCode::kControlOverruled, {{"points", placing}}});
 }
 
+// One place says neither.
+bool AreSeveralPlaces(const PlaceRequest& request) {
+  return !request.control.empty() || request.pairs.size() > 1;
+}
+bool SaysScale(const PlaceRequest& request) {
+  return AreSeveralPlaces(request) || request.photo_pixel_m || request.factor;
+}
+bool SaysNorth(const PlaceRequest& request) { return AreSeveralPlaces(request) || request.north_deg; }
+
 // `flight` is where somebody said, whatever its records say.
 void TellPlaced(FlightFacts& flight) {
   flight.is_placed = flight.poses_report.is_placed = true;
@@ -309,9 +318,10 @@ Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& req
                                               : PlaceByControl(known, request.control, contradict));
   placed.is_by_hand = request.control.empty();
   if (placed.is_by_hand) OverruleControl(placed);
-  if (!request.origin && placed.align_report) {
-    placed.align_report->by_images.is_scale_guessed.reset();
-    placed.align_report->by_images.is_north_guessed.reset();
+  if (placed.align_report) {
+    alignment::ByImagesReport& by_images = placed.align_report->by_images;
+    if (SaysScale(request)) by_images.is_scale_guessed.reset();
+    if (SaysNorth(request)) by_images.is_north_guessed.reset();
   }
   TellPlaced(placed);
   return placed;
@@ -333,6 +343,12 @@ bool KeepPlaceByHand(const FlightFacts& placed_by_hand, FlightFacts& anew) {
   MoveFlight(fitted->target_from_source, anew);
   anew.flight.frame = placed_by_hand.flight.frame;
   anew.is_by_hand = true;
+  if (anew.align_report) {  // scale and north are those of before, a guess or not
+    const alignment::ByImagesReport before =
+        placed_by_hand.align_report ? placed_by_hand.align_report->by_images : alignment::ByImagesReport();
+    anew.align_report->by_images.is_scale_guessed = before.is_scale_guessed;
+    anew.align_report->by_images.is_north_guessed = before.is_north_guessed;
+  }
   for (const Remark& said : placed_by_hand.flight.warnings) {
     if (said.code == RemarkCode::kPlacedByPairs || said.code == RemarkCode::kPairsDisagree ||
         said.code == RemarkCode::kPlacedByOrigin || said.code == RemarkCode::kPlacedByPhoto)

@@ -23,7 +23,9 @@ struct PlaceRequest {
   std::string origin_photo;
   std::optional<double> photo_pixel_m;  // ground that a photo's pixel shows, in the median
   std::optional<double> factor;         // the map is to become so many times larger; not with photo_pixel_m
-  double north_deg = 0.0;  // the direction on the map as it is that is north, clockwise from its top
+  // The direction on the map as it is that is north, clockwise from its top; nothing: its top, for all that
+  // is known.
+  std::optional<double> north_deg;
   std::vector<flight::GcpList> control;  // instead of all above
   std::vector<ShownPair> pairs;          // instead of all above
   bool is_by_lists = false;              // instead of all above: by the surveyed points among the files

@@ -37,7 +37,7 @@ struct PlaceArguments {
   std::string origin;
   std::string at_photo;
   std::string scale;
-  double north_deg = 0.0;
+  std::optional<double> north_deg;
   std::vector<fs::path> gcp;
   std::vector<std::string> points;
   bool again = false;

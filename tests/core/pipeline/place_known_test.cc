@@ -303,6 +303,43 @@ TEST(PlaceKnown, ByHandStatesNoAccuracyOfTheSurveyThatPlacedItBefore) {
   EXPECT_THAT(InWords(by_survey.flight.warnings), Each(Not(HasSubstr("placed by hand now"))));
 }
 
+// Nothing recorded said how large the flight is, nor where north is.
+struct GuessedNowhere : Nowhere {
+  GuessedNowhere() {
+    alignment::ByImagesReport& by_images = known.align_report->by_images;
+    by_images.is_taken = true;
+    by_images.is_scale_guessed = true;
+    by_images.is_north_guessed = true;
+  }
+};
+
+TEST(PlaceKnown, OnePlaceLeavesAGuessedScaleAndNorthWhatTheyAre) {
+  const GuessedNowhere flight;
+  const std::vector<MapLimit> both = {
+      {LimitKind::kScaleGuessed}, {LimitKind::kNorthGuessed}, {LimitKind::kPlacedByHand}};
+  const auto by_one = ValueOf(PlaceKnown(flight.known, ByPairs(flight, {4})));
+  EXPECT_EQ(JudgedPlace(by_one).limits, both);
+  EXPECT_EQ(JudgedPlace(by_one).status, MapStatus::kDoubtful);
+  PlaceRequest request;
+  request.origin = geo::LatLon{46.8, 7.1};
+  EXPECT_EQ(JudgedPlace(ValueOf(PlaceKnown(flight.known, request))).limits, both);
+  request.factor = 2.0;
+  EXPECT_EQ(JudgedPlace(ValueOf(PlaceKnown(flight.known, request))).limits,
+            (std::vector<MapLimit>{{LimitKind::kNorthGuessed}, {LimitKind::kPlacedByHand}}));
+  request.north_deg = 0.0;
+  const std::vector<MapLimit> neither = {{LimitKind::kPlacedByHand}};
+  EXPECT_EQ(JudgedPlace(ValueOf(PlaceKnown(flight.known, request))).limits, neither);
+  const auto by_two = ValueOf(PlaceKnown(flight.known, ByPairs(flight, {0, 19})));
+  EXPECT_EQ(JudgedPlace(by_two).limits, neither);
+  // Aligned anew with other photos it is as large as it was said to be.
+  FlightFacts anew = flight.known;
+  ASSERT_TRUE(KeepPlaceByHand(by_two, anew));
+  EXPECT_EQ(JudgedPlace(anew).limits, neither);
+  anew = flight.known;
+  ASSERT_TRUE(KeepPlaceByHand(by_one, anew));
+  EXPECT_EQ(JudgedPlace(anew).limits, both);
+}
+
 TEST(PlaceKnown, RefusesPlacesThatTellNothing) {
   const Nowhere flight;
   PlaceRequest request = ByPairs(flight, {0, 0});
