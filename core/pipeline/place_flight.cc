@@ -200,7 +200,10 @@ Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceReque
     return request.is_by_lists ? PlaceByLists(recalled->facts, read.gcp_lists, &contradict)
                                : PlaceKnown(recalled->facts, named);
   }));
-  if (!request.is_by_lists) KeepAsKnown(recalled->facts.inputs, lists, inputs);
+  if (request.is_by_lists)
+    TellReading(read, placed.facts.flight);
+  else
+    KeepAsKnown(recalled->facts.inputs, lists, inputs);
   placed.gsd_m = recalled->facts.appearance->gsd_m * MedianGsdM(placed.facts) / was_m;
   return placed;
 }
@@ -329,11 +332,13 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
       } else if (dem == nullptr && MayMove(*recalled, *read, options)) {
         FillPhotos(*read, recalled->facts.flight);
         facts = stages.Run("align", [&] { return MoveToControl(recalled->facts, read->gcp_lists); });
+        if (facts) TellReading(*read, facts->flight);
       } else if (dem == nullptr && MayAppend(*recalled, *read, options)) {
         // (An elevation model is fitted to the whole flight.)
         SKYQUILT_TRY_ASSIGN(auto grown,
                             PlaceAdded(*std::move(recalled), *read, options, source, dem, stages, progress));
         facts = std::move(grown);
+        if (facts) TellReading(*read, facts->flight);
       }
     }
   }

@@ -1,12 +1,51 @@
 #include "core/pipeline/placing/recall_flight.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <string>
 #include <utility>
+#include <variant>
 
 #include "core/base/parallel_for.h"
+#include "core/flight/remarks/remark.h"
+#include "core/pipeline/placing/move_flight.h"
 #include "core/poses/evidence/repeated_positions.h"
 
 namespace skyquilt::pipeline {
+namespace {
+
+using flight::Remark;
+using flight::RemarkCode;
+
+bool HasRemark(const std::vector<Remark>& remarks, const Remark& one) {
+  return std::find(remarks.begin(), remarks.end(), one) != remarks.end();
+}
+
+bool AreNumbers(const flight::RemarkValue& a, const flight::RemarkValue& b) {
+  const auto is_number = [](const flight::RemarkValue& value) {
+    return std::holds_alternative<std::int64_t>(value.is) || std::holds_alternative<double>(value.is);
+  };
+  return is_number(a) && is_number(b);
+}
+
+// Do they say the same of fewer or more photos, say?
+bool AreSameButForNumbers(const Remark& a, const Remark& b) {
+  return a.code == b.code &&
+         std::equal(a.values.begin(), a.values.end(), b.values.begin(), b.values.end(),
+                    [](const auto& one, const auto& other) {
+                      return one.first == other.first &&
+                             (one.second == other.second || AreNumbers(one.second, other.second));
+                    });
+}
+
+// Of reading these lists, not of what became of their points.
+bool IsOfLists(const Remark& said, const std::set<std::string>& lists) {
+  const auto file = said.values.find("file");
+  const std::string* name = file == said.values.end() ? nullptr : std::get_if<std::string>(&file->second.is);
+  return name != nullptr && lists.contains(*name) && !IsOfControl(said);
+}
+
+}  // namespace
 
 std::vector<NamedDigest> DigestsOf(const std::vector<flight::InputFile>& files,
                                    const std::map<std::string, Digest>& known, int threads) {
@@ -104,6 +143,20 @@ void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
     const std::optional<flight::SampleRange> drawn_in = photo.photo.sample_range;
     photo.photo = *found->second;
     if (drawn_in) photo.photo.sample_range = drawn_in;
+  }
+}
+
+void TellReading(const flight::Flight& read, alignment::AlignedFlight& flight) {
+  const std::set<std::string> lists = NamesOf(read.gcp_lists);
+  std::erase_if(flight.warnings, [&](const Remark& said) {
+    if (HasRemark(read.warnings, said)) return false;
+    return said.code == RemarkCode::kOfPhotos || said.code == RemarkCode::kMoreOfPhotos ||
+           IsOfLists(said, lists) ||
+           std::any_of(read.warnings.begin(), read.warnings.end(),
+                       [&](const Remark& now) { return AreSameButForNumbers(said, now); });
+  });
+  for (const Remark& now : read.warnings) {
+    if (!HasRemark(flight.warnings, now)) flight.warnings.push_back(now);
   }
 }
 

@@ -50,4 +50,9 @@ bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight&
 // The photos of a recalled flight as they were read now (where their files are), drawn as they were.
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight);
 
+// Of a recalled flight that got photos or surveyed points: what is to be said of its files as they were read
+// now, as of a flight that is placed anew with them. What was said with other numbers, or of lists of points,
+// gives way to that.
+void TellReading(const flight::Flight& read, alignment::AlignedFlight& flight);
+
 }  // namespace skyquilt::pipeline

@@ -47,6 +47,36 @@ TEST(FillPhotos, KeepsTheRangeThatTheMapIsDrawnIn) {
   EXPECT_EQ(known.photos[1].photo.sample_range->high, 45.0) << "none was remembered";
 }
 
+TEST(TellReading, SaysWhatIsSoOfTheFilesNowAndLeavesWhatBecameOfThem) {
+  using flight::Remark;
+  using flight::RemarkCode;
+  const auto without_position = [](int photos, int total) {
+    return Remark{RemarkCode::kPhotosWithoutPosition, {{"photos", photos}, {"total", total}}};
+  };
+  const auto strays = [](const char* file, int marks) {
+    return Remark{RemarkCode::kMarksNameNoPhoto, {{"file", file}, {"marks", marks}, {"first", "x.jpg"}}};
+  };
+  const auto noted = [](const char* first, int photos, int total, const char* note) {
+    return Remark{RemarkCode::kOfPhotos,
+                  {{"photos", photos}, {"total", total}, {"photo", first}, {"said", Remark(note)}}};
+  };
+  const Remark groups{RemarkCode::kGroups, {{"groups", 2}}};
+  const Remark elsewhere{RemarkCode::kControlElsewhere, {{"file", "gcp_list.txt"}, {"apart_m", 5000.0}}};
+  const Remark film{RemarkCode::kFilm, {{"file", "a.mp4"}}};
+  alignment::AlignedFlight known;
+  known.warnings = {without_position(2, 20), groups,    strays("gcp_list.txt", 3),
+                    strays("other.txt", 1),  elsewhere, noted("c.jpg", 2, 20, "Zoomed.")};
+  flight::Flight read;
+  read.gcp_lists.emplace_back().file_name = "gcp_list.txt";
+  read.warnings = {film, without_position(3, 21), noted("a.jpg", 3, 21, "Zoomed.")};
+  const std::vector<Remark> told = {groups, strays("other.txt", 1),  elsewhere,
+                                    film,   without_position(3, 21), noted("a.jpg", 3, 21, "Zoomed.")};
+  for (int again = 0; again < 2; ++again) {
+    TellReading(read, known);
+    EXPECT_TRUE(known.warnings == told) << again;
+  }
+}
+
 TEST(HasAllPhotosOf, MissesOneThatIsReadFromAnotherFileNow) {
   alignment::AlignedFlight known;
   known.photos.resize(1);

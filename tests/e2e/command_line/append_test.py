@@ -166,6 +166,7 @@ class Append(ScratchCase):
         out = self.copy_of_map("with_unplaced")
         report = self.stitch(self.unplaced("unplaced"), out, "--append")
         self.assertEqual(report["photos"]["aligned"], 20)
+        self.assertIn("1 of 20 photos carry no usable position.", report["warnings"])
         # Against the finished photos, which stay where they are.
         self.assertTrue([line for line in report["warnings"] if line.startswith("1 photo was added")])
         cameras, old_cameras = cameras_of(out), cameras_of(self.finished)

@@ -67,6 +67,17 @@ class Control(ScratchCase):
         self.assertEqual(again["blocks"]["kept"], again["blocks"]["total"])
         self.assertEqual(tiles_of(out), tiles)
 
+    def test_marks_in_photos_that_are_not_here_are_said_where_the_map_is_only_moved(self):
+        out = self.scratch / "strayed"
+        shutil.copytree(self.finished, out)
+        points = self.surveyed("strays", [(-20, -20), (18, -15), (5, 20)])
+        words = points.read_text().splitlines()[1].split()
+        words[5] = "NOT_HERE.JPG"
+        points.write_text(points.read_text().rstrip("\n") + "\n" + " ".join(words) + "\n")
+        report = self.stitch(out, points)
+        self.assertTrue(any("was moved as a whole to 3 ground control points" in line for line in report["warnings"]), report["warnings"])
+        self.assertTrue(any("1 mark is in a photo that is not here (NOT_HERE.JPG)" in line for line in report["warnings"]), report["warnings"])
+
     def test_each_point_is_predicted_by_the_others(self):
         places = [(-20, -20), (18, -15), (5, 20), (-15, 14), (20, 12)]
         points = self.surveyed("five", places)
