@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <string>
 #include <vector>
 
+#include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/report/positions_error.h"
+#include "core/poses/evidence/common_error.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -105,11 +111,136 @@ std::optional<AbsoluteAccuracy> BySurvey(const JudgedMap& map) {
   return StatedRadius(sigma_m, AbsoluteSupport::kControlPoints, fit.places.size());
 }
 
+// What ties hold together. Of two groups that share nothing, as of two fields, what places one says nothing
+// of the other.
+struct TiedGroups {
+  std::map<std::string, int> photos;  // numbers of the flight's photos, by name
+  std::vector<int> of_photo;          // its group; negative: by its pose alone, or not known
+
+  int OfPhotoNamed(const std::string& name) const {
+    const auto found = photos.find(name);
+    return found == photos.end() ? -1 : of_photo[static_cast<std::size_t>(found->second)];
+  }
+};
+
+TiedGroups GroupsByTies(const JudgedMap& map) {
+  TiedGroups groups;
+  const std::size_t count = map.flight.photos.size();
+  for (std::size_t i = 0; i < count; ++i)
+    groups.photos.emplace(map.flight.photos[i].photo.name, static_cast<int>(i));
+  std::vector<alignment::VerifiedPair> ties;
+  for (const alignment::AlignPairReport& pair : map.alignment->pairs) {
+    const auto first = groups.photos.find(pair.first), second = groups.photos.find(pair.second);
+    if (first != groups.photos.end() && second != groups.photos.end())
+      ties.push_back({first->second, second->second, {}, {}, 0.0});
+  }
+  groups.of_photo = alignment::FindConnectedComponents(count, ties).of_photo;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (map.flight.photos[i].placement != Placement::kAligned) groups.of_photo[i] = -1;
+  }
+  return groups;
+}
+
+// Photos of groups that none of the points is marked in, whether it places the map or checks it.
+alignment::PhotoSet BesideSurvey(const JudgedMap& map, const TiedGroups& groups) {
+  const alignment::PhotoSet none(groups.of_photo.size());
+  std::set<int> surveyed;
+  for (const alignment::ControlReport& point : map.alignment->control) {
+    if (!point.is_used) continue;
+    if (point.marks.empty()) return none;  // of maps that do not say where it is marked
+    for (const alignment::ControlMarkReport& mark : point.marks) {
+      if (mark.is_used) surveyed.insert(groups.OfPhotoNamed(mark.photo));
+    }
+  }
+  alignment::PhotoSet beside = none;
+  for (std::size_t i = 0; i < groups.of_photo.size(); ++i) {
+    if (groups.of_photo[i] >= 0 && !surveyed.contains(groups.of_photo[i])) beside.Add(i);
+  }
+  return beside;
+}
+
+// Photos of groups whose positions are without corrections where most of the flight's have them, or the other
+// way round.
+alignment::PhotoSet OfOtherReceivers(const JudgedMap& map, const TiedGroups& groups) {
+  std::vector<const flight::RecordedPosition*> all;
+  std::map<int, std::vector<const flight::RecordedPosition*>> of_group;
+  for (std::size_t i = 0; i < groups.of_photo.size(); ++i) {
+    const auto& position = map.flight.photos[i].photo.position;
+    if (groups.of_photo[i] < 0 || !position || position->is_repeated) continue;
+    all.push_back(&*position);
+    of_group[groups.of_photo[i]].push_back(&*position);
+  }
+  const bool is_corrected = poses::CommonErrorOf(all).is_corrected;
+  std::set<int> others;
+  for (const auto& [group, positions] : of_group) {
+    if (poses::CommonErrorOf(positions).is_corrected != is_corrected) others.insert(group);
+  }
+  alignment::PhotoSet of_others(groups.of_photo.size());
+  for (std::size_t i = 0; i < groups.of_photo.size(); ++i) {
+    if (others.contains(groups.of_photo[i])) of_others.Add(i);
+  }
+  return of_others;
+}
+
+// The share of places that lie within a radius where another one is stated of them.
+double ShareWithin(double radius_m, double stated_m) {
+  return 1.0 - std::exp(-0.5 * std::pow(kCircleSigmas * radius_m / stated_m, 2));
+}
+
+// Of a map of two parts: within the radius lie as many of its places as within that of each of its own.
+AbsoluteAccuracy OfTwoParts(const AbsoluteAccuracy& one, const AbsoluteAccuracy& other,
+                            double share_of_other) {
+  constexpr double kUnknownM = 1e7;
+  constexpr int kHalvings = 60;
+  const auto radius_m = [](const AbsoluteAccuracy& part) { return part.sigma_m.value_or(kUnknownM); };
+  const bool is_other_worse = radius_m(other) > radius_m(one);
+  const AbsoluteAccuracy& better = is_other_worse ? one : other;
+  const AbsoluteAccuracy& worse = is_other_worse ? other : one;
+  const double share = is_other_worse ? share_of_other : 1.0 - share_of_other;  // of the worse
+  const double stated = ShareWithin(1.0, 1.0);
+  AbsoluteAccuracy both = 1.0 - share < stated ? worse : better;
+  if (!both.sigma_m) return both;
+  double low_m = radius_m(better), high_m = radius_m(worse);
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    const double middle_m = 0.5 * (low_m + high_m);
+    const double within = (1.0 - share) * ShareWithin(middle_m, radius_m(better)) +
+                          share * ShareWithin(middle_m, radius_m(worse));
+    (within < stated ? low_m : high_m) = middle_m;
+  }
+  both.sigma_m = OfTwoDigits(high_m);
+  return both;
+}
+
+// Of some of its photos, by their positions.
+AbsoluteAccuracy ByPositionsOf(const alignment::PhotoSet& some, bool is_of_the_others, const JudgedMap& map) {
+  alignment::AlignedFlight part = map.flight;
+  std::size_t number = 0;
+  std::erase_if(part.photos, [&](const AlignedPhoto&) { return some.Has(number++) == is_of_the_others; });
+  return ByPositions({.flight = part, .poses = map.poses, .alignment = map.alignment});
+}
+
+// `as_one`: as if all of the map hung together.
+AbsoluteAccuracy OfGroups(const JudgedMap& map, const AbsoluteAccuracy& as_one) {
+  if (map.alignment == nullptr || map.alignment->components < 2 || map.is_by_hand || map.is_forecast)
+    return as_one;
+  const TiedGroups groups = GroupsByTies(map);
+  const bool is_surveyed = !IsByReceiver(as_one);
+  const alignment::PhotoSet beside = is_surveyed ? BesideSurvey(map, groups) : OfOtherReceivers(map, groups);
+  if (beside.Count() == 0) return as_one;
+  const auto aligned =
+      std::count_if(map.flight.photos.begin(), map.flight.photos.end(),
+                    [](const AlignedPhoto& photo) { return photo.placement == Placement::kAligned; });
+  return OfTwoParts(is_surveyed ? as_one : ByPositionsOf(beside, true, map),
+                    ByPositionsOf(beside, false, map),
+                    static_cast<double>(beside.Count()) / static_cast<double>(aligned));
+}
+
 AbsoluteAccuracy AbsoluteOf(const JudgedMap& map) {
   if (!map.is_placed) return {};
-  if (const auto surveyed = BySurvey(map)) return *surveyed;
+  if (const auto surveyed = BySurvey(map)) return OfGroups(map, *surveyed);
   if (map.is_by_hand) return {std::nullopt, AbsoluteSupport::kHand, 0};
   AbsoluteAccuracy by_positions = ByPositions(map);
+  if (IsByReceiver(by_positions)) by_positions = OfGroups(map, by_positions);
   if (IsScaleGuessed(map) || IsNorthGuessed(map)) by_positions.sigma_m.reset();
   return by_positions;
 }

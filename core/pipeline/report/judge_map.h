@@ -4,8 +4,9 @@
 // recorded positions; nothing.
 //
 // By positions: positions_error.h. The stated radius is 1.515 sigma: a circle that holds 68.3 % of a normal
-// error of two axes. Of check points it is the root mean square of what the map misses them by. Pure; any
-// thread.
+// error of two axes. Of check points it is the root mean square of what the map misses them by. Of groups of
+// photos without ties between them it holds that share of all photos, each by what places its group. Pure;
+// any thread.
 #pragma once
 
 #include <optional>

@@ -184,6 +184,61 @@ TEST(JudgeMap, AddsWhatTheSystemOfTheSurveyIsKnownTo) {
   EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{2.0, AbsoluteSupport::kCheckPoints, 1}));
 }
 
+// The photos of two fields, between which nothing is shared.
+struct TwoFields : JudgedFlight {
+  explicit TwoFields(std::size_t of_first) : JudgedFlight(18) {
+    report.components = 2;
+    for (std::size_t i = 1; i < flight.photos.size(); ++i) {
+      if (i != of_first) Tie(i - 1, i);
+    }
+  }
+  void Tie(std::size_t first, std::size_t second) {
+    alignment::AlignPairReport& pair = report.pairs.emplace_back();
+    pair.first = flight.photos[first].photo.name;
+    pair.second = flight.photos[second].photo.name;
+  }
+};
+
+TEST(JudgeMap, StatesOfAFieldWithoutSurveyedPointsWhatItsPositionsSay) {
+  for (const bool are_checks : {false, true}) {
+    TwoFields flight(9);
+    for (int k = 0; k < 4; ++k) flight.Surveyed(are_checks, 0.01, 0.01, true);
+    EXPECT_LT(*flight.Judge().absolute.sigma_m, 0.1) << "where they are marked is not known";
+    for (alignment::ControlReport& point : flight.report.control)
+      point.marks.push_back({.photo = "p3", .residual_px = 0.5, .residual_m = 0.01, .is_used = true});
+    // 2.3 m hold 0.683 of one half: 1.4 m hold 0.365 of it, and all of the other.
+    const AbsoluteAccuracy of_both = flight.Judge().absolute;
+    EXPECT_NEAR(*of_both.sigma_m, 1.4, 0.11);
+    EXPECT_EQ(of_both.by, AbsoluteSupport::kGnss);
+    EXPECT_EQ(of_both.count, 9);
+    flight.Tie(8, 9);
+    EXPECT_LT(*flight.Judge().absolute.sigma_m, 0.1) << "one holds the other";
+  }
+  TwoFields small(15);
+  for (int k = 0; k < 4; ++k) small.Surveyed(false, 0.01, 0.01, true);
+  const double alone_m = *small.Judge().absolute.sigma_m;
+  for (alignment::ControlReport& point : small.report.control)
+    point.marks.push_back({.photo = "p3", .residual_px = 0.5, .residual_m = 0.01, .is_used = true});
+  const AbsoluteAccuracy mostly = small.Judge().absolute;
+  EXPECT_EQ(mostly.by, AbsoluteSupport::kControlPoints) << "most photos";
+  EXPECT_GT(*mostly.sigma_m, alone_m);
+  EXPECT_LT(*mostly.sigma_m, 2.0 * alone_m);
+  for (std::size_t i = 15; i < 18; ++i) small.flight.photos[i].photo.position.reset();
+  EXPECT_EQ(small.Judge().absolute.by, AbsoluteSupport::kControlPoints);
+  EXPECT_GT(*small.Judge().absolute.sigma_m, alone_m);
+}
+
+TEST(JudgeMap, DoesNotTakeAFieldWithoutCorrectionsForOneThatHasThem) {
+  TwoFields flight(10);
+  for (std::size_t i = 0; i < 10; ++i) flight.flight.photos[i].photo.position->is_rtk_fixed = true;
+  const AbsoluteAccuracy of_both = flight.Judge().absolute;
+  EXPECT_NEAR(*of_both.sigma_m, 1.2, 0.11);
+  EXPECT_EQ(of_both.by, AbsoluteSupport::kGnss);
+  EXPECT_EQ(of_both.count, 8);
+  flight.Tie(9, 10);
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.03, AbsoluteSupport::kRtk, 18}));
+}
+
 TEST(JudgeMap, OfAMapThatWasPlacedByHandSaysNothing) {
   const JudgedFlight flight(18);
   JudgedMap map = flight.Map();
