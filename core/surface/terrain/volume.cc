@@ -146,7 +146,9 @@ std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<
       area, [&](int column, int row, std::size_t) { return plane.At(column + 0.5, row + 0.5); },
       [&](std::size_t at) { return area.is_measured[at] != 0; },
       [&](std::size_t at) { return RiseAt(area.heights_m, area.columns, at); });
-  return WithSigma(sums, area.cell_m, plane.sigma_m);
+  // A height that is given counts from a zero of its own: how far off the map's that is, no edge tells.
+  return WithSigma(sums, area.cell_m,
+                   base == VolumeBase::kGiven ? std::nullopt : std::optional<double>(plane.sigma_m));
 }
 
 std::optional<AreaVolume> VolumeSince(const AreaHeights& area, const EarlierHeights& earlier) {

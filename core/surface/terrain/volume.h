@@ -5,8 +5,9 @@
 // deviation is of three parts that are taken as independent: steps lie half a cell off, all to the same side;
 // the base is as unsure as the edge is rough about it, of which places kCorrelatedM apart tell anew; cells
 // that were not measured lie as far off as the heights vary. That all heights are off by the same share (the
-// calibration) is not in it. Pure; any thread. Absent: no height is known within the area, or none along its
-// edge where the base is taken from that.
+// calibration) is not in it. Over a given height there is none: how far off its zero the map's heights are,
+// they do not tell. Pure; any thread. Absent: no height is known within the area, or none along its edge
+// where the base is taken from that.
 #pragma once
 
 #include <Eigen/Core>
@@ -43,7 +44,7 @@ struct EdgeHeight {
 struct AreaVolume {
   double base_m = 0.0;  // of a plane: its mean within the area
   double cut_m3 = 0.0, fill_m3 = 0.0;
-  std::optional<double> net_sigma_m3;  // of cut less fill; nothing where too little was measured
+  std::optional<double> net_sigma_m3;  // of cut less fill; nothing: too little was measured, or a given base
   double area_m2 = 0.0;                // of the cells that have a height
   double measured_share = 0.0;         // of these
   double lowest_m = 0.0, highest_m = 0.0, mean_m = 0.0;

@@ -63,6 +63,8 @@ TEST(VolumeTest, AboveTheLowestOfTheEdgeAndAGivenHeight) {
   const AreaVolume given = *field.Over(VolumeBase::kGiven, 98.0);
   EXPECT_NEAR(given.fill_m3, 0.0, 1e-6);
   EXPECT_NEAR(given.lowest_m, 98.0, 1e-6);
+  EXPECT_TRUE(lowest.net_sigma_m3);
+  EXPECT_FALSE(given.net_sigma_m3) << "the height may count from another zero than the map's";
 }
 
 TEST(VolumeTest, WhatIsUnknownIsNotCountedAndWhatIsFilledIsDoubted) {

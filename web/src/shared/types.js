@@ -136,7 +136,7 @@
  * @property {number} cut_m3 above the base
  * @property {number} fill_m3 below it
  * @property {number} net_m3
- * @property {number|null} net_sigma_m3 null: too little was measured to say
+ * @property {number|null} net_sigma_m3 null: too little was measured to say, or the base is a given height
  */
 
 /** How far one map's heights lie off another's. @typedef {{east_m: number|null, north_m: number|null, up_m: number, sigma_m: number|null, alike_share: number}} HeightShift */

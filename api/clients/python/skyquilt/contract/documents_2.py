@@ -300,7 +300,7 @@ class MapVolumeForSure(TypedDict):
     # cut - fill
     net_m3: float
     # One standard deviation of it, but for what a calibration makes all heights off; null where less than four fifths
-    # of what has a height was measured; with since also null where its shift has no sigma_m
+    # of what has a height was measured, over a given height, and with since where its shift has no sigma_m
     net_sigma_m3: Optional[float]
     lowest_m: float
     highest_m: float
