@@ -31,7 +31,7 @@ Result<Response> At(Service& service, const Request& request) {
                       {"y", sighting.pixel_in_image.y()},
                       {"off_nadir_deg", geo::RadToDeg(sighting.off_nadir_rad)},
                       {"placement", alignment::PlacementName(sighting.placement)},
-                      {"sigma_m", sighting.sigma_m},
+                      {"sigma_m", sighting.sigma_m ? Value(*sighting.sigma_m) : Value()},
                       {"sharpness", sighting.sharpness ? Value(*sighting.sharpness) : Value()},
                       {"quality", sighting.quality}});
   }
@@ -44,8 +44,9 @@ Result<Response> GroundOf(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const pipeline::LocatedMap map, ReadLocatedMap(service, request.Parameter("flight")));
   SKYQUILT_TRY_ASSIGN(const pipeline::GroundPoint point,
                       pipeline::GroundAtPixel(map, request.Parameter("name"), {x, y}));
-  return Answer(
-      {{"lon", point.position.lon_deg}, {"lat", point.position.lat_deg}, {"sigma_m", point.sigma_m}});
+  return Answer({{"lon", point.position.lon_deg},
+                 {"lat", point.position.lat_deg},
+                 {"sigma_m", point.sigma_m ? Value(*point.sigma_m) : Value()}});
 }
 
 }  // namespace

@@ -119,7 +119,7 @@ PointValue AsJson(const MapPoint& point) {
         {"y", point.photo->pixel_in_image.y()},
         {"off_nadir_deg", geo::RadToDeg(point.photo->off_nadir_rad)},
         {"placement", alignment::PlacementName(point.photo->placement)},
-        {"sigma_m", point.photo->sigma_m},
+        {"sigma_m", point.photo->sigma_m ? PointValue(*point.photo->sigma_m) : PointValue()},
         {"sharpness", point.photo->sharpness ? PointValue(*point.photo->sharpness) : PointValue()},
         {"quality", point.photo->quality},
         {"is_of_pixel", point.is_photo_of_pixel}};

@@ -153,13 +153,14 @@ Result<void> WriteOtherFiles(pipeline::BuiltMosaic& built, const StitchJobOption
 }
 
 Result<void> WriteReports(const pipeline::BuiltMosaic& built, const std::filesystem::path& out_dir) {
+  const double raised_m = pipeline::RaisedM(built.report);
+  const bool is_error_known = built.report.quality.absolute.sigma_m.has_value();
   for (const auto& [name, text] :
        {std::pair{"photos.geojson",
                   pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute)},
         std::pair{"cameras.json", pipeline::OdmCamerasJson(built.flight)},
-        std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight, pipeline::RaisedM(built.report))},
-        std::pair{"locate.json",
-                  pipeline::LocateJson(built.flight, built.ground, pipeline::RaisedM(built.report))},
+        std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight, raised_m, is_error_known)},
+        std::pair{"locate.json", pipeline::LocateJson(built.flight, built.ground, raised_m, is_error_known)},
         std::pair{"report.json", pipeline::ReportJson(built.report)}}) {
     SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / name, text));
   }

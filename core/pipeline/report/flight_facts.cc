@@ -199,7 +199,7 @@ FlightFacts Parse(std::string_view bytes) {
     photo.cam_from_enu = camera.cam_from_enu;
     photo.placement = camera.placement;
     photo.placement_remarks = flight::RemarksOfJson(photos[i].at("remarks"));
-    photo.error_radius_m = camera.error_radius_m;
+    photo.error_radius_m = camera.error_radius_m.value_or(0.0);
     photo.height_above_ground_m = photos[i].at("height_m");
     photo.readout_motion = camera.readout_motion;
     photo.sharpness = camera.sharpness;

@@ -27,8 +27,9 @@ double QualityOf(const std::optional<double>& sharpness, double off_nadir_rad) {
 
 // A placement error moves the point by its radius across the ray, and by more where the ray meets the ground
 // slantingly.
-double SigmaUnder(double error_radius_m, double off_nadir_rad) {
-  return error_radius_m / std::cos(off_nadir_rad);
+std::optional<double> SigmaUnder(const std::optional<double>& error_radius_m, double off_nadir_rad) {
+  if (!error_radius_m) return std::nullopt;
+  return *error_radius_m / std::cos(off_nadir_rad);
 }
 
 // The first crossing of a ray from above the highest ground, or nothing where it passes over all of it.
@@ -153,7 +154,8 @@ Json GroundOf(const ground::GroundSurface& ground) {
 
 Json Numbers(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
-Json CameraOf(const alignment::AlignedPhoto& photo) {
+Json CameraOf(const alignment::AlignedPhoto& photo, bool is_error_known) {
+  const bool is_said = is_error_known || photo.placement == alignment::Placement::kPoseOnly;
   const camera::Intrinsics& lens = photo.intrinsics;
   const Eigen::Quaterniond& rotation = photo.cam_from_enu.rotation;
   const Eigen::Vector3d& translation = photo.cam_from_enu.translation;
@@ -165,7 +167,7 @@ Json CameraOf(const alignment::AlignedPhoto& photo) {
                {"rotation_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}},
                {"translation_m", {translation.x(), translation.y(), translation.z()}},
                {"placement", alignment::PlacementName(photo.placement)},
-               {"error_radius_m", photo.error_radius_m}};
+               {"error_radius_m", is_said ? Json(photo.error_radius_m) : Json()}};
   if (photo.sharpness && std::isfinite(*photo.sharpness)) json["sharpness"] = *photo.sharpness;
   const camera::RowMotion& motion = photo.readout_motion;
   if (!motion.shift_in_enu_m.isZero(0.0)) json["readout_shift_m"] = Numbers(motion.shift_in_enu_m);
@@ -226,7 +228,8 @@ LocatedMap MapFrom(const Json& json) {
     camera.placement = from.at("placement") == alignment::PlacementName(alignment::Placement::kAligned)
                            ? alignment::Placement::kAligned
                            : alignment::Placement::kPoseOnly;
-    camera.error_radius_m = from.at("error_radius_m");
+    const Json& radius_m = from.at("error_radius_m");
+    if (!radius_m.is_null()) camera.error_radius_m = radius_m.get<double>();
     if (from.contains("sharpness")) camera.sharpness = from.at("sharpness").get<double>();
     if (from.contains("readout_shift_m"))
       camera.readout_motion.shift_in_enu_m = Vector<3>(from.at("readout_shift_m"));
@@ -242,10 +245,11 @@ LocatedMap MapFrom(const Json& json) {
 }  // namespace
 
 std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                       double raised_m) {
+                       double raised_m, bool is_error_known) {
   const geo::Wgs84& origin = flight.frame.origin();
   Json cameras = Json::array();
-  for (const alignment::AlignedPhoto& photo : flight.photos) cameras.push_back(CameraOf(photo));
+  for (const alignment::AlignedPhoto& photo : flight.photos)
+    cameras.push_back(CameraOf(photo, is_error_known));
   Json json;
   json["version"] = kVersion;
   json["origin"] = {origin.lat_deg, origin.lon_deg, origin.height_ellipsoid_m};

@@ -23,8 +23,8 @@ struct LocatedCamera {
   geo::Rigid3 cam_from_enu;  // of the middle row
   camera::RowMotion readout_motion;
   alignment::Placement placement = alignment::Placement::kPoseOnly;
-  double error_radius_m = 0.0;
-  std::optional<double> sharpness;  // as AlignedPhoto has it
+  std::optional<double> error_radius_m;  // nothing: nothing supports the place of the map it lies in
+  std::optional<double> sharpness;       // as AlignedPhoto has it
 };
 
 struct LocatedMap {
@@ -35,13 +35,15 @@ struct LocatedMap {
 };
 
 // Numbers are written so that they are read again exactly. `raised_m`: as LocatedMap has it.
+// `is_error_known`: else nothing is said of how far off aligned photos are, for nothing supports the map's
+// place.
 std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                       double raised_m = 0.0);
+                       double raised_m = 0.0, bool is_error_known = true);
 Result<LocatedMap> ParseLocateJson(std::string_view text);
 
 struct GroundPoint {
   geo::LatLon position;
-  double sigma_m = 0.0;  // of the camera's placement, seen under this ray's angle
+  std::optional<double> sigma_m;  // of the camera's placement, seen under this ray's angle
 };
 // Where the ray through a pixel (the centre of the first is (0,0)) first meets the ground.
 Result<GroundPoint> GroundAtPixel(const LocatedMap& map, std::string_view photo,
@@ -56,7 +58,7 @@ struct Sighting {
   Eigen::Vector2d pixel_in_image = Eigen::Vector2d::Zero();
   double off_nadir_rad = 0.0;  // between the view and the vertical
   alignment::Placement placement = alignment::Placement::kPoseOnly;
-  double sigma_m = 0.0;
+  std::optional<double> sigma_m;
   std::optional<double> sharpness;
   // The share of the fine detail that a sharp photo from straight above shows of the place:
   // min(1, sharpness / 0.8) * cos^2(off_nadir), a photo of unknown sharpness counting as sharp. Photos

@@ -68,7 +68,7 @@ std::string OdmCamerasJson(const alignment::AlignedFlight& flight) {
   return JsonText(cameras, 2) + "\n";
 }
 
-std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m) {
+std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m, bool is_error_known) {
   std::vector<flight::CameraEvent> events;
   std::size_t unnamed = 0;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
@@ -83,7 +83,8 @@ std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m) {
     event.height_ellipsoid_m = center.height_ellipsoid_m + raised_m;
     event.yaw_pitch_roll_rad = AirframeAngles(photo.cam_from_enu.rotation);
     event.attitude_kind = flight::AttitudeKind::kAirframe;
-    event.sigma_in_ned_m = Eigen::Vector3d::Constant(std::max(0.01, photo.error_radius_m));
+    if (is_error_known || photo.placement == alignment::Placement::kPoseOnly)
+      event.sigma_in_ned_m = Eigen::Vector3d::Constant(std::max(0.01, photo.error_radius_m));
     events.push_back(std::move(event));
   }
   Result<std::string> text = flight::WriteGeoTxt(events);

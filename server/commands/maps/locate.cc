@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -22,6 +23,10 @@ struct LocateOptions {
   std::vector<double> lon_lat;
 };
 
+std::string LocatedWithin(const std::optional<double>& sigma_m) {
+  return sigma_m ? fmt::format("+-{:.2f} m", *sigma_m) : "with an unknown error";
+}
+
 void Run(const LocateOptions& options) {
   if (options.pixel.empty() == options.lon_lat.empty() || options.pixel.empty() != options.photo.empty()) {
     Refuse("skyquilt locate", "Give either --photo with --pixel, or --lonlat.");
@@ -38,14 +43,15 @@ void Run(const LocateOptions& options) {
   if (!options.pixel.empty()) {
     const pipeline::GroundPoint point = OrFail(
         "skyquilt locate", pipeline::GroundAtPixel(map, options.photo, {options.pixel[0], options.pixel[1]}));
-    fmt::print("{:.9f},{:.9f} +-{:.2f} m\n", point.position.lon_deg, point.position.lat_deg, point.sigma_m);
+    fmt::print("{:.9f},{:.9f} {}\n", point.position.lon_deg, point.position.lat_deg,
+               LocatedWithin(point.sigma_m));
     return;
   }
   const geo::LatLon position =
       OrFail("skyquilt locate", geo::LatLon::Make(options.lon_lat[1], options.lon_lat[0]));
   for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(map, position)) {
-    fmt::print("{} {:.2f},{:.2f} +-{:.2f} m, {:.1f} degrees off the vertical{}\n", sighting.photo,
-               sighting.pixel_in_image.x(), sighting.pixel_in_image.y(), sighting.sigma_m,
+    fmt::print("{} {:.2f},{:.2f} {}, {:.1f} degrees off the vertical{}\n", sighting.photo,
+               sighting.pixel_in_image.x(), sighting.pixel_in_image.y(), LocatedWithin(sighting.sigma_m),
                geo::RadToDeg(sighting.off_nadir_rad),
                sighting.sharpness ? fmt::format(", sharpness {:.2f}", *sighting.sharpness) : "");
   }

@@ -68,7 +68,7 @@ TEST_P(LocateTest, APixelsGroundIsSeenAtThatPixel) {
     const Eigen::Vector2d pixel(x(random), y(random));
     const Result<GroundPoint> point = GroundAtPixel(map, name, pixel);
     ASSERT_TRUE(point) << point.error().message;
-    EXPECT_GE(point->sigma_m, 0.5);
+    EXPECT_GE(point->sigma_m.value_or(0.0), 0.5);
     bool is_seen = false;
     for (const Sighting& sighting : PhotosAtPoint(map, point->position)) {
       if (sighting.photo != name) continue;
@@ -114,6 +114,21 @@ TEST(Locate, TheMostVerticalViewComesFirst) {
     EXPECT_LE(sightings[i - 1].off_nadir_rad, sightings[i].off_nadir_rad);
   }
   EXPECT_TRUE(PhotosAtPoint(map, {48.0, 9.0}).empty());
+}
+
+TEST(Locate, SaysNoErrorOfAlignedPhotosWhereNothingSupportsThePlace) {
+  alignment::AlignedFlight flight = Flight();
+  flight.photos[1].placement = alignment::Placement::kPoseOnly;
+  const Result<LocatedMap> map = ParseLocateJson(LocateJson(flight, Hills(), 0.0, false));
+  ASSERT_TRUE(map);
+  const Result<GroundPoint> aligned = GroundAtPixel(*map, "p0", {2000, 1500});
+  const Result<GroundPoint> by_pose = GroundAtPixel(*map, "p1", {2000, 1500});
+  ASSERT_TRUE(aligned);
+  ASSERT_TRUE(by_pose);
+  EXPECT_FALSE(aligned->sigma_m);
+  EXPECT_TRUE(by_pose->sigma_m);
+  for (const Sighting& sighting : PhotosAtPoint(*map, aligned->position))
+    EXPECT_EQ(sighting.sigma_m.has_value(), sighting.photo == "p1") << sighting.photo;
 }
 
 TEST(Locate, HeightsAreToldFromTheSurveysZeroAndPhotosSeeTheSamePlace) {

@@ -47,6 +47,19 @@ TEST(OdmExports, ReadBackAsThePosesTheyWereWrittenFrom) {
   EXPECT_LT(back.angularDistance(flight.photos[0].cam_from_enu.rotation), 1e-6);
 }
 
+TEST(OdmExports, SayNoAccuracyWhereNothingSupportsTheMapsPlace) {
+  alignment::AlignedFlight flight = Flight();
+  flight.photos[0].placement = alignment::Placement::kAligned;
+  const auto says_accuracy = [](const std::string& text) {
+    const auto log = flight::ParseGeoTxt("geo.txt", flight::BytesOf(text));
+    return log.ok() && log->events.at(0).sigma_in_ned_m.has_value();
+  };
+  EXPECT_TRUE(says_accuracy(OdmGeoTxt(flight)));
+  const std::string unsupported = OdmGeoTxt(flight, 0.0, false);
+  EXPECT_NE(unsupported.find("A.JPG"), std::string::npos);
+  EXPECT_FALSE(says_accuracy(unsupported));
+}
+
 TEST(OdmExports, CountHeightsAsTheSurveyDoesThatPlacesTheMap) {
   const auto height_m = [](const std::string& text) {
     const auto log = flight::ParseGeoTxt("geo.txt", flight::BytesOf(text));

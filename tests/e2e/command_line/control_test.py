@@ -205,6 +205,10 @@ class Place(ScratchCase):
         print(f"by a place: cameras {misses[len(misses) // 2]:.2f} m off in the median, {misses[-1]:.2f} m at most")
         self.assertLess(misses[0], 0.05)
         self.assertLess(misses[-1], 1.5)
+        # Nothing tells how far off it lies: no surface states a number.
+        self.assertIsNone(report["quality"]["absolute"]["sigma_m"])
+        located = run("locate", folder, "--photo", photo["name"], "--pixel", "399.5,299.5").stdout
+        self.assertIn("with an unknown error", located)
 
     def test_refusals_say_what_to_do_and_leave_the_map(self):
         folder = self.map("refused")

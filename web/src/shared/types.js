@@ -324,7 +324,7 @@
 
 /**
  * A photo that sees a place, and the pixel that shows it (the centre of the first one is (0, 0)).
- * @typedef {{name: string, x: number, y: number, off_nadir_deg?: number, sharpness?: number|null, quality?: number, sigma_m?: number, placement?: 'aligned'|'pose_only'}} Sighting
+ * @typedef {{name: string, x: number, y: number, off_nadir_deg?: number, sharpness?: number|null, quality?: number, sigma_m?: number|null, placement?: 'aligned'|'pose_only'}} Sighting
  */
 
 /**

@@ -351,7 +351,7 @@ class SeenPhoto(TypedDict):
     off_nadir_deg: float
     # How the photo was placed: aligned with others, or pose_only, by its record alone
     placement: str
-    # Metres, 1-sigma, of where the camera was, as it shows on the ground
+    # Metres, 1-sigma, of where the camera was, as it shows on the ground; null where nothing supports the map's place
     sigma_m: Optional[float]
     # The fine detail that the photo shows, as a share of what others show of the same ground: about 1 for a sharp
     # one; null where too few others show it

@@ -393,7 +393,7 @@ class GetAccessAnswer(TypedDict):
 class GroundOfPixelAnswer(TypedDict):
     lon: float
     lat: float
-    # Metres, 1-sigma, of where the camera was, as it shows on the ground
+    # Metres, 1-sigma, of where the camera was, as it shows on the ground; null where nothing supports the map's place
     sigma_m: Optional[float]
 
 
