@@ -234,6 +234,8 @@ test('photos and logs are chosen, the rest is named with its reason', async () =
   const { chosen, ignored, folder } = await selectFiles([
     file('b.JPG', jpeg, 'card/b.JPG'),
     file('log.csv', [1], 'card/log.csv'),
+    file('positions.TSV', [1], 'card/positions.TSV'),
+    file('positions.xlsx', [1], 'card/positions.xlsx'),
     file('broken.jpg', [1, 2, 3], 'card/broken.jpg'),
     file('empty.jpg', [], 'card/empty.jpg'),
     file('film.AVI', [1], 'card/film.AVI'),
@@ -245,9 +247,9 @@ test('photos and logs are chosen, the rest is named with its reason', async () =
     file('two.tar.zst', [1], 'card/two.tar.zst'),
     file('.DS_Store', [1], 'card/.DS_Store'),
   ]);
-  assert.deepEqual(chosen.map(({ name }) => name), ['b.JPG', 'flight.MP4', 'log.csv', 'rest.tar.gz']);
-  assert.deepEqual(ignored.map(({ name }) => name), ['card/broken.jpg', 'card/empty.jpg', 'card/film.AVI', 'card/letter.docx', 'card/old.rar', 'card/one.gz', 'card/two.tar.zst']);
-  assert.equal(new Set(ignored.map(({ reason }) => reason)).size, 5);
+  assert.deepEqual(chosen.map(({ name }) => name), ['b.JPG', 'flight.MP4', 'log.csv', 'positions.TSV', 'rest.tar.gz']);
+  assert.deepEqual(ignored.map(({ name }) => name), ['card/broken.jpg', 'card/empty.jpg', 'card/film.AVI', 'card/letter.docx', 'card/old.rar', 'card/one.gz', 'card/positions.xlsx', 'card/two.tar.zst']);
+  assert.equal(new Set(ignored.map(({ reason }) => reason)).size, 6);
   assert.equal(folder, 'card');
 });
 

@@ -8,7 +8,7 @@ import { strings } from '../shared/strings.js';
 /** @typedef {{chosen: ChosenFile[], ignored: IgnoredFile[], folder: string}} Selection */
 
 const kPhotos = new Set(['jpg', 'jpeg', 'tif', 'tiff', 'png', 'dng']);
-const kLogs = new Set(['csv', 'txt', 'log', 'bin', 'ulg', 'tlog', 'srt', 'ass', 'mrk', 'pos', 'json', 'gpx', 'kml', 'geojson', 'nmea', 'xmp']);
+const kLogs = new Set(['csv', 'tsv', 'txt', 'log', 'bin', 'ulg', 'tlog', 'srt', 'ass', 'mrk', 'pos', 'json', 'gpx', 'kml', 'geojson', 'nmea', 'xmp']);
 const kFilms = new Set(['mp4', 'mov']);
 // What cameras write beside a film for their own screens, and films in other containers.
 const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);
@@ -18,6 +18,8 @@ const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
 const kMaxFolders = 8;
 // What network drives and systems keep in folders of their own, hidden ones too: previews of each photo, deleted files.
 const kFolderOfPrograms = /(^|\/)(\.[^/]*|@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
+// Tables as office programs save them by themselves.
+const kOffice = new Set(['xlsx', 'xlsm', 'xls', 'ods', 'numbers']);
 const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'tbz2', 'xz', 'txz', 'zst']);
 
 /**
@@ -65,6 +67,7 @@ export async function selectFiles(found) {
     let reason = '';
     if (kOtherFilms.has(kind)) reason = reasons.film;
     else if (kOtherArchives.has(kind) && !isArchive(name)) reason = reasons.archive;
+    else if (kOffice.has(kind)) reason = reasons.office;
     else if (!kPhotos.has(kind) && !kFilms.has(kind) && !kLogs.has(kind) && !isArchive(name)) reason = reasons.kind;
     else if (file.size === 0) reason = reasons.empty;
     else if (kPhotos.has(kind) && !looksLikePhoto(new Uint8Array(await file.slice(0, 8).arrayBuffer()))) {

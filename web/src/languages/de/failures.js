@@ -111,6 +111,7 @@ export const failure_words = {
   file_named_as_log: (v) => `${v.file} heißt wie ein Flugprotokoll, ist aber nicht als solches lesbar. Kopieren Sie die Datei erneut.`,
   file_is_plan: (v) => `${v.file} ist eine geplante Route, kein Protokoll eines Flugs, und wird nicht verwendet. Fügen Sie das Flugprotokoll hinzu.`,
   file_is_fit: (v) => `${v.file} ist ein Track im Format FIT, das nicht unterstützt wird. Wandeln Sie die Datei in GPX um und fügen Sie diese hinzu.`,
+  file_is_office: (v) => `${v.file} ist ein Dokument von Excel, Calc oder einem anderen Office-Programm, das nicht unterstützt wird. Speichern Sie die Tabelle darin als CSV und fügen Sie diese hinzu.`,
   file_is_observations: (v) => `${v.file} enthält Beobachtungen eines GNSS-Empfängers (RTCM 3), keine Positionen. Werten Sie die Datei aus und fügen Sie das Ergebnis hinzu (.pos, _events.pos), oder die Timestamp.MRK daneben.`,
   file_without_times: (v) => `${v.file} hat keine Zeile mit einer Zeit. Füllen Sie die Spalte t (Sekunden) oder utc.`,
   table_without_times: (v) => `${v.file} hat keine Zeile mit einer Zeit.`,

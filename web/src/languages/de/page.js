@@ -141,6 +141,7 @@ export const page_words = {
       film: 'Nur Videos als MP4 oder MOV werden unterstützt. Fügen Sie die Originaldatei der Kamera hinzu.',
       archive: 'Nur ZIP- und TAR-Archive werden unterstützt. Entpacken Sie das Archiv und legen Sie den Ordner ab.',
       kind: 'Weder Foto noch Flugprotokoll.',
+      office: 'Office-Dokumente werden nicht unterstützt. Speichern Sie die Tabelle darin als CSV und fügen Sie diese hinzu.',
       not_photo: 'Die Datei hat die Endung eines Fotos, ist aber kein Bild.',
     },
   },

@@ -114,6 +114,7 @@ export const failure_words = {
   file_named_as_log: (v) => `${v.file} is named like a flight log but cannot be read as one. Copy it again.`,
   file_is_plan: (v) => `${v.file} is a planned route, not a log of what was flown, and is not used. Add the log of the flight.`,
   file_is_fit: (v) => `${v.file} is a track in the FIT format, which is not supported. Convert it to GPX and add that.`,
+  file_is_office: (v) => `${v.file} is a document of Excel, Calc or another office program, which is not supported. Save the table in it as CSV and add that.`,
   file_is_observations: (v) => `${v.file} holds what a GNSS receiver observed (RTCM 3), not positions. Post-process it and add the result (.pos, _events.pos), or add the Timestamp.MRK beside it.`,
   file_without_times: (v) => `${v.file} has no row with a time. Fill the column t (seconds) or utc.`,
   table_without_times: (v) => `${v.file} has no row with a time.`,

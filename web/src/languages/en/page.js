@@ -141,6 +141,7 @@ export const page_words = {
       film: 'Only MP4 and MOV videos are supported. Add the original file from the camera.',
       archive: 'Only zip and tar archives are supported. Unpack this one and drop the folder.',
       kind: 'Not a photo or flight log.',
+      office: 'Office documents are not supported. Save the table in it as CSV and add that.',
       not_photo: 'The file has the extension of a photo, but is not an image.',
     },
   },
