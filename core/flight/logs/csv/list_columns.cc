@@ -126,13 +126,16 @@ void MapAccuracy(const NameAndUnit& name, bool has_horizontal, CsvColumn& column
   }
 }
 
-// Tables of marks that points have in photos: their coordinates are not the photos'.
+// Tables of marks that points have in photos: their coordinates are not the photos'. Beside angles px and py
+// are a lens's middle, as RealityCapture writes it.
 bool HasPoints(const std::vector<CsvColumn>& columns) {
   constexpr std::array<std::string_view, 14> kNames = {"px",     "py",        "imx",     "imy",  "pixelx",
                                                        "pixely", "u",         "gcp",     "col",  "gcpname",
                                                        "point",  "pointname", "pointid", "punkt"};
-  return std::any_of(columns.begin(), columns.end(),
-                     [&](const CsvColumn& column) { return IsOneOf(LettersOf(column.header), kNames); });
+  const bool has_angles = HasColumn(columns, M::kPitch) || HasColumn(columns, M::kPhi);
+  return !has_angles && std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& column) {
+    return IsOneOf(LettersOf(column.header), kNames);
+  });
 }
 
 bool IsListOfPhotos(const std::vector<CsvColumn>& columns) {
@@ -173,10 +176,14 @@ std::optional<char> SeparatorOfRows(const ListHeading& heading, std::string_view
 }
 
 // Whatever the first column is called ("id", "camera"): files of pictures below it are the photos.
+// Metashape's "PhotoID" are names without their endings.
 void TakePicturesBelow(std::string_view row, std::vector<CsvColumn>& columns) {
   if (NamesPhotos(columns) || columns.empty() || columns.front().meaning != M::kIgnored) return;
   row.remove_prefix(std::min(row.find_first_not_of("\" \t"), row.size()));
-  if (IsNamedAsPicture(row.substr(0, row.find_first_of("\" \t;,|")))) columns.front().meaning = M::kImage;
+  const std::string_view cell = row.substr(0, row.find_first_of("\" \t;,|"));
+  const bool is_called_photo = LettersOf(columns.front().header) == "photoid";
+  if (IsNamedAsPicture(cell) || (is_called_photo && !cell.empty() && !ReadBareNumber(cell)))
+    columns.front().meaning = M::kImage;
 }
 
 // Cut at blanks, but "yaw (decimal degrees)" is one name.

@@ -118,6 +118,30 @@ TEST(NamedLists, ReadsOmegaPhiKappaOfAllPrograms) {
   }
 }
 
+TEST(NamedLists, ReadsWhatRealityCaptureExportsWithItsLenses) {
+  const FlightLog log = ReadList(
+      "#cameras 1\n#name,x,y,alt,heading,pitch,roll,f,px,py,k1,k2,k3,k4,t1,t2\n"
+      "DJI_0018.JPG,576691.665,5188169.628,158.5,90,1,2,24.1,0.01,-0.02,0.1,0,0,0,0,0\n");
+  ASSERT_EQ(log.events.size(), 1u);
+  ASSERT_TRUE(log.events[0].written);
+  EXPECT_DOUBLE_EQ(log.events[0].written->x, 576691.665);
+  EXPECT_DOUBLE_EQ(log.events[0].written->y, 5188169.628);
+  EXPECT_EQ(log.events[0].height_ellipsoid_m, 158.5);
+  ASSERT_TRUE(log.events[0].yaw_pitch_roll_rad);
+  EXPECT_NEAR(log.events[0].yaw_pitch_roll_rad->x(), DegToRad(90.0), 1e-12);
+}
+
+TEST(NamedLists, ReadsMetashapesPhotosWithoutTheirEndings) {
+  const CameraEvent event = FirstRow(
+      "# Cameras (1)\n# PhotoID, X, Y, Z, Omega, Phi, Kappa, r11, r12, r13, r21, r22, r23, r31, r32, r33\n"
+      "IMG_0001_6\t8.5\t47.4\t500\t0\t0\t-92.5\t1\t0\t0\t0\t1\t0\t0\t0\t1\n");
+  EXPECT_EQ(event.image_name, "IMG_0001_6");
+  ASSERT_TRUE(event.position);
+  EXPECT_DOUBLE_EQ(event.position->lat_deg, 47.4);
+  ASSERT_TRUE(event.yaw_pitch_roll_rad);
+  EXPECT_NEAR(event.yaw_pitch_roll_rad->x(), DegToRad(92.5), 1e-12);
+}
+
 TEST(NamedLists, FindsEachAngleByItsOwnNameAndUnit) {
   const auto yaw_deg = [](const std::string& names, const std::string& cells) {
     const CameraEvent event =
@@ -228,6 +252,7 @@ TEST(NamedLists, LeavesPointsProseAndLogsAlone) {
   };
   EXPECT_TRUE(reads("image,x,y,z", "a.jpg,1,2,3\n"));
   EXPECT_FALSE(reads("image,x,y,z,px,py,point", "a.jpg,1,2,3,4,5,p\n")) << "marks of surveyed points";
+  EXPECT_FALSE(reads("PhotoID,x,y,z", "1,2,3,4\n")) << "numbers name no photo";
   EXPECT_FALSE(reads("photo of the x and y axes", "taken in the evening\n"));
   EXPECT_FALSE(reads("time,x,y,z", "1,2,3,4\n")) << "names no photo";
   EXPECT_FALSE(reads("image,x,z", "a.jpg,1,2\n")) << "one coordinate";
