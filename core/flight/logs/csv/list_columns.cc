@@ -24,6 +24,7 @@ constexpr NamesOfLists kNamesOfLists[] = {
     {"coordinate1", M::kEast, PairOrder::kOpen},
     {"coordinate2", M::kNorth, PairOrder::kOpen},
     {"z h mapz geoz zcoord zcoordinate coordinatez coordinate3", M::kHeightAmsl},
+    {"heightz", M::kHeightAboveTakeoff},  // "height/Z" of Mission Planner
     {"omega", M::kOmega},
     {"phi", M::kPhi},
     {"kappa", M::kKappa},
@@ -95,8 +96,9 @@ bool MapByNamesOfLists(const NameAndUnit& name, CsvColumn& column) {
     return true;
   }
   if (known == nullptr) return false;
-  const bool is_height = known->meaning == M::kHeightAmsl;
-  column = MapAs(is_height ? "altitude" : "roll", name.unit, column);
+  const bool is_open_height = known->meaning == M::kHeightAboveTakeoff;
+  const bool is_height = is_open_height || known->meaning == M::kHeightAmsl;
+  column = MapAs(is_open_height ? "height" : is_height ? "altitude" : "roll", name.unit, column);
   M& meaning = column.meaning == M::kIgnored ? column.meant : column.meaning;
   if (!is_height) meaning = known->meaning;
   return true;

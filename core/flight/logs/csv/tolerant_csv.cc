@@ -99,8 +99,9 @@ bool PitchIsLevel(const std::vector<CsvRow>& preview) {
   return 2 * level > pitches;
 }
 
-// "height" alone: of drones' own programs above take-off, of surveys above the ellipsoid. Nobody maps from as
-// high above the take-off as much land lies above the sea, and no drone's program writes metres of a plane.
+// "height" alone: of drones' own programs above take-off, of surveys above the ellipsoid, of Mission Planner
+// above take-off or the sea. Nobody maps from as high above the take-off as much land lies above the sea, and
+// no drone's program writes metres of a plane.
 void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview, bool is_survey) {
   constexpr double kHighestFlightM = 150.0, kMaxGeoidM = 120.0;
   CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
@@ -117,8 +118,9 @@ void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>
   }
   const auto typical_m = MedianIfAny(std::move(heights_m));
   if (is_survey || (typical_m && *typical_m > kHighestFlightM)) {
-    column->meaning = M::kHeightEllipsoid;
-    column->is_bare_height = true;
+    const bool is_mission_planners = name == "height/z";
+    column->meaning = is_mission_planners ? M::kHeightAmsl : M::kHeightEllipsoid;
+    column->is_bare_height = !is_mission_planners;
   }
 }
 

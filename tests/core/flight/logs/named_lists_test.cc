@@ -196,6 +196,21 @@ TEST(NamedLists, FindsHeightsByTheirWordsInOtherLanguages) {
     EXPECT_EQ(row(above_takeoff, "60").height_above_takeoff_m, 60.0) << above_takeoff;
 }
 
+// location.txt of its geotagging; which of its two heights it wrote, the numbers tell.
+TEST(NamedLists, TakesTheHeightsOfMissionPlanner) {
+  const std::string names = "#name latitude/Y longitude/X height/Z yaw pitch roll SAlt\n";
+  const CameraEvent above_sea = FirstRow(names + "a.jpg 47.4 8.5 523.5 90 2 1 0\n");
+  EXPECT_EQ(above_sea.height_amsl_m, 523.5);
+  EXPECT_FALSE(above_sea.height_ellipsoid_m);
+  ASSERT_TRUE(above_sea.position);
+  EXPECT_DOUBLE_EQ(above_sea.position->lat_deg, 47.4);
+  ASSERT_TRUE(above_sea.yaw_pitch_roll_rad);
+  EXPECT_NEAR(above_sea.yaw_pitch_roll_rad->x(), DegToRad(90.0), 1e-12);
+  const CameraEvent above_takeoff = FirstRow(names + "a.jpg 47,4 8,5 83,5 90 2 1 0\n");
+  EXPECT_EQ(above_takeoff.height_above_takeoff_m, 83.5);
+  EXPECT_FALSE(above_takeoff.height_amsl_m);
+}
+
 TEST(NamedLists, ReadsSmallDegreesOfPhotos) {
   const FlightLog log =
       ReadList("image,lat,lon,alt\na.jpg,470123456,81234567,512345\nb.jpg,470123466,81234567,515345\n");
