@@ -79,8 +79,8 @@ Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const Consu
 
 // Solutions of RTKLIB and its kin (.pos): "%" header, then date and time or GPS week and seconds, latitude,
 // longitude (degrees, or degrees minutes seconds), ellipsoidal height, quality (1 fixed), satellites, sigma
-// north, east, up. Also its ECEF form. Times are GPS time or UTC as the header says; positions are the
-// ANTENNA's.
+// north, east, up. Also its ECEF form, and fields apart by commas or semicolons where the header's are. Times
+// are GPS time or UTC as the header says; positions are the ANTENNA's.
 bool LooksLikeRtklibPos(LogBytes head);
 Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
 

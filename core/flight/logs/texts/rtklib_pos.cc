@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/flight/bytes/gps_time.h"
@@ -11,7 +13,13 @@
 namespace skyquilt::flight {
 namespace {
 
+// Where rows are cut: RTKLIB may be told to write a comma or a semicolon between fields, beside its blanks.
+constexpr std::string_view kAtBlanks = " \t\r\n";
+constexpr std::string_view kAtCommasToo = " \t\r\n,";
+constexpr std::string_view kAtSemicolonsToo = " \t\r\n;";
+
 struct PosHeader {
+  std::string_view between = kAtBlanks;
   bool is_utc = false;
   bool is_ecef = false;
   bool is_dms = false;
@@ -31,6 +39,11 @@ void ReadHeaderLine(std::string_view line, PosHeader& header) {
   if (lower.find("lat/lon/height=") != std::string::npos && lower.find("/geodetic") != std::string::npos)
     header.is_above_sea = true;
   if (lower.find("e-baseline(m)") != std::string::npos) header.is_baseline = true;
+  if (HoldsOneOf(lower, {"latitude(", "x-ecef("})) {
+    const bool has_commas = lower.find(',') != std::string::npos;
+    const bool has_semicolons = lower.find(';') != std::string::npos;
+    header.between = has_commas ? kAtCommasToo : has_semicolons ? kAtSemicolonsToo : kAtBlanks;
+  }
   const std::string_view start = Trim(std::string_view(lower).substr(1));
   if (start.starts_with("utc")) header.is_utc = true;
   if (start.starts_with("gpst")) header.is_utc = false;
@@ -38,6 +51,18 @@ void ReadHeaderLine(std::string_view line, PosHeader& header) {
     if (!start.starts_with(name)) continue;
     header.is_utc = true;
     header.ahead_of_utc = ahead;
+  }
+}
+
+// More than any row has fields are left alone.
+void SplitSolution(std::string_view line, std::string_view between, std::vector<std::string_view>& words) {
+  constexpr std::size_t kMaxWords = 64;
+  words.clear();
+  std::size_t at = line.find_first_not_of(between);
+  while (at != std::string_view::npos && words.size() < kMaxWords) {
+    const std::size_t end = std::min(line.find_first_of(between, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(between, end);
   }
 }
 
@@ -60,7 +85,7 @@ struct Solution {
 
 std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
                                  std::vector<std::string_view>& words) {
-  SplitBlanks(line, words);
+  SplitSolution(line, header.between, words);
   if (words.size() < 6) return std::nullopt;
   Solution solution;
   if (words[0].find_first_of("/-") != std::string_view::npos) {
