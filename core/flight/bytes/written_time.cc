@@ -170,6 +170,10 @@ bool TakeZone(std::string_view text, std::size_t& at, TimeOfDay& time) {
   if (StartsWithIgnoringCase(text.substr(at), "utc") || StartsWithIgnoringCase(text.substr(at), "gmt")) {
     time.names_zone = true;
     at += 3;
+    const std::size_t sign = text.find_first_not_of(' ', at);  // "UTC +02:00"
+    const bool has_offset =
+        sign != std::string_view::npos && sign + 1 < text.size() && IsDigit(text[sign + 1]);
+    if (has_offset && (text[sign] == '+' || text[sign] == '-')) at = sign;
   }
   if (at >= text.size() || (text[at] != '+' && text[at] != '-')) return true;
   const int sign = text[at++] == '+' ? 1 : -1;

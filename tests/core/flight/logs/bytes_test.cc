@@ -73,6 +73,8 @@ TEST(ParseWrittenTime, ReadsDatesOfTablesInTheirOrder) {
         Case{DateOrder::kDayFirst, "3-6-2016 21:31:09"}, Case{DateOrder::kDayFirst, "3 Jun 2016 21:31:09"},
         Case{DateOrder::kDayFirst, "Jun 3, 2016 9:31:09 PM"}, Case{DateOrder::kDayFirst, "20160603T213109Z"},
         Case{DateOrder::kDayFirst, "2016-06-03 21:31:09 UTC"},
+        Case{DateOrder::kDayFirst, "2016-06-03 23:31:09 UTC +02:00"},
+        Case{DateOrder::kDayFirst, "2016-06-03 14:31:09 GMT -0700"},
         Case{DateOrder::kShortYearFirst, "16-06-03 21:31:09"},
         Case{DateOrder::kMonthFirst, "2016-06-03T23:31:09+02:00"}}) {
     const auto time = ParseWrittenTime(c.text, c.order);
