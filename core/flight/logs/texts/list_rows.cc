@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <string>
 #include <utility>
 
+#include "core/base/text/file_names.h"
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/csv_meanings.h"
@@ -44,6 +46,32 @@ ListColumn KindOfColumn(std::string_view name) {
   if (letters.starts_with("longitude") || letters.starts_with("easting")) return ListColumn::kEast;
   if (letters.starts_with("latitude") || letters.starts_with("northing")) return ListColumn::kNorth;
   return ListColumn::kNone;
+}
+
+constexpr char kQuote = '"';
+
+std::string_view WithoutQuotes(std::string_view cell) {
+  const bool is_quoted = cell.size() >= 2 && cell.front() == kQuote && cell.back() == kQuote;
+  return is_quoted ? Trim(cell.substr(1, cell.size() - 2)) : cell;
+}
+
+// A photo's name that blanks have cut is one cell again: up to its ending, from the quote that opens it or
+// else from behind the last number ("20 DJI 0001.JPG", "\"IMG 1 (2).jpg\"").
+void JoinPictureName(std::vector<std::string_view>& words) {
+  const auto last = std::find_if(words.begin(), words.end(), [](std::string_view word) {
+    if (word.ends_with(kQuote)) word.remove_suffix(1);
+    return IsNamedAsPicture(word);
+  });
+  if (last == words.end()) return;
+  auto first = last;
+  if (last->ends_with(kQuote)) {
+    while (first != words.begin() && !first->starts_with(kQuote)) --first;
+  } else {
+    while (first != words.begin() && !ReadBareNumber(*std::prev(first))) --first;
+  }
+  const auto length = static_cast<std::size_t>(last->data() + last->size() - first->data());
+  *first = WithoutQuotes({first->data(), length});
+  words.erase(std::next(first), std::next(last));
 }
 
 }  // namespace
@@ -92,6 +120,12 @@ bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<st
     if (is_row(cells)) return true;
   }
   SplitBlanks(line, cells);
+  std::vector<std::string_view> named = cells;
+  JoinPictureName(named);
+  if (is_row(named)) {
+    cells = std::move(named);
+    return true;
+  }
   return is_row(cells);
 }
 

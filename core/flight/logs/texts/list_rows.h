@@ -21,7 +21,8 @@ bool LooksLikeImageName(std::string_view word);
 
 using IsListRow = std::function<bool(const std::vector<std::string_view>& cells)>;
 
-// Cuts the line so that it is a row; at blanks, and false, where no way of cutting makes it one.
+// Cuts the line so that it is a row; at blanks, and false, where no way of cutting makes it one. A picture's
+// name in it may hold blanks, in quotes or between numbers.
 bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<std::string_view>& cells);
 
 struct ListTop {

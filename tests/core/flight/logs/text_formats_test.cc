@@ -233,6 +233,32 @@ TEST(ParseGeoTxt, TakesTheOrderOfTheHemispheresLetters) {
   EXPECT_DOUBLE_EQ(pix4d.events.at(0).position->lat_deg, 46.8);
 }
 
+TEST(ParseGeoTxt, TakesNamesThatHoldBlanksAndQuotes) {
+  const std::string text =
+      "EPSG:4326\nDJI 0001.JPG 8.1 46.8 500\n\"IMG 2 (3).jpg\" 8.2 46.9 500\n\"c.jpg\" 8.3 47.0 500\n";
+  ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(text)));
+  const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf(text)));
+  ASSERT_EQ(log.events.size(), 3u);
+  EXPECT_EQ(log.events[0].image_name, "DJI 0001.JPG");
+  EXPECT_EQ(log.events[1].image_name, "IMG 2 (3).jpg");
+  EXPECT_EQ(log.events[2].image_name, "c.jpg");
+  ASSERT_TRUE(log.events[1].position);
+  EXPECT_DOUBLE_EQ(log.events[1].position->lat_deg, 46.9);
+  EXPECT_EQ(log.events[1].height_ellipsoid_m, 500.0);
+}
+
+TEST(ParseGcpList, TakesNamesThatHoldBlanks) {
+  const auto list = ValueOf(ParseGcpList(
+      "gcp_list.txt", BytesOf("EPSG:4326\n8.1 46.8 400 10 20 DJI 0001.JPG corner\n"
+                              "8.2 46.8 400 30 40 \"IMG 2 (3).jpg\" pole\n8.2 46.8 400 50 60 DJI_7 pole\n")));
+  ASSERT_EQ(list.sightings.size(), 3u);
+  EXPECT_EQ(list.sightings[0].image_name, "DJI 0001.JPG");
+  EXPECT_EQ(list.sightings[1].image_name, "IMG 2 (3).jpg");
+  EXPECT_EQ(list.sightings[2].image_name, "DJI_7");
+  ASSERT_EQ(list.points.size(), 2u);
+  EXPECT_EQ(list.points[0].name, "corner");
+}
+
 TEST(ParseGeoTxt, LeavesListsWithNamesOfColumnsToTheReaderOfNames) {
   const std::string text = "EPSG:4326\nimage lon lat alt roll pitch yaw\na.jpg 8.1 46.8 500 1 2 90\n";
   EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(text)));
