@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <set>
 #include <string>
@@ -25,6 +26,11 @@ constexpr double kSurveySigmaM = 0.02;  // of surveyed points, each axis
 constexpr double kMarkSigmaPx = 0.5;    // of a mark by hand, each axis
 constexpr double kLikelyExcess = 2.0;   // five points' variance exceeds this share of the true one in 1 of 20
 constexpr double kFarOffM = 10.0;       // what a receiver of a phone or a drone is good for
+constexpr double kBeyondStated = 1.0 - 0.683;  // of places, outside a stated radius
+// Surveyed points that tell of all of a map: so many, and so spread that they hold its places, in the mean,
+// as well as a point holds its own.
+constexpr std::size_t kFewestOfAll = 3;
+constexpr double kLeverOfAll = 1.0;
 constexpr int kFewestSeams = 5;
 
 // What placed the map, or all that is known of it is where it lies against them.
@@ -37,15 +43,25 @@ struct ControlFit {
   int predicted = 0;
 };
 
+Vector2d PlaceOf(const JudgedMap& map, const alignment::ControlReport& point) {
+  return map.flight.frame.EnuAtHeight(point.surveyed, 0.0).head<2>();
+}
+
+Vector2d MissOf(const alignment::ControlReport& point) { return {point.miss_east_m, point.miss_north_m}; }
+
+// Of survey and marks, one axis.
+double ExpectedSquareM2(const JudgedMap& map, const alignment::ControlReport& point) {
+  return kSurveySigmaM * kSurveySigmaM + std::pow(kMarkSigmaPx * map.gsd_m, 2) / std::max(1, point.sightings);
+}
+
 ControlFit FitOf(const JudgedMap& map) {
   ControlFit fit;
   for (const alignment::ControlReport& point : map.alignment->control) {
     if (!point.is_used || point.is_check) continue;
-    fit.places.emplace_back(map.flight.frame.EnuAtHeight(point.surveyed, 0.0).head<2>());
+    fit.places.push_back(PlaceOf(map, point));
     fit.system_error_m = std::max(fit.system_error_m, point.system_error_m.value_or(0.0));
-    fit.expected_square +=
-        kSurveySigmaM * kSurveySigmaM + std::pow(kMarkSigmaPx * map.gsd_m, 2) / std::max(1, point.sightings);
-    const Vector2d miss{point.miss_east_m, point.miss_north_m};
+    fit.expected_square += ExpectedSquareM2(map, point);
+    const Vector2d miss = MissOf(point);
     fit.residual_square += miss.squaredNorm();
     if (!point.left_out) continue;
     fit.product += miss.dot(Vector2d{point.left_out->miss_east_m, point.left_out->miss_north_m});
@@ -91,24 +107,16 @@ double SigmaByControlM(const JudgedMap& map, const ControlFit& fit) {
   return std::sqrt(averaging * LeverOf(map, fit.places) + square - averaging);
 }
 
-std::optional<AbsoluteAccuracy> BySurvey(const JudgedMap& map) {
+std::optional<AbsoluteAccuracy> ByControl(const JudgedMap& map) {
   if (map.alignment == nullptr) return std::nullopt;
-  double square_m2 = 0.0;  // of both axes together, as surveyors state what a map misses its check points by
-  int checks = 0;
-  double system_error_m = 0.0;  // of which points in the same system know nothing
-  for (const alignment::ControlReport& point : map.alignment->control) {
-    if (!point.is_used || !point.is_check) continue;
-    square_m2 += Vector2d(point.miss_east_m, point.miss_north_m).squaredNorm();
-    ++checks;
-    system_error_m = std::max(system_error_m, point.system_error_m.value_or(0.0));
-  }
-  if (checks > 0)
-    return AbsoluteAccuracy{OfTwoDigits(std::hypot(std::sqrt(square_m2 / checks), system_error_m)),
-                            AbsoluteSupport::kCheckPoints, checks};
   const ControlFit fit = FitOf(map);
   if (fit.places.size() < 2) return std::nullopt;  // one has nothing to be checked against
   const double sigma_m = std::hypot(SigmaByControlM(map, fit), fit.system_error_m / kCircleSigmas);
   return StatedRadius(sigma_m, AbsoluteSupport::kControlPoints, fit.places.size());
+}
+
+bool TellOfAll(const JudgedMap& map, const std::vector<Vector2d>& surveyed) {
+  return surveyed.size() >= kFewestOfAll && LeverOf(map, surveyed) <= kLeverOfAll;
 }
 
 // What ties hold together. Of two groups that share nothing, as of two fields, what places one says nothing
@@ -235,14 +243,74 @@ AbsoluteAccuracy OfGroups(const JudgedMap& map, const AbsoluteAccuracy& as_one) 
                     static_cast<double>(beside.Count()) / static_cast<double>(aligned));
 }
 
-AbsoluteAccuracy AbsoluteOf(const JudgedMap& map) {
-  if (!map.is_placed) return {};
-  if (const auto surveyed = BySurvey(map)) return OfGroups(map, *surveyed);
+// What places the map, whatever it is checked by.
+AbsoluteAccuracy WithoutChecks(const JudgedMap& map) {
+  if (const auto by_control = ByControl(map)) return OfGroups(map, *by_control);
   if (map.is_by_hand) return {std::nullopt, AbsoluteSupport::kHand, 0};
   AbsoluteAccuracy by_positions = ByPositions(map);
   if (IsByReceiver(by_positions)) by_positions = OfGroups(map, by_positions);
   if (IsScaleGuessed(map) || IsNorthGuessed(map)) by_positions.sigma_m.reset();
   return by_positions;
+}
+
+// By how much few points widen what they are missed by: as the radius that holds its share of all places does
+// where the sigma of both axes is known of these points alone, by Fisher's F with 2 and 2 n degrees of
+// freedom. 1.37 of one, 1.10 of three, 1 of very many.
+double FewPointsWiden(double count) {
+  return std::sqrt(count * (std::pow(kBeyondStated, -1.0 / count) - 1.0) / -std::log(kBeyondStated));
+}
+
+// Checks near one place show the shift that positions share, but not what turns, scales and bends the map
+// elsewhere.
+double ElsewhereToo(const JudgedMap& map, double at_checks_m, const AbsoluteAccuracy& placed) {
+  if (!IsByReceiver(placed) || !IsAnyAligned(map) || AreContradicted(map, placed))
+    return std::max(at_checks_m, *placed.sigma_m);
+  return std::hypot(at_checks_m, kCircleSigmas * ErrorOfPositions(map, PositionsOf(map)).shape_m);
+}
+
+// `placed`: what is stated without them.
+std::optional<AbsoluteAccuracy> ByChecks(const JudgedMap& map, const AbsoluteAccuracy& placed) {
+  if (map.alignment == nullptr) return std::nullopt;
+  std::vector<Vector2d> places;
+  double missed_m2 = 0.0;  // of both axes together, as surveyors state what a map misses its check points by
+  double expected_m2 = 0.0;     // of which survey and marks leave so much, however well they are met
+  double system_error_m = 0.0;  // of which points in the same system know nothing
+  for (const alignment::ControlReport& point : map.alignment->control) {
+    if (!point.is_used || !point.is_check) continue;
+    places.push_back(PlaceOf(map, point));
+    missed_m2 += MissOf(point).squaredNorm();
+    expected_m2 += 2.0 * ExpectedSquareM2(map, point);
+    system_error_m = std::max(system_error_m, point.system_error_m.value_or(0.0));
+  }
+  if (places.empty()) return std::nullopt;
+  const auto count = static_cast<double>(places.size());
+  const double off_m = FewPointsWiden(count) * std::sqrt(std::max(missed_m2, expected_m2) / count);
+  double radius_m = std::hypot(off_m, system_error_m);
+  if (!TellOfAll(map, places)) {
+    if (!placed.sigma_m) return std::nullopt;
+    radius_m = ElsewhereToo(map, radius_m, placed);
+  }
+  return AbsoluteAccuracy{OfTwoDigits(radius_m), AbsoluteSupport::kCheckPoints,
+                          static_cast<int>(places.size())};
+}
+
+AbsoluteAccuracy AbsoluteOf(const JudgedMap& map) {
+  if (!map.is_placed) return {};
+  const AbsoluteAccuracy placed = WithoutChecks(map);
+  const std::optional<AbsoluteAccuracy> by_checks = ByChecks(map, placed);
+  return by_checks ? OfGroups(map, *by_checks) : placed;
+}
+
+// What the photos may contradict: what is stated, and the positions of a map whose survey does not tell of
+// all of it.
+AbsoluteAccuracy Contradictable(const JudgedMap& map, const AbsoluteAccuracy& absolute) {
+  if (absolute.by != AbsoluteSupport::kControlPoints && absolute.by != AbsoluteSupport::kCheckPoints)
+    return absolute;
+  std::vector<Vector2d> surveyed;
+  for (const alignment::ControlReport& point : map.alignment->control) {
+    if (point.is_used) surveyed.push_back(PlaceOf(map, point));
+  }
+  return map.is_by_hand || TellOfAll(map, surveyed) ? absolute : ByPositions(map);
 }
 
 RelativeAccuracy RelativeOf(const JudgedMap& map, bool is_scale_guessed) {
@@ -286,7 +354,8 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
     limits.push_back({LimitKind::kScaleGuessed});
   if (is_north_guessed) limits.push_back({LimitKind::kNorthGuessed});
   if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});
-  if (AreContradicted(map, absolute)) limits.push_back({LimitKind::kPositionsContradicted});
+  if (AreContradicted(map, Contradictable(map, absolute)))
+    limits.push_back({LimitKind::kPositionsContradicted});
   if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});
   if (const auto apart = RecordsApartOfControl(map); apart && apart->IsContradiction())
     limits.push_back({LimitKind::kControlContradicted});
@@ -309,10 +378,11 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
 
 std::vector<flight::Remark> RemarksOnPositions(const JudgedMap& map) {
   const AbsoluteAccuracy absolute = AbsoluteOf(map);
-  if (!IsByReceiver(absolute)) return {};
+  if (!IsByReceiver(Contradictable(map, absolute))) return {};
   const PositionsError error = ErrorOfPositions(map, PositionsOf(map));
   std::vector<flight::Remark> remarks;
-  if (error.lean.off_m > error.common_m) {
+  // All of the map leans: one surveyed point shows it.
+  if (IsByReceiver(absolute) && error.lean.off_m > error.common_m) {
     remarks.push_back({flight::RemarkCode::kLeanOpen,
                        {{"positions", absolute.count},
                         {"lean_deg", geo::RadToDeg(error.lean.sigma_rad)},

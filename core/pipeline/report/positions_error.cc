@@ -126,8 +126,8 @@ PositionsError ErrorOfLog(const JudgedMap& map) {
   const std::vector<Vector2d> cameras = JudgedCameras(map);
   const auto count = static_cast<double>(std::max<std::size_t>(1, std::min(CountByLog(map), cameras.size())));
   const double sigma_m = map.poses.log_position_sigma_m.value_or(0.0);
-  PositionsError error{
-      std::hypot(sigma_m, noise_m * std::sqrt(2.0 / count)), map.poses.log_is_corrected, {}, {}, {}};
+  const double shape_m = noise_m * std::sqrt(2.0 / count);
+  PositionsError error{std::hypot(sigma_m, shape_m), shape_m, map.poses.log_is_corrected, {}, {}, {}};
   if (OwnErrorM(map) <= 0.0)
     error.lean = OpenLeanOf(map.flight, cameras, map.is_forecast ? sigma_m : noise_m, kAngleOfLogDeg);
   return error;
@@ -275,13 +275,16 @@ PositionsError ErrorOfPositions(const JudgedMap& map, const SupportingPositions&
   const bool is_false_claim = common.is_corrected && noise_m > poses::kFalseClaim * common.sigma_m;
   const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
   PositionsError error{
-      std::hypot(common.sigma_m, of_noise_m), common.is_corrected && !is_false_claim, {}, {}, {}};
+      std::hypot(common.sigma_m, of_noise_m), of_noise_m, common.is_corrected && !is_false_claim, {}, {}, {}};
   if (!map.is_forecast && !is_own) {
     error.jump = JumpIn(positions, common.sigma_m);
     error.height_jump = HeightJumpIn(positions.heights, common.sigma_m);
   }
   // Either side may be the one that lies off.
-  if (error.jump) error.common_m = std::hypot(error.common_m, error.jump->by_m / kCircleSigmas);
+  if (error.jump) {
+    error.common_m = std::hypot(error.common_m, error.jump->by_m / kCircleSigmas);
+    error.shape_m = std::hypot(error.shape_m, error.jump->by_m / kCircleSigmas);
+  }
   const double apart_m = map.is_forecast ? common.sigma_m : noise_m;
   if (!is_own) error.lean = OpenLeanOf(map.flight, positions.places, apart_m, kAngleOfNothingDeg);
   return error;

@@ -65,6 +65,7 @@ struct JumpOfPositions {
 // Of the positions of photos or of a log.
 struct PositionsError {
   double common_m = 0.0;  // with what their scatter and a jump leave
+  double shape_m = 0.0;   // what these leave alone: of the map's turn, scale and bends
   bool is_corrected = false;
   OpenLean lean;  // beside it; photos that lie by their records count their angles already
   std::optional<JumpOfPositions> jump, height_jump;

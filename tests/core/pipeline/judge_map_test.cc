@@ -112,7 +112,55 @@ TEST(JudgeMap, BelievesCheckPointsFirstThenControlPointsThatFit) {
   // 1.515 x 0.0206 m (survey, marks) x sqrt(1/5 + how the photos spread against the points)
   EXPECT_NEAR(*by_control.sigma_m, 0.018, 0.002);
   flight.Surveyed(true, 0.3, 0.4);
-  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.5, AbsoluteSupport::kCheckPoints, 1}));
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.68, AbsoluteSupport::kCheckPoints, 1}));
+}
+
+TEST(JudgeMap, StatesNoLessOfCheckPointsThanSurveyAndMarksLeave) {
+  JudgedFlight flight(18);
+  for (auto& photo : flight.flight.photos) photo.photo.position->is_rtk_fixed = true;
+  flight.Surveyed(true, 0.001, 0.0);
+  // sqrt(2) x 0.0206 m, and one point knows little of a sigma: x 1.37
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.04, AbsoluteSupport::kCheckPoints, 1}));
+  while (flight.report.control.size() < 30) flight.Surveyed(true, 0.001, 0.0);
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.029, AbsoluteSupport::kCheckPoints, 30}));
+  EXPECT_EQ(flight.Judge().status, MapStatus::kReady);
+}
+
+TEST(JudgeMap, StatesMoreThanFewCheckPointsAreMissedBy) {
+  JudgedFlight flight(18);
+  for (int k = 0; k < 3; ++k) flight.Surveyed(true, 0.3, 0.4);
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.55, AbsoluteSupport::kCheckPoints, 3}));
+  for (int k = 0; k < 97; ++k) flight.Surveyed(true, 0.3, 0.4);
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.5, AbsoluteSupport::kCheckPoints, 100}));
+}
+
+// One shows by how much the positions are off together, not how the map is turned and bent elsewhere.
+TEST(JudgeMap, OfOneCheckPointStatesWhatPositionsLeaveOpenElsewhere) {
+  JudgedFlight flight(18);
+  for (std::size_t i = 0; i < 18; ++i) {
+    const Vector2d stands = flight.flight.photos[i].cam_from_enu.TargetOriginInSource().head<2>();
+    flight.Record(i, stands + Vector2d(0.0, i % 2 == 0 ? 2.0 : -2.0));
+  }
+  flight.Surveyed(true, 0.0, 0.01);
+  EXPECT_NEAR(*flight.Judge().absolute.sigma_m, 0.76, 0.02);  // 1.515 x 1.5 m x sqrt(2/18)
+  for (int k = 0; k < 2; ++k) flight.Surveyed(true, 0.0, 0.01);
+  EXPECT_LT(*flight.Judge().absolute.sigma_m, 0.05) << "three, over all of it";
+}
+
+TEST(JudgeMap, KnowsNoMoreOfAMapThatAFewPositionsOrAHandPlacesByOneCheckPoint) {
+  JudgedFlight flight(42);
+  for (std::size_t i = 2; i < 42; ++i) flight.flight.photos[i].photo.position.reset();
+  flight.Surveyed(true, 0.001, 0.0);
+  EXPECT_FALSE(flight.Judge().absolute.sigma_m);
+  EXPECT_EQ(flight.Judge().limits, (std::vector<MapLimit>{{LimitKind::kFewPositions, 2, 42}}));
+  EXPECT_EQ(flight.Judge().status, MapStatus::kDoubtful);
+  JudgedMap by_hand = flight.Map();
+  by_hand.is_by_hand = true;
+  EXPECT_EQ(JudgeMap(by_hand).absolute, (AbsoluteAccuracy{std::nullopt, AbsoluteSupport::kHand, 0}));
+  for (int k = 0; k < 4; ++k) flight.Surveyed(true, 0.001, 0.0);
+  EXPECT_EQ(flight.Judge().absolute.by, AbsoluteSupport::kCheckPoints) << "five, over all of it";
+  EXPECT_EQ(flight.Judge().status, MapStatus::kReady);
+  EXPECT_EQ(JudgeMap(by_hand).absolute.by, AbsoluteSupport::kCheckPoints);
 }
 
 // What survey and marks do not explain is the map's own shape, and many points do not make it less.

@@ -55,6 +55,18 @@ TEST(PositionsError, IsNoLessThanWhatCorrectedPositionsJumpBy) {
   EXPECT_EQ(remarks[0].code, flight::RemarkCode::kPositionsJump);
   EXPECT_THAT(flight::InWords(remarks[0]),
               ::testing::HasSubstr("Between p18 and p17 the recorded positions jump by 0.3"));
+  // Points near one place tell of one side.
+  JudgedFlight checked = flight, held = flight;
+  checked.Surveyed(true, 0.01, 0.0);
+  for (int k = 0; k < 2; ++k) held.Surveyed(false, 0.01, 0.0);
+  for (const JudgedFlight& surveyed : {checked, held}) {
+    EXPECT_EQ(surveyed.Judge().limits, (std::vector<MapLimit>{{LimitKind::kPositionsContradicted}}));
+    EXPECT_EQ(RemarksOnPositions(surveyed.Map()), remarks);
+  }
+  EXPECT_GE(*checked.Judge().absolute.sigma_m, *quality.absolute.sigma_m);
+  for (int k = 0; k < 4; ++k) checked.Surveyed(true, 0.01, 0.0);
+  EXPECT_EQ(checked.Judge().status, MapStatus::kReady) << "five, over all of it";
+  EXPECT_TRUE(RemarksOnPositions(checked.Map()).empty());
 }
 
 TEST(PositionsError, SaysWhereCorrectedHeightsJump) {
@@ -194,8 +206,11 @@ TEST(PositionsError, IsNoBetterThanTheWarningOfContradictedPositionsSays) {
   flight.flight.warnings = {{RemarkCode::kPlacedByImages, {{"why", "asked"}, {"outcome", outcome}}}};
   EXPECT_EQ(flight.Judge().absolute.sigma_m, 0.03);
   EXPECT_TRUE(flight.Judge().IsLimitedBy(LimitKind::kPositionsContradicted));
-  flight.Surveyed(true, 0.3, 0.4);
-  EXPECT_EQ(flight.Judge().status, MapStatus::kReady) << "a check point says how far off it is";
+  flight.Surveyed(true, 0.03, 0.04);
+  EXPECT_EQ(flight.Judge().limits, (std::vector<MapLimit>{{LimitKind::kPositionsContradicted}}))
+      << "of elsewhere one check point says nothing";
+  for (int k = 0; k < 2; ++k) flight.Surveyed(true, 0.03, 0.04);
+  EXPECT_EQ(flight.Judge().status, MapStatus::kReady) << "three say how far off it is";
 }
 
 TEST(PositionsError, TakesALogsPositionsForThePhotosOfTheLog) {
