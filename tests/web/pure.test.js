@@ -134,6 +134,8 @@ test('the page says of a map what the server judged, in the list and in the repo
   assert.equal(absoluteWords(qualityWith({ absolute: { sigma_m: null, by: 'none', count: 0 } })), 'unknown: no positions');
   const far = { status: 'limited', absolute: { sigma_m: 12, by: 'check_points', count: 3 }, limits: [{ kind: 'far_off', count: 0, of: 0 }] };
   assert.doesNotMatch(resultWords(report(far)).sentences[0], /position/, 'check points gave the number');
+  const missed = { status: 'limited', limits: [{ kind: 'checks_missed', count: 1, of: 3 }] };
+  assert.match(resultWords(report(missed)).sentences[0], /misses 1 of 3 check points/);
   const imported = { status: 'unknown', absolute: { sigma_m: null, by: 'none', count: 0 } };
   assert.deepEqual([absoluteWords(qualityWith(imported)), relativeWords(qualityWith(imported))], Array(2).fill('unknown: an imported map'));
   assert.deepEqual(resultWords(report(imported, { photos: { total: 0 } })), { grade: 'amber', title: 'Accuracy not known', sentences: ['Imported map: its photos are not on this server.'] });

@@ -35,7 +35,6 @@ constexpr double kMaxTurnRad = 0.05;
 constexpr double kSurveyM = 0.02;
 constexpr double kMaxResidualGsds = 4.0;  // of points after the move
 constexpr double kNoMoveGsds = 0.02;      // less is not worth another map
-constexpr double kCheckSigmas = 5.0;      // of a map by positions, which miss check points by their own error
 
 struct Tied {
   Complex now, surveyed;

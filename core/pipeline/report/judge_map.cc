@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/alignment/bundle/control_points.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/photo_set.h"
 #include "core/flight/remarks/remark.h"
@@ -313,6 +314,24 @@ AbsoluteAccuracy Contradictable(const JudgedMap& map, const AbsoluteAccuracy& ab
   return map.is_by_hand || TellOfAll(map, surveyed) ? absolute : ByPositions(map);
 }
 
+// Check points that the map misses by clearly more than what places it and their survey err by.
+MapLimit MissedChecks(const JudgedMap& map) {
+  MapLimit missed{LimitKind::kChecksMissed};
+  if (map.alignment == nullptr || !map.is_placed) return missed;
+  const AbsoluteAccuracy placed = WithoutChecks(map);
+  if (!placed.sigma_m) return missed;
+  for (const alignment::ControlReport& point : map.alignment->control) {
+    if (!point.is_used || !point.is_check) continue;
+    ++missed.of;
+    // Surveyed points that place the map are of the same system.
+    const double system_m = IsByReceiver(placed) ? point.system_error_m.value_or(0.0) : 0.0;
+    const double sigma_m = std::hypot(std::hypot(*placed.sigma_m, system_m) / kCircleSigmas,
+                                      std::sqrt(ExpectedSquareM2(map, point)));
+    if (MissOf(point).norm() > std::max(alignment::kNoSurveyM, kCheckSigmas * sigma_m)) ++missed.count;
+  }
+  return missed;
+}
+
 RelativeAccuracy RelativeOf(const JudgedMap& map, bool is_scale_guessed) {
   RelativeAccuracy relative;
   if (map.alignment == nullptr || map.gsd_m <= 0.0) return relative;
@@ -359,6 +378,7 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
   if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});
   if (const auto apart = RecordsApartOfControl(map); apart && apart->IsContradiction())
     limits.push_back({LimitKind::kControlContradicted});
+  if (const MapLimit missed = MissedChecks(map); missed.count > 0) limits.push_back(missed);
   if (absolute.by == AbsoluteSupport::kHand && !absolute.sigma_m)
     limits.push_back({LimitKind::kPlacedByHand});
   if (left_out > 0) limits.push_back({LimitKind::kLeftOut, left_out, placed + left_out});

@@ -23,6 +23,9 @@
 
 namespace skyquilt::pipeline {
 
+// Of what places a map: a check point that it misses by more contradicts it.
+inline constexpr double kCheckSigmas = 5.0;
+
 struct JudgedMap {
   const alignment::AlignedFlight& flight;  // its photos with their records
   const poses::PoseReport& poses;

@@ -193,6 +193,11 @@ std::string LimitInWords(const MapLimit& limit) {
       return "The stated error is more than 10 m: the map may lie far from its true place.";
     case LimitKind::kControlContradicted:
       return "Surveyed points and the photos' own positions contradict each other: one of the two is far off.";
+    case LimitKind::kChecksMissed:
+      return fmt::format(
+          "The map misses {} of {} by far more than the survey and what places it err by: one of the two is "
+          "wrong there.",
+          count, Counted(of, "check point"));
     case LimitKind::kPlacedByHand:
       return "The map was placed by hand: nothing tells how far off it lies.";
     case LimitKind::kLeftOut:

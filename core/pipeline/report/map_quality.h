@@ -66,6 +66,7 @@ enum class LimitKind : std::uint8_t {
   kPositionsContradicted,  // by what the photos show: most, many, or several by one shift
   kFarOff,                 // its accuracy is worse than any receiver's
   kControlContradicted,    // surveyed points place it far from where its photos say they were taken
+  kChecksMissed,           // `count` of `of` check points, by far more than both sides err by
   kPlacedByHand,
   kLeftOut,      // `count` of `of` photos
   kNoneAligned,  // `count` photos lie by their records, none of them compared with success
@@ -115,6 +116,7 @@ inline constexpr std::pair<LimitKind, std::string_view> kLimitKinds[] = {
     {LimitKind::kPositionsContradicted, "positions_contradicted"},
     {LimitKind::kFarOff, "far_off"},
     {LimitKind::kControlContradicted, "control_contradicted"},
+    {LimitKind::kChecksMissed, "checks_missed"},
     {LimitKind::kPlacedByHand, "placed_by_hand"},
     {LimitKind::kLeftOut, "left_out"},
     {LimitKind::kNoneAligned, "none_aligned"},

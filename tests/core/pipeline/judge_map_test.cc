@@ -163,6 +163,25 @@ TEST(JudgeMap, KnowsNoMoreOfAMapThatAFewPositionsOrAHandPlacesByOneCheckPoint) {
   EXPECT_EQ(JudgeMap(by_hand).absolute.by, AbsoluteSupport::kCheckPoints);
 }
 
+TEST(JudgeMap, IsLimitedWhereACheckPointIsMissedByMoreThanBothSidesErrBy) {
+  const auto checked = [](bool is_corrected, int control, double miss_m) {
+    JudgedFlight flight(18);
+    for (auto& photo : flight.flight.photos) photo.photo.position->is_rtk_fixed = is_corrected;
+    for (int k = 0; k < control; ++k) flight.Surveyed(false, 0.0, 0.0, true);
+    flight.Surveyed(true, 0.0, miss_m);
+    return flight.Judge();
+  };
+  EXPECT_EQ(checked(true, 0, 0.1).status, MapStatus::kReady);
+  EXPECT_EQ(checked(false, 0, 3.0).status, MapStatus::kReady) << "which receivers err by";
+  EXPECT_EQ(checked(false, 4, 0.1).status, MapStatus::kReady);
+  const std::vector<MapLimit> missed = {{LimitKind::kChecksMissed, 1, 1}};
+  for (const auto& quality : {checked(true, 0, 0.6), checked(true, 0, 5.0), checked(false, 4, 0.6)}) {
+    EXPECT_EQ(quality.status, MapStatus::kLimited);
+    EXPECT_EQ(quality.limits, missed);
+  }
+  EXPECT_TRUE(checked(false, 0, 9.0).IsLimitedBy(LimitKind::kChecksMissed));
+}
+
 // What survey and marks do not explain is the map's own shape, and many points do not make it less.
 TEST(JudgeMap, DoesNotAverageOutWhatControlPointsFindOfTheMapsShape) {
   JudgedFlight flight(18);

@@ -78,6 +78,11 @@ TEST(MapQuality, FarOffBlamesNoPositionsThatDidNotGiveTheNumber) {
   EXPECT_EQ(LimitInWords({LimitKind::kFarOff, 0, 0}).find("position"), std::string::npos);
 }
 
+TEST(MapQuality, SaysHowManyCheckPointsAreMissed) {
+  EXPECT_NE(LimitInWords({LimitKind::kChecksMissed, 1, 3}).find("misses 1 of 3 check points"),
+            std::string::npos);
+}
+
 TEST(MapQuality, IsSaidInOneLine) {
   const MapQuality quality = Placed();
   EXPECT_EQ(QualityInWords(quality), std::string(StatusInWords(quality.status)) +

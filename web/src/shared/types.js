@@ -186,7 +186,7 @@
  * @typedef {{edition: number, photos: number, bounds: Bounds, tilejson: string}} Preview
  */
 
-/** @typedef {{kind: 'not_georeferenced'|'scale_guessed'|'north_guessed'|'few_positions'|'positions_contradicted'|'far_off'|'control_contradicted'|'placed_by_hand'|'left_out'|'none_aligned'|'pose_only', count: number, of: number}} MapLimit */
+/** @typedef {{kind: 'not_georeferenced'|'scale_guessed'|'north_guessed'|'few_positions'|'positions_contradicted'|'far_off'|'control_contradicted'|'checks_missed'|'placed_by_hand'|'left_out'|'none_aligned'|'pose_only', count: number, of: number}} MapLimit */
 
 /**
  * How true a map is and whether it is fit for use.

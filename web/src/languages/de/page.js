@@ -95,6 +95,7 @@ export const page_words = {
       positions_contradicted: () => 'Aufgezeichnete Positionen widersprechen dem, was die Fotos zeigen: Die Karte kann weiter daneben liegen, als sie versprechen.',
       far_off: () => 'Der angegebene Fehler ist größer als 10 m: Die Karte kann weit neben ihrer wahren Lage liegen.',
       control_contradicted: () => 'Passpunkte und Positionen der Fotos widersprechen einander: Eines von beiden liegt weit daneben.',
+      checks_missed: (n, all) => `Die Karte verfehlt ${number(n)} von ${count(all, { one: 'Kontrollpunkt', other: 'Kontrollpunkten' })} um weit mehr, als die Vermessung und das, was die Karte platziert, irren: Eines von beiden ist dort falsch.`,
       placed_by_hand: () => 'Die Karte wurde von Hand platziert: Nichts sagt, wie weit sie daneben liegt.',
       left_out: (n, all) => `${number(n)} von ${count(all, photos)} ${plural(n, { one: 'wurde', other: 'wurden' })} nicht verwendet: Dort kann die Karte Lücken haben.`,
       none_aligned: () => 'Kein Foto ließ sich an einem anderen ausrichten. Die Fotos liegen an ihren aufgezeichneten Positionen, mit sichtbaren Übergängen.',

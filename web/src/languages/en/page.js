@@ -94,6 +94,7 @@ export const page_words = {
       positions_contradicted: () => 'Recorded positions contradict what the photos show: the map may lie further off than they claim.',
       far_off: () => 'The stated error is more than 10 m: the map may lie far from its true place.',
       control_contradicted: () => 'Control points and the photos’ own positions contradict each other: one of the two is far off.',
+      checks_missed: (/** @type {number} */ n, /** @type {number} */ all) => `The map misses ${number(n)} of ${count(all, { one: 'check point', other: 'check points' })} by far more than the survey and what places it err by: one of the two is wrong there.`,
       placed_by_hand: () => 'The map was placed by hand: nothing tells how far off it lies.',
       left_out: (/** @type {number} */ n, /** @type {number} */ all) => `${number(n)} of ${count(all, { one: 'photo', other: 'photos' })} ${plural(n, { one: 'was', other: 'were' })} left out: the map may have gaps there.`,
       none_aligned: () => 'No photo could be aligned with another. The photos lie at their recorded positions, with visible seams between them.',

@@ -174,7 +174,7 @@ class MapQualityRelative(TypedDict):
 
 
 class MapQualityLimitsItem(TypedDict):
-    kind: Literal['not_georeferenced', 'scale_guessed', 'north_guessed', 'few_positions', 'positions_contradicted', 'far_off', 'control_contradicted', 'placed_by_hand', 'left_out', 'none_aligned', 'pose_only']
+    kind: Literal['not_georeferenced', 'scale_guessed', 'north_guessed', 'few_positions', 'positions_contradicted', 'far_off', 'control_contradicted', 'checks_missed', 'placed_by_hand', 'left_out', 'none_aligned', 'pose_only']
     count: int
     of: int
 
