@@ -94,9 +94,11 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
     writers.push_back(std::move(writer));
     sinks.push_back({layer, *writers.back()});
   }
-  SKYQUILT_TRY_ASSIGN(const render::HeightRange heights,
-                      render::RenderLayers(built.flight, built.ShownGround(), built.seams, built.plan, sinks,
-                                           options.threads, progress, pipeline::RaisedM(built.report)));
+  const bool is_error_known = built.report.quality.absolute.sigma_m.has_value();
+  SKYQUILT_TRY_ASSIGN(
+      const render::HeightRange heights,
+      render::RenderLayers(built.flight, built.ShownGround(), built.seams, built.plan, sinks, options.threads,
+                           progress, pipeline::RaisedM(built.report), is_error_known));
   const render::LayerZooms zooms = render::ZoomsOfLayers(built.plan);
   for (std::size_t i = 0; i < sinks.size(); ++i) {
     storage::TilesetMetadata metadata = TilesetMetadataOf(built.report);

@@ -133,8 +133,12 @@ LayerZooms ZoomsOfLayers(const MosaicPlan& plan) {
 Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                                  const SeamMap& seams, const MosaicPlan& plan,
                                  const std::vector<LayerSink>& layers, int threads, Progress& progress,
-                                 double raised_m) {
+                                 double raised_m, bool is_error_known) {
   const std::vector<Rgb> photo_colours = PhotoColours(flight.photos.size());
+  const auto error_colour = [&](const alignment::AlignedPhoto& photo) {
+    const bool is_known = is_error_known || photo.placement == alignment::Placement::kPoseOnly;
+    return ErrorColour(is_known ? photo.error_radius_m : std::numeric_limits<double>::quiet_NaN());
+  };
   const auto draw = [&](const RenderBlock& block) {
     DrawnBlock drawn;
     const WeighedBlock weighed =
@@ -151,9 +155,8 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
               Draw(owners, [&](std::size_t, std::size_t photo) { return photo_colours[photo]; }));
           break;
         case MapLayer::kError:
-          drawn.images.push_back(Draw(owners, [&](std::size_t, std::size_t photo) {
-            return ErrorColour(flight.photos[photo].error_radius_m);
-          }));
+          drawn.images.push_back(Draw(
+              owners, [&](std::size_t, std::size_t photo) { return error_colour(flight.photos[photo]); }));
           break;
         case MapLayer::kHeight: {
           const std::vector<double> heights = HeightsOf(weighed.geometry, flight.frame, raised_m);

@@ -116,6 +116,33 @@ TEST(RenderLayers, CountHeightsFromWhereTheyAreToldTo) {
   EXPECT_FALSE(recorded.tiles == surveyed.tiles);
 }
 
+TEST(RenderLayers, ColourNoErrorOfAlignedPhotosThatNothingSupports) {
+  test::SimulatedMap map = HillyMap();
+  SeamOptions as_seen;
+  as_seen.moves_seams = false;
+  const SeamMap seams = map.Seams(as_seen);
+  map.flight.photos[4].placement = alignment::Placement::kPoseOnly;  // its record says how far off it is
+  test::MemorySink photos, errors;
+  SilentProgress progress;
+  const auto rendered =
+      RenderLayers(map.flight, map.ground, seams, map.plan,
+                   {{MapLayer::kPhoto, photos}, {MapLayer::kError, errors}}, 2, progress, 0.0, false);
+  ASSERT_TRUE(rendered.ok()) << rendered.error().message;
+  const std::vector<Rgb> colours = PhotoColours(map.flight.photos.size());
+  const int zoom = ZoomsOfLayers(map.plan).max_zoom;
+  int seen = 0;
+  for (std::size_t i = 0; i < map.flight.photos.size(); ++i) {
+    const Eigen::Vector3d below = map.flight.photos[i].cam_from_enu.TargetOriginInSource();
+    const geo::Wgs84 place =
+        map.flight.frame.Wgs84FromEnu({below.x(), below.y(), map.ground.HeightAt(below.head<2>())});
+    const Eigen::Vector2d in_merc = geo::MercFromLatLon({place.lat_deg, place.lon_deg});
+    if (ColourAt(photos, zoom, in_merc) != colours[i]) continue;
+    ++seen;
+    EXPECT_EQ(ColourAt(errors, zoom, in_merc), ErrorColour(i == 4 ? 0.01 : std::nan(""))) << i;
+  }
+  EXPECT_GE(seen, 8);
+}
+
 TEST(RenderLayers, StopWhereTheSinkRefuses) {
   class FullDisk final : public pyramid::TileSink {
    public:
