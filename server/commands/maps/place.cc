@@ -18,6 +18,7 @@
 #include "core/render/map_layer.h"
 #include "server/commands/arguments.h"
 #include "server/commands/commands.h"
+#include "server/commands/maps/map_notes.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
 #include "server/terminal/fail.h"
@@ -149,11 +150,14 @@ void Run(const PlaceArguments& arguments) {
     TerminalProgress progress;
     return StitchToDirectory(files, options, arguments.map_dir, progress);
   }());
-  if (!report.warnings.empty()) fmt::print("{}\n", Printable(flight::InWords(report.warnings.back())));
-  fmt::print("{:.2f} ha at {:.1f} cm a pixel, {:.7f},{:.7f} to {:.7f},{:.7f} (LAT,LON)\n{}\n",
-             report.area_m2 / 1e4, report.gsd_m * 100.0, report.bounds.south_deg, report.bounds.west_deg,
-             report.bounds.north_deg, report.bounds.east_deg,
-             (arguments.map_dir / "mosaic.mbtiles").string());
+  PrintNotes(report);
+  const bool is_size_known = !report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed);
+  const std::string size = is_size_known ? fmt::format("{:.2f} ha at {:.1f} cm a pixel", report.area_m2 / 1e4,
+                                                       report.gsd_m * 100.0)
+                                         : "size unknown";
+  fmt::print("{}, {:.7f},{:.7f} to {:.7f},{:.7f} (LAT,LON)\n{}\n{}\n", size, report.bounds.south_deg,
+             report.bounds.west_deg, report.bounds.north_deg, report.bounds.east_deg,
+             pipeline::QualityInWords(report.quality), (arguments.map_dir / "mosaic.mbtiles").string());
 }
 
 }  // namespace

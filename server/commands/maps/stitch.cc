@@ -24,6 +24,7 @@
 #include "core/pipeline/report/ground_choice.h"
 #include "server/commands/arguments.h"
 #include "server/commands/commands.h"
+#include "server/commands/maps/map_notes.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
 #include "server/terminal/fail.h"
@@ -86,10 +87,7 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
              report.photos_aligned, report.photos_pose_only, report.photos_left_out);
   for (const std::string& line : flight::LeftOutInLines(report.left_out_photos))
     fmt::print("  left out: {}\n", Printable(line));
-  for (const std::string& warning : flight::InWords(report.warnings))
-    fmt::print("  note: {}\n", Printable(warning));
-  for (const pipeline::MapLimit& limit : report.quality.limits)
-    fmt::print("  limit: {}\n", pipeline::LimitInWords(limit));
+  PrintNotes(report);
   if (report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed)) {
     fmt::print("size unknown, zoom {} to {}, {} tiles\n", report.min_zoom, report.max_zoom,
                report.tile_count);

@@ -236,7 +236,14 @@ class Place(ScratchCase):
                                  (("--gcp", folder / "report.json"), "report.json cannot be read as surveyed points")):
             self.assertIn(words, self.place(folder, *arguments).stderr)
             self.assertEqual(digest(), before, arguments)
-        self.placed(folder, "--origin", "46.8,7.1")
+        said = self.place(folder, "--origin", "46.8,7.1", code=0).stdout
+        # All that is said of it, as when it was made: its limits too, and no size that nothing tells.
+        self.assertIn("  note: The map was placed by hand", said)
+        for limit in ("The scale is a guess", "Which way is north is a guess", "The map was placed by hand"):
+            self.assertIn(f"  limit: {limit}", said)
+        self.assertIn("size unknown", said)
+        self.assertIn("Place in doubt. Absolute accuracy: unknown", said)
+        self.assertNotRegex(said, r"\d ha at|cm a pixel")
         self.assertIn("--again", self.place(folder, "--origin", "46.9,7.1").stderr)
         report = self.placed(folder, "--origin", "46.9,7.1", "--again")
         self.assertTrue(report["bounds"][1] < 46.9 < report["bounds"][3])

@@ -1,0 +1,11 @@
+// What a command says of the map that it made. Main thread.
+#pragma once
+
+#include "core/pipeline/report/mosaic_report.h"
+
+namespace skyquilt::server {
+
+// A line each on standard output: what was noted while it was made or placed, then what limits it.
+void PrintNotes(const pipeline::MosaicReport& report);
+
+}  // namespace skyquilt::server
