@@ -99,7 +99,7 @@ class Chain {
     everywhere.max_log2_scale = std::numeric_limits<double>::infinity();
     everywhere.max_distance_ratio = 0.8;
     std::vector<PlanePair> pairs;
-    for (const KeypointMatch& match : MatchOnGround(views_[photo], views_[other], {}, everywhere)) {
+    for (const KeypointMatch& match : MatchOnGround(views_[photo], views_[other], everywhere)) {
       pairs.push_back({places_[photo][match.first], places_[other][match.second]});
     }
     std::optional<RobustFit> fit = RobustHomography(pairs, TolerancePx(other));

@@ -147,7 +147,6 @@ struct BestTwo {
 }  // namespace
 
 std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundView& second,
-                                         const GroundSimilarity& second_from_first,
                                          const MatchWindow& window) {
   const std::vector<GroundKeypoint>& projected_first = first.projected;
   const std::vector<GroundKeypoint>& projected_second = second.projected;
@@ -156,14 +155,12 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
   const bool anywhere = !std::isfinite(window.radius_m);
   const double radius_m = anywhere ? 1e9 : window.radius_m;
   CellIndex index(projected_second, count_second, anywhere ? 1e9 : 0.5 * window.radius_m);
-  const double turned = std::arg(second_from_first.turn_and_scale);
-  const double grown = std::log2(std::abs(second_from_first.turn_and_scale));
   std::vector<BestTwo> of_first(count_first), of_second(count_second);
   for (int i = 0; i < count_first; ++i) {
     if (!projected_first[i].is_on_ground) continue;
     const GroundKeypoint& one = projected_first[i];
-    const Wanted wanted{second_from_first * one.place, radius_m * radius_m,   one.angle_rad + turned,
-                        one.log2_scale + grown,        window.max_log2_scale, window.max_turn_rad};
+    const Wanted wanted{one.place,      radius_m * radius_m,   one.angle_rad,
+                        one.log2_scale, window.max_log2_scale, window.max_turn_rad};
     index.ForEach(wanted, [&](int j) {
       const int distance = SquaredDistance(first.features->descriptors[i], second.features->descriptors[j]);
       of_first[i].Offer(distance, j, *second.features);

@@ -22,7 +22,6 @@ struct MatchWindow {
 };
 
 std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundView& second,
-                                         const GroundSimilarity& second_from_first,
                                          const MatchWindow& window);
 
 }  // namespace skyquilt::alignment

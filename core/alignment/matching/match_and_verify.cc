@@ -57,7 +57,7 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::
     window.max_turn_rad =
         pass.sigmas > 0.0 ? std::max(pass.max_turn_rad, 3.0 * sigma_turn + 0.3) : pass.max_turn_rad;
     window.max_distance_ratio = pass.max_distance_ratio;
-    std::vector<KeypointMatch> matches = MatchOnGround(projected[i], projected[j], {}, window);
+    std::vector<KeypointMatch> matches = MatchOnGround(projected[i], projected[j], window);
     if (!pass.fit_motion) {
       if (static_cast<int>(matches.size()) < pass.min_matches) return std::nullopt;
       matches.shrink_to_fit();
@@ -131,7 +131,7 @@ std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input,
     const auto [i, j] = chosen[p];
     const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
     const MatchWindow window{.max_distance_ratio = 0.8, .max_features = kLostFeatures};
-    return VerifyPair(i, j, projected, MatchOnGround(projected[i], projected[j], {}, window),
+    return VerifyPair(i, j, projected, MatchOnGround(projected[i], projected[j], window),
                       {.first_tolerance_m = 0.07 * width_m,
                        .last_tolerance_m = 0.02 * width_m,
                        .baseline_m = 0.0,  // not to be trusted here
