@@ -69,7 +69,6 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::
     options.last_tolerance_m = pass.tolerance_share * width_m;
     const Eigen::Vector3d apart_m = input.views[j].CenterInEnu() - input.views[i].CenterInEnu();
     options.baseline_m = {apart_m.x(), apart_m.y()};
-    options.relief_share = pass.relief_share;
     options.search_area_m2 = std::numbers::pi * window.radius_m * window.radius_m;
     options.any_turn = window.max_turn_rad > 1.5;
     options.min_matches = pass.min_matches;

@@ -17,7 +17,6 @@ struct MatchingPass {
   double sigmas = 3.0;             // of the joint uncertainty on the ground; 0 = min_radius_share alone
   double max_turn_rad = 0.6;
   double tolerance_share = 0.015;  // of the width; inlier tolerance of the fitted motion
-  double relief_share = 0.2;
   double max_distance_ratio = 0.85;
   int min_matches = 10;
   bool fit_motion = true;  // false: take every match, the window is narrow enough

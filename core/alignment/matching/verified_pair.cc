@@ -16,6 +16,7 @@ constexpr int kMaxTrials = 250;
 constexpr int kRefinements = 6;
 constexpr double kMaxScale = 1.35;
 constexpr double kTrustedTurnRad = 0.35;
+constexpr double kReliefOfHeight = 0.2;  // height differences as a share of the flying height
 
 struct Tolerance {
   Complex along{1.0, 0.0};  // unit vector between the cameras
@@ -31,7 +32,7 @@ struct Tolerance {
 Tolerance MakeTolerance(const VerificationOptions& options, double tolerance_m) {
   const double length = std::abs(options.baseline_m);
   return {length > 1e-9 ? options.baseline_m / length : Complex(1.0, 0.0), tolerance_m,
-          tolerance_m + options.relief_share * length};
+          tolerance_m + kReliefOfHeight * length};
 }
 
 // The places of the matches in both photos, one coordinate after the other: most of a flight's comparing is

@@ -20,7 +20,6 @@ struct VerificationOptions {
   double first_tolerance_m = 4.0;   // of a single match's motion
   double last_tolerance_m = 1.0;    // of the refined motion
   std::complex<double> baseline_m;  // from the first camera to the second, E + iN
-  double relief_share = 0.2;        // height differences as a share of the flying height
   double search_area_m2 = 1e4;      // where a match could have lain by chance
   bool any_turn = false;            // the recorded yaw is not to be trusted
   int min_matches = 10;
