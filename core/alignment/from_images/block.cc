@@ -6,8 +6,6 @@
 #include <limits>
 #include <numeric>
 
-#include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/scene/tracks.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 
@@ -171,7 +169,8 @@ std::vector<int> Block::ChooseTracks(const PhotoSet& adjusted, int observations_
   return chosen;
 }
 
-void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options, int threads) {
+void Block::Adjust(const std::vector<int>& free, BundleOptions options, int observations_per_photo,
+                   int threads) {
   PhotoSet adjusted = free.empty() ? placed_ : PhotoSet(placed_.Photos());
   for (const int photo : free) {
     if (Has(photo)) adjusted.Add(photo);
@@ -195,13 +194,13 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
     problem.photos.push_back(bundled);
     return own;
   };
-  for (const int t : ChooseTracks(adjusted, options.observations_per_photo)) {
+  for (const int t : ChooseTracks(adjusted, observations_per_photo)) {
     Track& track = problem.tracks.emplace_back(TrackOf(t));
     for (Observation& seen : track.observations) seen.photo = number_of(seen.photo);
   }
   if (problem.tracks.empty()) return;
-  const bool adjust_lens = options.adjust_lens && free.empty();
-  AdjustBundle(problem, {options.cuts_px, options.max_iterations, adjust_lens});
+  options.adjust_lens = options.adjust_lens && free.empty();
+  AdjustBundle(problem, options);
   for (std::size_t n = 0; n < photo_of.size(); ++n) {
     if (!problem.photos[n].is_fixed) {
       cam_from_world_[photo_of[n]] = problem.photos[n].cam_from_enu;
@@ -211,7 +210,7 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
     TriangulateSeenBy(free, threads);
     return;
   }
-  if (adjust_lens) {
+  if (options.adjust_lens) {
     lenses_ = std::move(problem.lenses);
     ParallelFor(placed_.Photos(), threads, [&](std::size_t i) {
       if (placed_.Has(i)) FindRays(static_cast<int>(i));

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/registration.h"
@@ -15,13 +16,6 @@
 namespace skyquilt::alignment {
 
 inline constexpr double kMedianDepth = 50.0;
-
-struct BlockAdjustment {
-  int observations_per_photo = 80;
-  int max_iterations = 10;
-  std::vector<double> cuts_px{20.0, 8.0};
-  bool adjust_lens = true;
-};
 
 class Block {
  public:
@@ -49,8 +43,9 @@ class Block {
   Eigen::Vector2d PixelOf(const TrackElement& element) const;
   double SigmaPx(const TrackElement& element) const;
 
-  // Bundle adjustment of `free` photos (all: an empty list), the others fixed; points are triangulated anew.
-  void Adjust(const std::vector<int>& free, const BlockAdjustment& options, int threads);
+  // Bundle adjustment of `free` photos (all: an empty list), the others fixed and no lens adjusted; points
+  // are triangulated anew.
+  void Adjust(const std::vector<int>& free, BundleOptions options, int observations_per_photo, int threads);
 
   // Of the size above, with the cameras about the origin.
   void Normalise();

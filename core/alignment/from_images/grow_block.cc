@@ -20,6 +20,7 @@ constexpr double kNearlyTheMost = 0.5;  // photos that see so many points as the
 constexpr int kSmallBlock = 12;         // adjusted whole every time
 constexpr double kGrown = 1.4;          // adjusted whole when grown by that
 constexpr int kLensFromPhotos = 5;
+constexpr int kObservationsPerPhoto = 80;
 constexpr std::size_t kMaxNeighbours = 10;
 constexpr int kMinKept = 10;  // points of a photo that stays
 constexpr int kMinKeptOverGround = 20;
@@ -113,8 +114,10 @@ std::vector<int> WithNeighbours(const Block& block, const std::vector<int>& phot
   return free;
 }
 
-BlockAdjustment WholeAdjustment(const Block& block) {
-  return {.adjust_lens = block.size() >= kLensFromPhotos};
+void AdjustAll(int threads, Block& block) {
+  block.Adjust({},
+               {.cuts_px = {20.0, 8.0}, .max_iterations = 10, .adjust_lens = block.size() >= kLensFromPhotos},
+               kObservationsPerPhoto, threads);
 }
 
 // Photos that hardly any point still holds.
@@ -128,7 +131,7 @@ void DropUnheld(int threads, Block& block) {
 }
 
 void AdjustWhole(int threads, Block& block) {
-  block.Adjust({}, WholeAdjustment(block), threads);
+  AdjustAll(threads, block);
   DropUnheld(threads, block);
 }
 
@@ -210,7 +213,7 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
   block.TriangulateSeenBy({pair.first, pair.second}, threads);
   if (block.PointsSeen()[pair.first] < kEnoughPoints) return std::nullopt;
   block.Normalise();
-  block.Adjust({}, WholeAdjustment(block), threads);
+  AdjustAll(threads, block);
   Rounds rounds{std::vector<int>(input.photos.size(), 0)};
   for (int round = 0; round < kPhotosAfterInitialPair && block.size() < 2 + kPhotosAfterInitialPair;
        ++round) {
@@ -280,7 +283,8 @@ int GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progres
       AdjustWhole(threads, block);
       whole_at = block.size();
     } else {
-      block.Adjust(WithNeighbours(block, taken), {.max_iterations = 6, .cuts_px = {15.0}}, threads);
+      block.Adjust(WithNeighbours(block, taken), {.cuts_px = {15.0}, .max_iterations = 6},
+                   kObservationsPerPhoto, threads);
     }
   }
   return block.size() - before;

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kOtherFocal = 0.05;
 constexpr int kFewForALens = 5;
+constexpr int kLastObservationsPerPhoto = 120;
 constexpr int kMaxPasses = 2;
 constexpr double kMinSigmaFocal = 0.02;  // what is recorded may be that of another image size
 constexpr int kMinSeen = 12;             // points of a photo that counts as registered
@@ -71,11 +72,8 @@ void JoinBlocks(const Similarity3& larger_from_smaller, const Block& smaller, in
 
 void AdjustLast(int threads, Block& block) {
   block.Adjust({},
-               {.observations_per_photo = 120,
-                .max_iterations = 15,
-                .cuts_px = {10.0, 0.0},
-                .adjust_lens = block.size() >= kFewForALens},
-               threads);
+               {.cuts_px = {10.0, 0.0}, .max_iterations = 15, .adjust_lens = block.size() >= kFewForALens},
+               kLastObservationsPerPhoto, threads);
 }
 
 // Each smaller block into the first larger one that it shares points with, again and again.
