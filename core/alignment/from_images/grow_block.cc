@@ -255,8 +255,7 @@ std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph&
   return std::move((*best)->block);
 }
 
-int GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block) {
-  const int before = block.size();
+void GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block) {
   PhotoSet left_out = used;  // where photos are taken in over the ground
   Rounds rounds{std::vector<int>(used.Photos(), 0), true};
   int whole_at = block.size();
@@ -287,7 +286,6 @@ int GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progres
                    kObservationsPerPhoto, threads);
     }
   }
-  return block.size() - before;
 }
 
 }  // namespace skyquilt::alignment

@@ -20,9 +20,9 @@ std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph&
                                 const SceneTracks& scene, const std::vector<BundleLens>& lenses,
                                 const PhotoSet& used, int threads);
 
-// Takes in photos that `used` leaves until no more follow; how many it took in. The block is adjusted as
-// a whole at the end. Where no photo sees enough of the points, one that shows what placed ones show is taken
-// in over the ground (resect_over_ground.h), and the others follow it.
-int GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block);
+// Takes in photos that `used` leaves until no more follow. The block is adjusted as a whole at the end. Where
+// no photo sees enough of the points, one that shows what placed ones show is taken in over the ground
+// (resect_over_ground.h), and the others follow it.
+void GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block);
 
 }  // namespace skyquilt::alignment
