@@ -31,19 +31,16 @@ const MatchingPass kNextPass{.min_radius_share = 0.05,
                              .tolerance_share = 0.012,
                              .min_matches = 8};
 
-// What the connected photos of a group say of the errors they share.
+// What the connected photos of a group, at least one, say of the errors they share.
 struct SharedError {
   Complex shift{0.0, 0.0};
   double turn_rad = 0.0;
   double shift_scatter_m = 0.0;
   double turn_scatter_rad = 0.0;
-  std::size_t photos = 0;
 };
 
 SharedError Learn(const std::vector<GroundCorrection>& corrections, const std::vector<int>& members) {
   SharedError shared;
-  shared.photos = members.size();
-  if (members.empty()) return shared;
   std::vector<double> east, north, turned;
   Complex mean_turn(0.0, 0.0);
   for (const int i : members) {
@@ -60,8 +57,7 @@ SharedError Learn(const std::vector<GroundCorrection>& corrections, const std::v
   }
   const double middle = Median(turned);
   shared.turn_rad = std::remainder(around + middle, 2.0 * std::numbers::pi);
-  for (double& turn : turned) turn = std::abs(turn - middle);
-  shared.turn_scatter_rad = 1.5 * Median(turned);
+  shared.turn_scatter_rad = 1.5 * MedianOf(turned, [&](double turn) { return std::abs(turn - middle); });
   // Of two dimensions: the median is 1.18 sigma.
   shared.shift_scatter_m =
       1.2 * MedianOf(members, [&](int i) { return std::abs(corrections[i].shift - shared.shift); });
@@ -133,9 +129,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   std::vector<GroundCorrection> total(count);  // against the records
   MatchedFlight matched;
   matched.corrected.resize(count);
-
   double mount_turn_rad = 0.0;
-
   const auto move_views = [&] {
     WidenPriors(total, recorded);
     Inherit(lines, total);
@@ -154,10 +148,13 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
 
   std::vector<GroundView> projected;
   std::vector<VerifiedPair> verified;
-  const auto match_first_pass = [&] {
+  const auto match = [&](const MatchingPass& pass) {
     matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat);
     projected = ProjectAllToGround(input, flat, threads);
-    verified = MatchAndVerify(input, projected, matched.pairs, kFirstPass, threads);
+    verified = MatchAndVerify(input, projected, matched.pairs, pass, threads);
+  };
+  const auto match_first_pass = [&] {
+    match(kFirstPass);
     for (VerifiedPair& pair : MatchLostPhotos(input, projected, matched.pairs, verified, threads)) {
       verified.push_back(std::move(pair));
     }
@@ -181,9 +178,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   std::size_t placed = CountPlaced(total);
   for (int round = 0; round < kMaxRounds && !progress.IsCancelled(); ++round) {
     move_views();
-    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat);
-    projected = ProjectAllToGround(input, flat, threads);
-    verified = MatchAndVerify(input, projected, matched.pairs, kNextPass, threads);
+    match(kNextPass);
     // From here a photo is expected where it now lies.
     std::vector<GroundPrior> expected = MakeGroundPriors(posed, input);
     for (std::size_t i = 0; i < count; ++i) {
