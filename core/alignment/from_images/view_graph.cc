@@ -73,11 +73,7 @@ class Verifier {
 };
 
 PhotoSet WithFewerPartners(const RegistrationInput& input, const std::vector<GraphPair>& pairs, int enough) {
-  std::vector<int> partners(input.photos.size(), 0);
-  for (const GraphPair& pair : pairs) {
-    ++partners[pair.first];
-    ++partners[pair.second];
-  }
+  const std::vector<int> partners = CountPairs(input.photos.size(), pairs);
   PhotoSet fewer;
   for (std::size_t i = 0; i < partners.size(); ++i)
     fewer.Append(input.photos[i].features && partners[i] < enough);

@@ -190,11 +190,7 @@ std::optional<Track> RegisterDirectly(const MatchingInput& input, int first, int
 std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
                                 const std::vector<VerifiedPair>& verified, const Relief& relief,
                                 int threads) {
-  std::vector<int> linked(input.views.size(), 0);
-  for (const VerifiedPair& verified_pair : verified) {
-    ++linked[verified_pair.first];
-    ++linked[verified_pair.second];
-  }
+  const std::vector<int> linked = CountPairs(input.views.size(), verified);
   return ParallelCollect(pairs.size(), threads, [&](std::size_t p) -> std::optional<Track> {
     const CandidatePair& pair = pairs[p];
     if (pair.overlap < kMinOverlap) return std::nullopt;

@@ -81,19 +81,15 @@ std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input,
                                           const std::vector<CandidatePair>& tried,
                                           const std::vector<VerifiedPair>& verified, int threads) {
   const int count = static_cast<int>(input.views.size());
-  std::vector<int> promising(count, 0), linked(count, 0);
+  std::vector<int> promising(count, 0);
+  const std::vector<int> linked = CountPairs(count, verified);
   std::set<std::pair<int, int>> done;
-  for (const VerifiedPair& pair : verified) {
-    ++linked[pair.first];
-    ++linked[pair.second];
-    done.emplace(pair.first, pair.second);
-  }
+  for (const VerifiedPair& pair : verified) done.emplace(pair.first, pair.second);
   for (const CandidatePair& pair : tried) {
     if (pair.overlap < kPromisingOverlap) continue;
     ++promising[pair.first];
     ++promising[pair.second];
   }
-  std::vector<std::vector<std::pair<int, int>>> wanted(count);
   const auto is_lost = [&](int i) {
     return input.features[i] && (linked[i] == 0 || (linked[i] < 3 && 3 * linked[i] < promising[i]));
   };

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -62,5 +63,13 @@ struct GraphPair {
   int first = 0, second = 0;  // first < second
   TwoView view;               // its first pose is the one that the loops agree with
 };
+
+// By photo, of how many of the pairs it is one.
+template <typename Pair>
+std::vector<int> CountPairs(std::size_t photos, const std::vector<Pair>& pairs) {
+  std::vector<int> counts(photos, 0);
+  for (const Pair& pair : pairs) ++counts[pair.first], ++counts[pair.second];
+  return counts;
+}
 
 }  // namespace skyquilt::alignment

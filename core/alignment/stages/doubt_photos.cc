@@ -86,10 +86,9 @@ std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vecto
                                     const std::vector<VerifiedPair>& verified, const Relief& relief) {
   const std::size_t count = input.views.size();
   std::vector<PhotoDoubt> doubts(count);
-  std::vector<int> linked(count, 0), witnesses(count, 0);
+  const std::vector<int> linked = CountPairs(count, verified);
+  std::vector<int> witnesses(count, 0);
   for (const VerifiedPair& verified_pair : verified) {
-    ++linked[verified_pair.first];
-    ++linked[verified_pair.second];
     PhotoDoubt& later = doubts[verified_pair.second];
     if (!later.copy_of && ShowsTheSamePixels(verified_pair, input)) later.copy_of = verified_pair.first;
   }

@@ -77,8 +77,7 @@ int main(int argc, char** argv) {
   fmt::print("registration: cpu {:.2f} s\n", CpuSeconds() - cpu);
   fmt::print("pairs: {} compared, {} verified, {} refused; {} tracks\n", report.pairs_compared,
              report.pairs_verified, report.pairs_refused, found.tracks.size());
-  std::vector<int> links(photos.size(), 0);
-  for (const alignment::VerifiedPair& link : found.links) ++links[link.first], ++links[link.second];
+  const std::vector<int> links = alignment::CountPairs(photos.size(), found.links);
   for (std::size_t b = 0; b < found.block_sizes.size(); ++b) {
     std::vector<alignment::PlacePair> pairs;
     for (std::size_t i = 0; i < photos.size(); ++i) {
