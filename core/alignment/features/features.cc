@@ -72,23 +72,22 @@ cv::Mat EvenContrast(const cv::Mat& grey) {
   return even;
 }
 
-image::ChannelRows RowsOf(const cv::Mat& grey) { return {grey.data, grey.cols, grey.rows, 1, grey.step}; }
+cv::Mat Shrunk(const cv::Mat& grey, double scale) {
+  cv::Mat smaller(std::max(1, cvRound(grey.rows * scale)), std::max(1, cvRound(grey.cols * scale)), CV_8U);
+  image::ShrinkByArea({grey.data, grey.cols, grey.rows, 1, grey.step}, smaller.cols, smaller.rows,
+                      smaller.data);
+  return smaller;
+}
 
 Thumbnail MakeThumbnail(const cv::Mat& grey) {
   constexpr double kLongerPx = 256.0;
-  const double scale = std::min(1.0, kLongerPx / std::max(grey.cols, grey.rows));
-  Thumbnail thumbnail{std::max(1, cvRound(grey.cols * scale)), std::max(1, cvRound(grey.rows * scale)), {}};
-  thumbnail.grey.resize(static_cast<std::size_t>(thumbnail.width_px) * thumbnail.height_px);
-  image::ShrinkByArea(RowsOf(grey), thumbnail.width_px, thumbnail.height_px, thumbnail.grey.data());
-  return thumbnail;
+  const cv::Mat small = Shrunk(grey, std::min(1.0, kLongerPx / std::max(grey.cols, grey.rows)));
+  return {small.cols, small.rows, {small.data, small.data + small.total()}};
 }
 
 cv::Mat AtMost(const cv::Mat& grey, int pixels) {
   const double shrink = std::sqrt(static_cast<double>(pixels) / static_cast<double>(grey.total()));
-  if (shrink >= 0.98) return grey;
-  cv::Mat smaller(std::max(1, cvRound(grey.rows * shrink)), std::max(1, cvRound(grey.cols * shrink)), CV_8U);
-  image::ShrinkByArea(RowsOf(grey), smaller.cols, smaller.rows, smaller.data);
-  return smaller;
+  return shrink >= 0.98 ? grey : Shrunk(grey, shrink);
 }
 
 void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOptions& options,
