@@ -169,11 +169,10 @@ Registration RegisterPhotos(const RegistrationInput& given, int threads, Progres
   Registration begun, registration;
   for (const RegistrationPhoto& photo : given.photos) begun.photos.emplace_back().lens = photo.lens;
   begun.lenses = given.lenses;
-  RegistrationReport report;
   RegistrationInput input = given;
   for (BundleLens& lens : input.lenses)
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
-  ViewGraph graph = BuildViewGraph(input, threads, report, progress);
+  ViewGraph graph = BuildViewGraph(input, threads, progress);
   for (int pass = 0;; ++pass) {
     const SceneTracks scene = JoinMatches(input.Features(), graph.pairs);
     const std::vector<Block> blocks = GrowBlocks(input, graph, scene, threads, progress);
@@ -185,9 +184,9 @@ Registration RegisterPhotos(const RegistrationInput& given, int threads, Progres
     RegistrationInput better = input;
     if (pass >= kMaxPasses || progress.IsCancelled() || !TakeLenses(blocks, better)) break;
     input = std::move(better);
-    VerifyAgain(input, threads, report, graph);
+    VerifyAgain(input, threads, graph);
   }
-  registration.report = report;
+  registration.report = graph.report;
   for (std::size_t c = 0; c < given.lenses.size(); ++c) {
     registration.lenses[c].sigma_focal_share = given.lenses[c].sigma_focal_share;
   }

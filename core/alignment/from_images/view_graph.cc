@@ -47,6 +47,7 @@ class Verifier {
                   [](const ComparedPair& pair) { return pair.matches.size() < kMinTwoViewMatches; });
     Verify(compared, graph.pairs);
     for (ComparedPair& pair : compared) graph.compared.push_back(std::move(pair));
+    graph.report.pairs_compared += static_cast<int>(pairs.size());
   }
 
   void Verify(const std::vector<ComparedPair>& compared, std::vector<GraphPair>& verified) {
@@ -123,14 +124,27 @@ std::vector<RelativeRotation> Rotations(const std::vector<GraphPair>& pairs) {
   return rotations;
 }
 
-void Sort(std::vector<GraphPair>& pairs) {
+void SortOnce(std::vector<GraphPair>& pairs) {
   std::sort(pairs.begin(), pairs.end(), [](const GraphPair& a, const GraphPair& b) {
     return std::pair(a.first, a.second) < std::pair(b.first, b.second);
   });
+  // A pair that was compared twice, with all features the second time: the better.
+  std::vector<GraphPair> once;
+  for (GraphPair& pair : pairs) {
+    if (once.empty() || once.back().first != pair.first || once.back().second != pair.second) {
+      once.push_back(std::move(pair));
+    } else if (pair.view.matches.size() > once.back().view.matches.size()) {
+      once.back() = std::move(pair);
+    }
+  }
+  pairs = std::move(once);
 }
 
-// Each pair's pose by what the others say; and out with those that have none.
-void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) {
+// Each pair once, in order, its pose by what the others say; and out with those that have none.
+void AgreeOnRotations(int photos, ViewGraph& graph) {
+  SortOnce(graph.pairs);
+  graph.report.pairs_verified = static_cast<int>(graph.pairs.size());
+  graph.report.pairs_refused = 0;
   AveragedRotations averaged = AverageRotations(photos, Rotations(graph.pairs));
   bool is_changed = false;
   for (GraphPair& pair : graph.pairs) {
@@ -147,24 +161,19 @@ void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) 
   if (graph.pairs.empty()) return;
   const double refused_rad = std::max(kMinRefusedRad, kRefusedMedians * Median(averaged.residual_rad));
   std::size_t p = 0;
-  report.pairs_refused += static_cast<int>(std::erase_if(
+  graph.report.pairs_refused = static_cast<int>(std::erase_if(
       graph.pairs, [&](const GraphPair&) { return !(averaged.residual_rad[p++] <= refused_rad); }));
 }
 
 }  // namespace
 
-ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, RegistrationReport& report,
-                         Progress& progress) {
+ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, Progress& progress) {
   ViewGraph graph;
   const int count = static_cast<int>(input.photos.size());
   const Appearance appearance = Appearance::Learn(input.Features(), threads);
   Verifier verifier(input, threads);
-  const auto compare = [&](const std::vector<Pair>& pairs, int features) {
-    verifier.Compare(pairs, features, graph);
-    report.pairs_compared += static_cast<int>(pairs.size());
-  };
   const std::vector<Pair> candidates = CandidatePairs({input.photos, appearance, {}, {}, threads});
-  compare(candidates, kFeatures);
+  verifier.Compare(candidates, kFeatures, graph);
   std::set<Pair> tried(candidates.begin(), candidates.end());
   for (const bool is_last : {false, true}) {
     if (progress.IsCancelled()) break;
@@ -177,33 +186,18 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, Registrati
     for (const GraphPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
     std::erase_if(
         more, [&](const Pair& pair) { return done.contains(pair) || (!is_last && tried.contains(pair)); });
-    compare(more, is_last ? kFeaturesOfWeak : kFeatures);
+    verifier.Compare(more, is_last ? kFeaturesOfWeak : kFeatures, graph);
     tried.insert(more.begin(), more.end());
   }
-  if (!progress.IsCancelled()) compare(ThroughOthers(count, graph.pairs, tried), kFeatures);
-  Sort(graph.pairs);
-  report.pairs_verified = static_cast<int>(graph.pairs.size());
-  AgreeOnRotations(count, graph, report);
+  if (!progress.IsCancelled()) verifier.Compare(ThroughOthers(count, graph.pairs, tried), kFeatures, graph);
+  AgreeOnRotations(count, graph);
   return graph;
 }
 
-void VerifyAgain(const RegistrationInput& input, int threads, RegistrationReport& report, ViewGraph& graph) {
+void VerifyAgain(const RegistrationInput& input, int threads, ViewGraph& graph) {
   graph.pairs.clear();
   Verifier(input, threads).Verify(graph.compared, graph.pairs);
-  Sort(graph.pairs);
-  // A pair that was compared twice, with all features the second time: the better.
-  std::vector<GraphPair> once;
-  for (GraphPair& pair : graph.pairs) {
-    if (once.empty() || once.back().first != pair.first || once.back().second != pair.second) {
-      once.push_back(std::move(pair));
-    } else if (pair.view.matches.size() > once.back().view.matches.size()) {
-      once.back() = std::move(pair);
-    }
-  }
-  graph.pairs = std::move(once);
-  report.pairs_verified = static_cast<int>(graph.pairs.size());
-  report.pairs_refused = 0;
-  AgreeOnRotations(static_cast<int>(input.photos.size()), graph, report);
+  AgreeOnRotations(static_cast<int>(input.photos.size()), graph);
 }
 
 }  // namespace skyquilt::alignment

@@ -20,12 +20,12 @@ struct ComparedPair {
 struct ViewGraph {
   std::vector<ComparedPair> compared;  // with enough matches for a geometry
   std::vector<GraphPair> pairs;        // sorted
+  RegistrationReport report;
 };
 
-ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, RegistrationReport& report,
-                         Progress& progress);
+ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, Progress& progress);
 
 // The same photos through other lenses: what was compared is verified anew.
-void VerifyAgain(const RegistrationInput& input, int threads, RegistrationReport& report, ViewGraph& graph);
+void VerifyAgain(const RegistrationInput& input, int threads, ViewGraph& graph);
 
 }  // namespace skyquilt::alignment
