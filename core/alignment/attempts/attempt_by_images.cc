@@ -439,7 +439,7 @@ std::vector<flight::Remark> RemarksOn(const ByImagesReport& report) {
   if (!report.is_placed && report.is_adrift) {
     const flight::Remark north =
         report.is_north_guessed.value_or(false) ? RemarkCode::kNorthGuessed : RemarkCode::kNorthByCameras;
-    const flight::Remark as_if{RemarkCode::kScaleAsIf, {{"width_m", GeoreferenceRecords().guessed_width_m}}};
+    const flight::Remark as_if{RemarkCode::kScaleAsIf, {{"width_m", kGuessedWidthM}}};
     const bool is_guessed = report.is_scale_guessed.value_or(false);
     remarks.push_back({RemarkCode::kNotGeoreferenced,
                        {{"north", north}, {"scale", is_guessed ? as_if : RemarkCode::kScaleByHeights}}});

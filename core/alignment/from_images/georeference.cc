@@ -258,7 +258,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
       const double in_world = std::max(1e-6, (enu_from_world * centers[k]).z() - ground);
       widths.push_back(in_world / lens.MeanFocalPx() * std::max(lens.width_px, lens.height_px));
     }
-    enu_from_world.scale = records.guessed_width_m / Median(std::move(widths));
+    enu_from_world.scale = kGuessedWidthM / Median(std::move(widths));
   }
   // In the middle of what positions there are, otherwise at the frame's origin.
   std::vector<Vector3d> recorded, now;

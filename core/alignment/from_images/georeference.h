@@ -15,13 +15,14 @@
 
 namespace skyquilt::alignment {
 
+inline constexpr double kGuessedWidthM = 100.0;  // of the ground a photo shows, where nothing tells
+
 struct GeoreferenceRecords {
   std::vector<PhotoRecord> photos;  // by photo
   // Surveyed points that two or more photos of the block show: world and enu.
   std::vector<PlacePair> control;
   double ground_z_in_enu_m = 0.0;
-  bool trusts_heights = false;     // of the positions, up to a quarter of the flying height
-  double guessed_width_m = 100.0;  // of the ground a photo shows, where nothing tells
+  bool trusts_heights = false;  // of the positions, up to a quarter of the flying height
 };
 
 enum class Placing { kByPositions, kByControl, kByHeights, kByGuess };

@@ -146,13 +146,12 @@ TEST(Georeference, WithoutPositionsRecordedHeightsGiveTheScale) {
 TEST(Georeference, WithoutAnythingAPhotoShowsTheStatedWidth) {
   Case made = MakeCase();
   for (PhotoRecord& record : made.records.photos) record.center_in_enu.reset();
-  made.records.guessed_width_m = 100.0;
   const BlockPlace place = Georeference(made.registration, 0, made.records);
   EXPECT_EQ(place.placing, Placing::kByGuess);
   EXPECT_FALSE(place.knows_north);
   const Eigen::Vector3d center =
       place.enu_from_world * made.registration.photos[0].cam_from_world.TargetOriginInSource();
-  EXPECT_NEAR(center.z() / 3000.0 * 4000.0, 100.0, 3.0);
+  EXPECT_NEAR(center.z() / 3000.0 * 4000.0, kGuessedWidthM, 3.0);
 }
 
 TEST(Georeference, RecordedAttitudesGiveNorth) {
