@@ -181,8 +181,8 @@ class Round {
       const BundleLens& lens = bundle_.lenses[c];
       PriorResidual<kLensSize> prior;
       prior.expected << 0.0, 0.0, 0.0, lens.recorded.k1, lens.recorded.k2, lens.recorded.p1, lens.recorded.p2;
-      prior.sigma << lens.sigma_focal_share, lens.sigma_center_px, lens.sigma_center_px, lens.sigma_k1,
-          lens.sigma_k2, lens.sigma_p, lens.sigma_p;
+      prior.sigma << lens.sigma_focal_share, lens.sigma_center_px, lens.sigma_center_px, lens.sigma_k,
+          lens.sigma_k, lens.sigma_p, lens.sigma_p;
       AddPrior(prior, Lens(c));
     }
     for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {

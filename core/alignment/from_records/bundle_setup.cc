@@ -45,14 +45,13 @@ BundleLens MakeLens(const flight::Photo& photo, int photos) {
   const double width = photo.intrinsics.width_px;
   const bool few = photos < kFewPhotos;
   lens.sigma_center_px = (few ? 0.002 : 0.004) * width;
-  lens.sigma_k1 = few ? 0.02 : 0.05;
-  lens.sigma_k2 = few ? 0.02 : 0.05;
+  lens.sigma_k = few ? 0.02 : 0.05;
   lens.sigma_p = few ? 0.0003 : 0.0006;
   switch (photo.focal_source) {
     case flight::FocalSource::kDewarpData:
       lens.sigma_focal_share = 0.003;
       lens.sigma_center_px = 0.001 * width;
-      lens.sigma_k1 = lens.sigma_k2 = 0.005;
+      lens.sigma_k = 0.005;
       lens.sigma_p = 0.0003;
       break;
     case flight::FocalSource::kCalibrated:  // focal length and centre: they tell nothing of the distortion

@@ -38,8 +38,7 @@ struct BundleLens {
   camera::Intrinsics intrinsics;  // in: start; out: adjusted
   double sigma_focal_share = 0.01;
   double sigma_center_px = 10.0;
-  double sigma_k1 = 0.05;
-  double sigma_k2 = 0.05;
+  double sigma_k = 0.05;  // of k1 and of k2
   double sigma_p = 0.001;
   bool is_fixed = false;
   // The time from the first row of a picture to the last is an unknown of the adjustment: of photos that have

@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
       alignment::BundleLens added;
       added.recorded = added.intrinsics = photos[i].intrinsics;
       added.sigma_focal_share = photos[i].focal_source == flight::FocalSource::kAssumed ? 0.1 : 0.02;
-      added.sigma_k1 = added.sigma_k2 = 0.05;
+      added.sigma_k = 0.05;
       added.sigma_p = 0.0006;
       added.sigma_center_px = 0.004 * photos[i].intrinsics.width_px;
       input.lenses.push_back(added);

@@ -129,7 +129,7 @@ RegistrationInput InputOf(const SyntheticScene& scene, double focal_factor) {
   lens.recorded.focal_y_px *= focal_factor;
   lens.intrinsics = lens.recorded;
   lens.sigma_focal_share = focal_factor == 1.0 ? 0.01 : 0.1;
-  lens.sigma_k1 = lens.sigma_k2 = 0.02;
+  lens.sigma_k = 0.02;
   lens.sigma_p = 0.0003;
   lens.sigma_center_px = 8.0;
   input.lenses.push_back(lens);
