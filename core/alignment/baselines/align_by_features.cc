@@ -130,13 +130,12 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
   ScopedTimer total_timer(report.total_s);
   const Photographed photographed =
       ExtractAll(posed, source, options.Features(), {}, options.threads, 0.7, progress);
-  ChainInput input;
-  input.features = photographed.Readable();
-  for (const poses::PosedPhoto& photo : posed.photos) input.lenses.push_back(photo.photo.intrinsics);
+  std::vector<camera::Intrinsics> lenses;
+  for (const poses::PosedPhoto& photo : posed.photos) lenses.push_back(photo.photo.intrinsics);
   ChainedMosaic mosaic;
   {
     ScopedTimer timer(report.matching_s);
-    mosaic = ChainHomographies(input, options.threads, progress);
+    mosaic = ChainHomographies(photographed.Readable(), lenses, options.threads, progress);
   }
   if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The alignment was cancelled.", ""};
 

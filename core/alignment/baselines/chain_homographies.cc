@@ -36,22 +36,22 @@ std::vector<GroundKeypoint> PictureAsGround(const PhotoFeatures& features) {
 
 class Chain {
  public:
-  Chain(const ChainInput& input, int threads) : input_(input), threads_(threads) {
-    mosaic_.photos.resize(input.features.size());
-    views_.resize(input.features.size());
-    places_.resize(input.features.size());
-    ParallelFor(input.features.size(), threads, [&](std::size_t i) {
-      if (input.features[i] == nullptr) return;
-      views_[i] = {input.features[i], PictureAsGround(*input.features[i])};
-      for (const Keypoint& keypoint : input.features[i]->keypoints) {
-        places_[i].push_back(PlaceInPhoto(input.lenses[i], {keypoint.x_px, keypoint.y_px}));
+  Chain(const std::vector<const PhotoFeatures*>& features, const std::vector<camera::Intrinsics>& lenses,
+        int threads)
+      : lenses_(lenses), threads_(threads), views_(features.size()), places_(features.size()) {
+    mosaic_.photos.resize(features.size());
+    ParallelFor(features.size(), threads, [&](std::size_t i) {
+      if (features[i] == nullptr) return;
+      views_[i] = {features[i], PictureAsGround(*features[i])};
+      for (const Keypoint& keypoint : features[i]->keypoints) {
+        places_[i].push_back(PlaceInPhoto(lenses[i], {keypoint.x_px, keypoint.y_px}));
       }
     });
   }
 
   void Add(int photo) {
     ChainedPhoto& added = mosaic_.photos[photo];
-    if (input_.features[photo] == nullptr) return;
+    if (views_[photo].features == nullptr) return;
     std::optional<Eigen::Matrix3d> chained;
     std::vector<int> others;
     for (int back = 1; back <= kMaxStepsBack && photo - back >= 0 && !chained; ++back) {
@@ -84,7 +84,7 @@ class Chain {
     RobustFit fit;
   };
 
-  double TolerancePx(int photo) const { return kToleranceShare * input_.lenses[photo].width_px; }
+  double TolerancePx(int photo) const { return kToleranceShare * lenses_[photo].width_px; }
 
   std::vector<Matched> MatchAll(int photo, const std::vector<int>& others) {
     std::vector<Matched> matched =
@@ -110,8 +110,8 @@ class Chain {
   }
 
   std::array<Eigen::Vector2d, 4> Corners(int photo) const {
-    const double x = input_.lenses[photo].width_px - 1, y = input_.lenses[photo].height_px - 1;
-    const camera::Intrinsics& lens = input_.lenses[photo];
+    const camera::Intrinsics& lens = lenses_[photo];
+    const double x = lens.width_px - 1, y = lens.height_px - 1;
     return {PlaceInPhoto(lens, {0.0, 0.0}), PlaceInPhoto(lens, {x, 0.0}), PlaceInPhoto(lens, {x, y}),
             PlaceInPhoto(lens, {0.0, y})};
   }
@@ -184,7 +184,7 @@ class Chain {
     }
   }
 
-  const ChainInput& input_;
+  const std::vector<camera::Intrinsics>& lenses_;
   const int threads_;
   std::vector<GroundView> views_;
   std::vector<std::vector<Eigen::Vector2d>> places_;
@@ -197,9 +197,11 @@ Eigen::Vector2d PlaceInPhoto(const camera::Intrinsics& lens, const Eigen::Vector
   return lens.MeanFocalPx() * lens.Unproject(pixel_in_image).head<2>();
 }
 
-ChainedMosaic ChainHomographies(const ChainInput& input, int threads, Progress& progress) {
-  Chain chain(input, threads);
-  const auto count = static_cast<int>(input.features.size());
+ChainedMosaic ChainHomographies(const std::vector<const PhotoFeatures*>& features,
+                                const std::vector<camera::Intrinsics>& lenses, int threads,
+                                Progress& progress) {
+  Chain chain(features, lenses, threads);
+  const auto count = static_cast<int>(features.size());
   for (int photo = 0; photo < count && !progress.IsCancelled(); ++photo) {
     chain.Add(photo);
     progress.Report(0.7 + 0.3 * (photo + 1) / count, "chaining photos");

@@ -23,11 +23,6 @@ struct ChainedPhoto {
   double square_px = 0.0;  // their residuals in the mosaic, squared and summed
 };
 
-struct ChainInput {
-  std::vector<const PhotoFeatures*> features;  // in the order of capture; null: unreadable
-  std::vector<camera::Intrinsics> lenses;      // as recorded
-};
-
 struct ChainedMosaic {
   std::vector<ChainedPhoto> photos;
   int components = 0;
@@ -35,7 +30,10 @@ struct ChainedMosaic {
   int pairs_linked = 0;
 };
 
-ChainedMosaic ChainHomographies(const ChainInput& input, int threads, Progress& progress);
+// By photo, in the order of capture. features: null where it is unreadable; lenses: as recorded.
+ChainedMosaic ChainHomographies(const std::vector<const PhotoFeatures*>& features,
+                                const std::vector<camera::Intrinsics>& lenses, int threads,
+                                Progress& progress);
 
 // Where the chain counts a pixel: without lens bending, from the optical axis.
 Eigen::Vector2d PlaceInPhoto(const camera::Intrinsics& lens, const Eigen::Vector2d& pixel_in_image);
