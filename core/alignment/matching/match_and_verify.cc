@@ -19,14 +19,6 @@ constexpr int kLostMinMatches = 14;
 constexpr int kMaxPairsOfALostPhoto = 10;
 constexpr double kPromisingOverlap = 0.3;
 
-std::optional<VerifiedPair> VerifyPair(int first, int second, const std::vector<GroundView>& projected,
-                                       const std::vector<KeypointMatch>& matches,
-                                       const VerificationOptions& options) {
-  std::optional<VerifiedPair> pair = VerifyOnGround(projected[first], projected[second], matches, options);
-  if (pair) pair->first = first, pair->second = second;
-  return pair;
-}
-
 }  // namespace
 
 std::vector<GroundView> ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads) {
@@ -72,7 +64,7 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::
     options.search_area_m2 = std::numbers::pi * window.radius_m * window.radius_m;
     options.any_turn = window.max_turn_rad > 1.5;
     options.min_matches = pass.min_matches;
-    return VerifyPair(i, j, projected, matches, options);
+    return VerifyOnGround(projected, i, j, matches, options);
   });
 }
 
@@ -126,13 +118,13 @@ std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input,
     const auto [i, j] = chosen[p];
     const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
     const MatchWindow window{.max_distance_ratio = 0.8, .max_features = kLostFeatures};
-    return VerifyPair(i, j, projected, MatchOnGround(projected[i], projected[j], window),
-                      {.first_tolerance_m = 0.07 * width_m,
-                       .last_tolerance_m = 0.02 * width_m,
-                       .baseline_m = 0.0,  // not to be trusted here
-                       .search_area_m2 = width_m * width_m,
-                       .any_turn = true,
-                       .min_matches = kLostMinMatches});
+    return VerifyOnGround(projected, i, j, MatchOnGround(projected[i], projected[j], window),
+                          {.first_tolerance_m = 0.07 * width_m,
+                           .last_tolerance_m = 0.02 * width_m,
+                           .baseline_m = 0.0,  // not to be trusted here
+                           .search_area_m2 = width_m * width_m,
+                           .any_turn = true,
+                           .min_matches = kLostMinMatches});
   });
 }
 

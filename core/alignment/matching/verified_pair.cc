@@ -117,15 +117,17 @@ GroundSimilarity FitSimilarity(
   return {turn, mean_b - turn * mean_a};
 }
 
-std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const GroundView& second,
+std::optional<VerifiedPair> VerifyOnGround(const std::vector<GroundView>& projected, int first, int second,
                                            const std::vector<KeypointMatch>& matches,
                                            const VerificationOptions& options) {
+  const std::vector<GroundKeypoint>& of_first = projected[first].projected;
+  const std::vector<GroundKeypoint>& of_second = projected[second].projected;
   const int count = static_cast<int>(matches.size());
   if (count < options.min_matches) return std::nullopt;
   std::vector<std::pair<Complex, Complex>> places;
   places.reserve(count);
   for (const KeypointMatch& match : matches) {
-    places.emplace_back(first.projected[match.first].place, second.projected[match.second].place);
+    places.emplace_back(of_first[match.first].place, of_second[match.second].place);
   }
   const auto find_inliers = [&](const GroundSimilarity& motion, const Tolerance& tolerance) {
     std::vector<int> inliers;
@@ -141,9 +143,9 @@ std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const Ground
   std::size_t most = 0;
   const int step = std::max(1, count / kMaxTrials);
   for (int k = 0; k < count; k += step) {
-    const double keypoint_turn = std::remainder(
-        second.projected[matches[k].second].angle_rad - first.projected[matches[k].first].angle_rad,
-        2.0 * std::numbers::pi);
+    const double keypoint_turn =
+        std::remainder(of_second[matches[k].second].angle_rad - of_first[matches[k].first].angle_rad,
+                       2.0 * std::numbers::pi);
     for (const double turn : {0.0, keypoint_turn}) {
       if (!options.any_turn && std::abs(turn) > kTrustedTurnRad) continue;
       const Complex rotor = std::polar(1.0, turn);
@@ -173,8 +175,7 @@ std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const Ground
   }
   if (!StandsOut(inliers, places, best, tolerance, options.search_area_m2)) return std::nullopt;
 
-  VerifiedPair pair;
-  pair.second_from_first = best;
+  VerifiedPair pair{first, second, best, {}, 0.0};
   double square = 0.0;
   pair.matches.reserve(inliers.size());  // no more: all pairs of a flight are kept
   for (const int k : inliers) {
@@ -194,16 +195,15 @@ ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vecto
   }
   ConnectedComponents components;
   components.of_photo.assign(photos, -1);
-  std::vector<int> number(photos, -1);
   for (std::size_t i = 0; i < photos; ++i) {
     if (!paired.Has(i)) continue;
-    const int r = sets.SetOf(static_cast<int>(i));
-    if (number[r] < 0) {
-      number[r] = static_cast<int>(components.members.size());
+    int& component = components.of_photo[sets.SetOf(static_cast<int>(i))];  // of the first photo of the set
+    if (component < 0) {
+      component = static_cast<int>(components.members.size());
       components.members.emplace_back();
     }
-    components.of_photo[i] = number[r];
-    components.members[number[r]].push_back(static_cast<int>(i));
+    components.of_photo[i] = component;
+    components.members[component].push_back(static_cast<int>(i));
   }
   return components;
 }

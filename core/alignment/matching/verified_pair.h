@@ -30,7 +30,8 @@ struct VerificationOptions {
 GroundSimilarity FitSimilarity(
     const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places);
 
-std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const GroundView& second,
+// `projected`: by photo.
+std::optional<VerifiedPair> VerifyOnGround(const std::vector<GroundView>& projected, int first, int second,
                                            const std::vector<KeypointMatch>& matches,
                                            const VerificationOptions& options);
 

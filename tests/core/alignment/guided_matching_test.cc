@@ -123,7 +123,7 @@ struct Matched {
     }
   }
   std::optional<VerifiedPair> Fit(const VerificationOptions& options) const {
-    return VerifyOnGround({&features, first}, {&features, second}, matches, options);
+    return VerifyOnGround({{&features, first}, {&features, second}}, 0, 1, matches, options);
   }
 };
 
