@@ -315,7 +315,7 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
   report.pairs_refused = registration.report.pairs_refused;
   report.residual_rms_px = registration.residual_rms_px;
   report.groups = static_cast<int>(registration.block_sizes.size());
-  report.registered = registration.block_sizes.empty() ? 0 : registration.block_sizes.front();
+  report.registered = registration.LargestSize();
   const std::size_t least = std::max<std::size_t>(3, tied_by_records + (takes_equal ? 0 : 1));
   TraceDecision("registered by images", {{"photos", report.registered},
                                          {"groups", report.groups},

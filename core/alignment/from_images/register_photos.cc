@@ -146,10 +146,6 @@ std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& g
   return blocks;
 }
 
-int LargestSize(const Registration& registration) {
-  return registration.block_sizes.empty() ? 0 : registration.block_sizes.front();
-}
-
 // Lenses as the largest block has them, where they are no more what they were taken for.
 bool TakeLenses(const std::vector<Block>& blocks, RegistrationInput& input) {
   if (blocks.empty() || blocks.front().size() < kFewForALens) return false;
@@ -180,7 +176,7 @@ Registration RegisterPhotos(const RegistrationInput& given, int threads, Progres
     if (!blocks.empty()) grown.lenses = blocks.front().lenses();
     MergeBlocks(blocks, graph, grown);
     // Through the right lens more pairs agree, and with each other: one by which fewer do was not right.
-    if (pass == 0 || LargestSize(grown) >= LargestSize(registration)) registration = std::move(grown);
+    if (pass == 0 || grown.LargestSize() >= registration.LargestSize()) registration = std::move(grown);
     RegistrationInput better = input;
     if (pass >= kMaxPasses || progress.IsCancelled() || !TakeLenses(blocks, better)) break;
     input = std::move(better);

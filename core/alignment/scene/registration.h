@@ -50,6 +50,8 @@ struct Registration {
   std::vector<Track> tracks;        // point_in_enu is in the world of the photos' block
   double residual_rms_px = 0.0;
   RegistrationReport report;
+
+  int LargestSize() const { return block_sizes.empty() ? 0 : block_sizes.front(); }
 };
 
 }  // namespace skyquilt::alignment

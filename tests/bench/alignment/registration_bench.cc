@@ -102,7 +102,7 @@ int main(int argc, char** argv) {
     fmt::print("lens: focal {:.1f} -> {:.1f} px, k1 {:.4f} k2 {:.4f}\n", lens.recorded.focal_x_px,
                lens.intrinsics.focal_x_px, lens.intrinsics.k1, lens.intrinsics.k2);
   }
-  fmt::print("{} of {} registered in block 0, residual {:.2f} px\n",
-             found.block_sizes.empty() ? 0 : found.block_sizes.front(), photos.size(), found.residual_rms_px);
+  fmt::print("{} of {} registered in block 0, residual {:.2f} px\n", found.LargestSize(), photos.size(),
+             found.residual_rms_px);
   return 0;
 }
