@@ -28,15 +28,13 @@ Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const fligh
   const std::size_t count = posed.photos.size();
   MatchingInput input = MakeMatchingInput(posed);
   input.features = photographed.Readable();
-  std::vector<Eigen::Vector2d> places;
   std::vector<CorrectedPose> as_recorded;
   for (const poses::PosedPhoto& photo : posed.photos) {
-    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
     CorrectedPose& uncorrected = as_recorded.emplace_back();
     uncorrected.start_cam_from_enu = uncorrected.prior_cam_from_enu = photo.cam_from_enu;
   }
   const Relief flat(posed.ground_z_in_enu_m);
-  BundleProblem problem = MakeBundle(posed, as_recorded, FindLines(places));
+  BundleProblem problem = MakeBundle(posed, as_recorded, FindLines(EastNorthOf(posed.photos)));
   // One shift a pair says nothing of the lens.
   const BundleOptions once{.cuts_px = {0.0}, .adjust_lens = false};
   for (int pass = 0; pass < kPasses && !progress.IsCancelled(); ++pass) {

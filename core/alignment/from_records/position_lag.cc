@@ -121,9 +121,7 @@ std::optional<PositionLag> FindPositionLag(const BundleProblem& adjusted,
   SKYQUILT_CHECK(records.size() == adjusted.photos.size() && times_s.size() == records.size(),
                  "a record and a time for each photo");
   const PhotoSet tied = ObservingPhotos(records.size(), adjusted.tracks);
-  std::vector<Eigen::Vector2d> east_north;
-  for (const BundlePhoto& photo : adjusted.photos)
-    east_north.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  const std::vector<Eigen::Vector2d> east_north = EastNorthOf(adjusted.photos);
   const std::vector<int> lines = FindLines(east_north);
   const std::vector<std::optional<Eigen::Vector2d>> velocities = Velocities(east_north, lines, times_s);
   std::vector<Sample> samples;

@@ -52,6 +52,15 @@ struct View {
   double WidthM() const { return GsdM() * std::max(intrinsics.width_px, intrinsics.height_px); }
 };
 
+// Where the cameras are, of photos of any kind that have a pose.
+template <typename Photo>
+std::vector<Eigen::Vector2d> EastNorthOf(const std::vector<Photo>& photos) {
+  std::vector<Eigen::Vector2d> places;
+  for (const Photo& photo : photos)
+    places.push_back(photo.cam_from_enu.TargetOriginInSource().template head<2>());
+  return places;
+}
+
 // A keypoint projected to the ground; a complex number is E + iN in enu metres.
 struct GroundKeypoint {
   std::complex<double> place;

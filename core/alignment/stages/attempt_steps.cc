@@ -192,11 +192,7 @@ Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const 
                   extracted.posed.photos[i].photo.name);
   }
   extracted.gyros = TieGyrosToRows(extracted.posed, extracted.readable, options.threads);
-  std::vector<Eigen::Vector2d> places;
-  for (const poses::PosedPhoto& photo : extracted.posed.photos) {
-    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
-  }
-  extracted.lines = FindLines(places);
+  extracted.lines = FindLines(EastNorthOf(extracted.posed.photos));
   return extracted;
 }
 

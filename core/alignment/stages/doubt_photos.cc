@@ -144,9 +144,7 @@ PhotoSet LeaveOutFarAway(AlignedFlight& flight) {
   const std::size_t count = flight.photos.size();
   PhotoSet far_away(count);
   if (count < kFewPhotos) return far_away;
-  std::vector<Eigen::Vector2d> places;
-  for (const AlignedPhoto& photo : flight.photos)
-    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  const std::vector<Eigen::Vector2d> places = EastNorthOf(flight.photos);
   const Eigen::Vector2d middle = MedianByAxis(places);
   // By distance from the middle, the block grows until a gap as wide as itself.
   std::vector<std::size_t> order(count);
