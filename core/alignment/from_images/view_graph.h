@@ -11,12 +11,6 @@
 
 namespace skyquilt::alignment {
 
-// What looks the same in two photos, whether or not any geometry agrees with it.
-struct ComparedPair {
-  int first = 0, second = 0;
-  std::vector<KeypointMatch> matches;
-};
-
 struct ViewGraph {
   std::vector<ComparedPair> compared;  // with enough matches for a geometry
   std::vector<GraphPair> pairs;        // sorted

@@ -32,11 +32,6 @@ struct Effort {
 };
 constexpr Effort kCoarse{100, 100}, kFine{400, 1000};
 
-struct ComparedPair {
-  std::size_t first = 0, second = 0;
-  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> places;  // in the two images
-};
-
 // With a gyro whose lag is to be found.
 bool IsOpen(const poses::PosedPhoto& posed) {
   const flight::Photo& photo = posed.photo;
@@ -46,7 +41,7 @@ bool IsOpen(const poses::PosedPhoto& posed) {
 // Photos of one camera with a gyro that lie nearest to each other, spread over the flight.
 std::vector<ComparedPair> NearestPairs(const poses::PosedFlight& posed,
                                        const std::vector<std::size_t>& photos) {
-  std::vector<std::pair<std::size_t, std::size_t>> near;
+  std::vector<std::pair<int, int>> near;
   for (const std::size_t i : photos) {
     const Eigen::Vector3d place = posed.photos[i].cam_from_enu.TargetOriginInSource();
     std::vector<std::pair<double, std::size_t>> others;
@@ -69,21 +64,11 @@ std::vector<ComparedPair> NearestPairs(const poses::PosedFlight& posed,
   return pairs;
 }
 
-void Match(const std::vector<const PhotoFeatures*>& features, ComparedPair& pair) {
-  const PhotoFeatures& first = *features[pair.first];
-  const PhotoFeatures& second = *features[pair.second];
-  for (const KeypointMatch& match : MatchDescriptors(first, second)) {
-    const Keypoint& a = first.keypoints[match.first];
-    const Keypoint& b = second.keypoints[match.second];
-    pair.places.push_back({{a.x_px, a.y_px}, {b.x_px, b.y_px}});
-  }
-}
-
-// Where the middle row would have looked to see what a pixel sees, at focal length one.
+// Where the middle row would have looked to see what a keypoint shows, at focal length one.
 Eigen::Vector2d InMiddle(const camera::Intrinsics& lens, const camera::RowMotion& motion,
-                         const Eigen::Vector2d& pixel) {
-  const double share = camera::RowShare(pixel.y(), lens.height_px);
-  return (motion.TurnAt(share).conjugate() * lens.Unproject(pixel)).hnormalized();
+                         const Keypoint& keypoint) {
+  const double share = camera::RowShare(keypoint.y_px, lens.height_px);
+  return (motion.TurnAt(share).conjugate() * lens.Unproject({keypoint.x_px, keypoint.y_px})).hnormalized();
 }
 
 // Without a lag: no turns at all. A finished photo's are known for good.
@@ -97,16 +82,17 @@ camera::RowMotion TurnsWithLag(const poses::PosedPhoto& posed, std::optional<dou
           TurnsOfRows(turning, *photo.readout_s, photo.exposure_time_s.value_or(0.0))};
 }
 
-int Fitting(const poses::PosedFlight& posed, const ComparedPair& pair, std::optional<double> lag_s,
-            const Effort& effort) {
+int Fitting(const poses::PosedFlight& posed, const std::vector<const PhotoFeatures*>& features,
+            const ComparedPair& pair, std::optional<double> lag_s, const Effort& effort) {
   const flight::Photo& first = posed.photos[pair.first].photo;
   const flight::Photo& second = posed.photos[pair.second].photo;
   const camera::RowMotion of_first = TurnsWithLag(posed.photos[pair.first], lag_s);
   const camera::RowMotion of_second = TurnsWithLag(posed.photos[pair.second], lag_s);
   std::vector<PlanePair> places;
-  const std::size_t step = (pair.places.size() + effort.max_matches - 1) / effort.max_matches;
-  for (std::size_t k = 0; k < pair.places.size(); k += step) {
-    const auto& [from, to] = pair.places[k];
+  const std::size_t step = (pair.matches.size() + effort.max_matches - 1) / effort.max_matches;
+  for (std::size_t k = 0; k < pair.matches.size(); k += step) {
+    const Keypoint& from = features[pair.first]->keypoints[pair.matches[k].first];
+    const Keypoint& to = features[pair.second]->keypoints[pair.matches[k].second];
     places.push_back(
         {InMiddle(first.intrinsics, of_first, from), InMiddle(second.intrinsics, of_second, to)});
   }
@@ -116,12 +102,13 @@ int Fitting(const poses::PosedFlight& posed, const ComparedPair& pair, std::opti
 }
 
 // Summed over all pairs.
-std::vector<int> FittingAt(const poses::PosedFlight& posed, const std::vector<ComparedPair>& pairs,
+std::vector<int> FittingAt(const poses::PosedFlight& posed, const std::vector<const PhotoFeatures*>& features,
+                           const std::vector<ComparedPair>& pairs,
                            const std::vector<std::optional<double>>& lags_s, const Effort& effort,
                            int threads) {
   std::vector<int> of_each(pairs.size() * lags_s.size());
   ParallelFor(of_each.size(), threads, [&](std::size_t k) {
-    of_each[k] = Fitting(posed, pairs[k / lags_s.size()], lags_s[k % lags_s.size()], effort);
+    of_each[k] = Fitting(posed, features, pairs[k / lags_s.size()], lags_s[k % lags_s.size()], effort);
   });
   std::vector<int> sums(lags_s.size(), 0);
   for (std::size_t k = 0; k < of_each.size(); ++k) sums[k % lags_s.size()] += of_each[k];
@@ -135,15 +122,15 @@ std::vector<std::optional<double>> LagsAround(double middle_s, double reach_s, d
   return lags_s;
 }
 
-void FindLag(const poses::PosedFlight& posed, const std::vector<ComparedPair>& pairs, int threads,
-             GyroReport& report) {
+void FindLag(const poses::PosedFlight& posed, const std::vector<const PhotoFeatures*>& features,
+             const std::vector<ComparedPair>& pairs, int threads, GyroReport& report) {
   std::vector<std::optional<double>> lags_s = LagsAround(0.0, kMaxLagS, kCoarseStepS);
-  std::vector<int> fitting = FittingAt(posed, pairs, lags_s, kCoarse, threads);
+  std::vector<int> fitting = FittingAt(posed, features, pairs, lags_s, kCoarse, threads);
   const auto best = std::max_element(fitting.begin(), fitting.end());
   const double coarse_s = **(lags_s.begin() + (best - fitting.begin()));
   lags_s = LagsAround(coarse_s, kCoarseStepS, kFineStepS);
   lags_s.emplace_back();
-  fitting = FittingAt(posed, pairs, lags_s, kFine, threads);
+  fitting = FittingAt(posed, features, pairs, lags_s, kFine, threads);
   report.fitting_without = fitting.back();
   fitting.pop_back();
   // The middle of the peak: single counts waver.
@@ -186,15 +173,17 @@ std::vector<GyroReport> TieGyrosToRows(poses::PosedFlight& posed,
     std::erase_if(pairs, [&](const ComparedPair& pair) {
       return !IsOpen(posed.photos[pair.first]) && !IsOpen(posed.photos[pair.second]);
     });
-    ParallelFor(pairs.size(), threads, [&](std::size_t k) { Match(features, pairs[k]); });
-    std::erase_if(pairs, [](const ComparedPair& pair) { return pair.places.size() < kMinMatches; });
+    ParallelFor(pairs.size(), threads, [&](std::size_t k) {
+      pairs[k].matches = MatchDescriptors(*features[pairs[k].first], *features[pairs[k].second]);
+    });
+    std::erase_if(pairs, [](const ComparedPair& pair) { return pair.matches.size() < kMinMatches; });
     std::stable_sort(pairs.begin(), pairs.end(), [](const ComparedPair& a, const ComparedPair& b) {
-      return a.places.size() > b.places.size();
+      return a.matches.size() > b.matches.size();
     });
     if (pairs.size() > kMaxUsedPairs) pairs.resize(kMaxUsedPairs);
     report.pairs = static_cast<int>(pairs.size());
-    for (const ComparedPair& pair : pairs) report.matches += static_cast<int>(pair.places.size());
-    if (!pairs.empty()) FindLag(posed, pairs, threads, report);
+    for (const ComparedPair& pair : pairs) report.matches += static_cast<int>(pair.matches.size());
+    if (!pairs.empty()) FindLag(posed, features, pairs, threads, report);
     const bool is_found =
         report.fitting >= kMinFitting && report.fitting > kBetterShare * report.fitting_without;
     if (!is_found) report.lag_s = 0.0;

@@ -22,6 +22,12 @@ inline KeypointMatch MatchOf(int first, int second) {
   return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(second)};
 }
 
+// What looks the same in two photos, whether or not any geometry agrees with it.
+struct ComparedPair {
+  int first = 0, second = 0;
+  std::vector<KeypointMatch> matches;
+};
+
 // z -> turn_and_scale * z + shift on the ground, E + iN.
 struct GroundSimilarity {
   std::complex<double> turn_and_scale{1.0, 0.0};
