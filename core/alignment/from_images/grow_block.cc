@@ -114,25 +114,22 @@ std::vector<int> WithNeighbours(const Block& block, const std::vector<int>& phot
   return free;
 }
 
+// As a whole, whatever holds its photos.
 void AdjustAll(int threads, Block& block) {
   block.Adjust({},
                {.cuts_px = {20.0, 8.0}, .max_iterations = 10, .adjust_lens = block.size() >= kLensFromPhotos},
                kObservationsPerPhoto, threads);
 }
 
-// Photos that hardly any point still holds.
-void DropUnheld(int threads, Block& block) {
+// Likewise, and out with photos that hardly any point still holds.
+void AdjustWhole(int threads, Block& block) {
+  AdjustAll(threads, block);
   const std::vector<int> seen = block.PointsSeen();
   const int before = block.size();
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (seen[i] < kMinKept) block.Remove(static_cast<int>(i));
   }
   if (block.size() < before) block.TriangulateAll(threads);
-}
-
-void AdjustWhole(int threads, Block& block) {
-  AdjustAll(threads, block);
-  DropUnheld(threads, block);
 }
 
 // What rounds leave behind for the next one.
