@@ -11,14 +11,10 @@
 #include "core/base/try.h"
 
 namespace skyquilt::alignment {
-namespace {
-
-constexpr int kPasses = 2;
-
-}  // namespace
 
 Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const flight::PhotoSource& source,
                                     const AlignOptions& options, AlignReport& report, Progress& progress) {
+  constexpr int kPasses = 2;
   SKYQUILT_TRY(options.Validate());
   report = {};
   ScopedTimer total_timer(report.total_s);
