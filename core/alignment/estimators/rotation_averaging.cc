@@ -4,9 +4,8 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <numeric>
-#include <queue>
-#include <tuple>
 
+#include "core/alignment/scene/matches.h"
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {
@@ -46,28 +45,13 @@ void FollowTree(int photos, const std::vector<RelativeRotation>& pairs, Averaged
   for (const int root : order) {
     if (averaged.component[root] >= 0 || of_photo[root].empty()) continue;
     averaged.component[root] = components;
-    std::priority_queue<std::tuple<double, int>> open;  // weight, pair
-    const auto offer = [&](int photo) {
-      for (const int p : of_photo[photo]) open.emplace(pairs[p].weight, -p);
-    };
-    offer(root);
-    while (!open.empty()) {
-      const RelativeRotation& pair = pairs[-std::get<1>(open.top())];
-      open.pop();
-      const int first = pair.first, second = pair.second;
-      if (averaged.component[first] >= 0 && averaged.component[second] >= 0) continue;
-      if (averaged.component[first] >= 0) {
-        averaged.cam_from_world[second] =
-            (pair.second_from_first * averaged.cam_from_world[first]).normalized();
-        averaged.component[second] = components;
-        offer(pair.second);
-      } else {
-        averaged.cam_from_world[first] =
-            (pair.second_from_first.conjugate() * averaged.cam_from_world[second]).normalized();
-        averaged.component[first] = components;
-        offer(pair.first);
-      }
-    }
+    const auto weight = [](const RelativeRotation& pair) { return pair.weight; };
+    FollowStrongest(pairs, of_photo, {root}, weight, [&](const RelativeRotation& pair, int from, int to) {
+      const Quaterniond to_from =
+          from == pair.first ? pair.second_from_first : pair.second_from_first.conjugate();
+      averaged.cam_from_world[to] = (to_from * averaged.cam_from_world[from]).normalized();
+      averaged.component[to] = components;
+    });
     ++components;
   }
 }

@@ -3,10 +3,8 @@
 #include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
-#include <queue>
 
 #include "core/alignment/matching/verified_pair.h"
-#include "core/alignment/scene/photo_set.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -47,29 +45,15 @@ struct PairGraph {
 // outwards, which stay as recorded. Photos of other components get no correction.
 std::vector<GroundCorrection> SpreadAlongPairs(const std::vector<int>& roots, const PairGraph& graph) {
   std::vector<GroundCorrection> corrections(graph.priors.size());
-  PhotoSet placed(graph.priors.size());
-  using Entry = std::pair<std::size_t, int>;  // matches, minus pair number: strongest first, then the earlier
-  std::priority_queue<Entry> open;
-  const auto open_pairs = [&](int photo) {
-    for (const int l : graph.of_photo[photo]) open.emplace(graph.pairs[l].matches.size(), -l);
-  };
-  for (const int root : roots) placed.Add(root);
-  for (const int root : roots) open_pairs(root);
-  while (!open.empty()) {
-    const int l = -open.top().second;
-    open.pop();
-    const VerifiedPair& pair = graph.pairs[l];
-    if (placed.Has(pair.first) && placed.Has(pair.second)) continue;
-    const bool forth = placed.Has(pair.first);
-    const int from = forth ? pair.first : pair.second;
-    const int to = forth ? pair.second : pair.first;
-    // The corrected grounds agree: C_to * (to_from * z) = C_from * z.
-    const GroundSimilarity to_from = forth ? pair.second_from_first : pair.second_from_first.Inverse();
-    const GroundSimilarity from_correction = AsSimilarity(corrections[from], graph.priors[from].middle);
-    corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), graph.priors[to].middle);
-    placed.Add(to);
-    open_pairs(to);
-  }
+  const auto matches = [](const VerifiedPair& pair) { return pair.matches.size(); };
+  FollowStrongest(
+      graph.pairs, graph.of_photo, roots, matches, [&](const VerifiedPair& pair, int from, int to) {
+        // The corrected grounds agree: C_to * (to_from * z) = C_from * z.
+        const GroundSimilarity to_from =
+            from == pair.first ? pair.second_from_first : pair.second_from_first.Inverse();
+        const GroundSimilarity from_correction = AsSimilarity(corrections[from], graph.priors[from].middle);
+        corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), graph.priors[to].middle);
+      });
   return corrections;
 }
 

@@ -1,5 +1,6 @@
 // What two photos share: matched keypoints, and the motion that they agree on, over the ground (between poses
-// that are known) or between two cameras of which nothing is known. Values; any thread.
+// that are known) or between two cameras of which nothing is known; what photos have such pairs, and the way
+// along the strongest. Values; any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +8,11 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <queue>
+#include <utility>
 #include <vector>
+
+#include "core/alignment/scene/photo_set.h"
 
 namespace skyquilt::alignment {
 
@@ -76,6 +81,30 @@ std::vector<int> CountPairs(std::size_t photos, const std::vector<Pair>& pairs) 
   std::vector<int> counts(photos, 0);
   for (const Pair& pair : pairs) ++counts[pair.first], ++counts[pair.second];
   return counts;
+}
+
+// From `roots` outwards along the strongest pairs, of equals the earlier: `place(pair, from, to)` once for
+// each other photo that is reached. of_photo: the numbers of its pairs.
+template <typename Pair, typename Strength, typename Place>
+void FollowStrongest(const std::vector<Pair>& pairs, const std::vector<std::vector<int>>& of_photo,
+                     const std::vector<int>& roots, const Strength& strength, const Place& place) {
+  PhotoSet placed(of_photo.size());
+  std::priority_queue<std::pair<double, int>> open;  // strength, minus the pair's number
+  const auto open_pairs = [&](int photo) {
+    for (const int p : of_photo[photo]) open.emplace(strength(pairs[p]), -p);
+  };
+  for (const int root : roots) placed.Add(root);
+  for (const int root : roots) open_pairs(root);
+  while (!open.empty()) {
+    const Pair& pair = pairs[-open.top().second];
+    open.pop();
+    const bool forth = placed.Has(pair.first);
+    const int from = forth ? pair.first : pair.second, to = forth ? pair.second : pair.first;
+    if (placed.Has(to)) continue;
+    place(pair, from, to);
+    placed.Add(to);
+    open_pairs(to);
+  }
 }
 
 }  // namespace skyquilt::alignment
