@@ -1,7 +1,7 @@
 // Median: the middle value; of an even number the upper of the two middles, so that it is always one of the
 // values. Takes its values by copy, since finding it reorders them. Precondition: non-empty; MedianIfAny
 // is for values of which there may be none, MedianOf for what items have or are made into. Percentile: the
-// same for any share. Pure; any thread.
+// same for any share. LeastFew: the items with the least values. Pure; any thread.
 #pragma once
 
 #include <algorithm>
@@ -48,6 +48,16 @@ inline double Percentile(std::vector<double> values, double share) {
       values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
+}
+
+// The items with the least values, `count` at most, the least first; of equals the lesser item.
+template <typename Value, typename Item>
+std::vector<Item> LeastFew(std::vector<std::pair<Value, Item>> ranked, std::size_t count) {
+  count = std::min(count, ranked.size());
+  std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end());
+  std::vector<Item> items;
+  for (std::size_t k = 0; k < count; ++k) items.push_back(ranked[k].second);
+  return items;
 }
 
 // Of vectors, as Eigen has them, along each axis by itself.

@@ -71,9 +71,7 @@ std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<
       const Eigen::Vector3d center = input.views[i].CenterInEnu();
       near.emplace_back((center - *record.center_in_enu).head<2>().norm(), i);
     }
-    std::sort(near.begin(), near.end());
-    if (near.size() > kNearest) near.resize(kNearest);
-    for (const auto& [apart_m, i] : near) partners.insert(i);
+    for (const int i : LeastFew(std::move(near), kNearest)) partners.insert(i);
   }
   for (const int i : alike) {
     if (input.tied.Has(i)) partners.insert(i);

@@ -10,6 +10,7 @@
 #include "core/alignment/estimators/plane_homography.h"
 #include "core/alignment/matching/guided_matching.h"
 #include "core/alignment/scene/matches.h"
+#include "core/base/median.h"
 #include "core/base/parallel_for.h"
 
 namespace skyquilt::alignment {
@@ -153,11 +154,7 @@ class Chain {
       const double apart = (placed.mosaic_from_photo.col(2).hnormalized() - middle).norm();
       if (apart < reach) near.emplace_back(apart, other);
     }
-    std::sort(near.begin(), near.end());
-    if (near.size() > kMaxNeighbours) near.resize(kMaxNeighbours);
-    std::vector<int> neighbours;
-    for (const auto& [apart, other] : near) neighbours.push_back(other);
-    return neighbours;
+    return LeastFew(std::move(near), kMaxNeighbours);
   }
 
   // Eq. 3: one homography for all that the mosaic already shows of this photo.

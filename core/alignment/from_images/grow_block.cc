@@ -4,6 +4,7 @@
 
 #include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/from_images/resect_over_ground.h"
+#include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/base/trace.h"
 
@@ -107,10 +108,7 @@ std::vector<int> WithNeighbours(const Block& block, const std::vector<int>& phot
   for (std::size_t i = 0; i < shared.size(); ++i) {
     if (shared[i] > 0) ranked.emplace_back(-shared[i], static_cast<int>(i));
   }
-  std::sort(ranked.begin(), ranked.end());
-  for (std::size_t k = 0; k < std::min(kMaxNeighbours + photos.size(), ranked.size()); ++k) {
-    free.push_back(ranked[k].second);
-  }
+  for (const int photo : LeastFew(std::move(ranked), kMaxNeighbours + photos.size())) free.push_back(photo);
   return free;
 }
 

@@ -10,6 +10,7 @@
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/alignment/estimators/plane_homography.h"
 #include "core/alignment/matching/match_descriptors.h"
+#include "core/base/median.h"
 #include "core/base/parallel_for.h"
 
 namespace skyquilt::alignment {
@@ -49,9 +50,7 @@ std::vector<ComparedPair> NearestPairs(const poses::PosedFlight& posed,
       if (j != i)
         others.emplace_back((posed.photos[j].cam_from_enu.TargetOriginInSource() - place).norm(), j);
     }
-    const std::size_t kept = std::min(kNeighbours, others.size());
-    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(kept), others.end());
-    for (std::size_t k = 0; k < kept; ++k) near.emplace_back(std::minmax(i, others[k].second));
+    for (const std::size_t j : LeastFew(std::move(others), kNeighbours)) near.emplace_back(std::minmax(i, j));
   }
   std::sort(near.begin(), near.end());
   near.erase(std::unique(near.begin(), near.end()), near.end());

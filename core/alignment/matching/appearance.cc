@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/alignment/estimators/sampler.h"
+#include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/base/vector_clones.h"
 
@@ -167,9 +168,7 @@ std::vector<std::vector<int>> Appearance::MostAlike(int most, int threads) const
       if (j == static_cast<int>(i) || lengths_[j] <= 0.0) continue;
       ranked.emplace_back(-Likeness(static_cast<int>(i), j), j);
     }
-    const std::size_t kept = std::min<std::size_t>(most, ranked.size());
-    std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(kept), ranked.end());
-    for (std::size_t k = 0; k < kept; ++k) alike[i].push_back(ranked[k].second);
+    alike[i] = LeastFew(std::move(ranked), most);
   });
   return alike;
 }

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "core/base/median.h"
 #include "core/base/parallel_for.h"
 
 namespace skyquilt::alignment {
@@ -43,9 +44,7 @@ PartnersByPhoto NearestByPosition(const PairQuestion& question) {
       ranked.emplace_back((*photos[j].position_in_enu - *photos[i].position_in_enu).head<2>().squaredNorm(),
                           static_cast<int>(j));
     }
-    const std::size_t kept = std::min<std::size_t>(question.options.nearest, ranked.size());
-    std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(kept), ranked.end());
-    for (std::size_t k = 0; k < kept; ++k) partners[i].push_back(ranked[k].second);
+    partners[i] = LeastFew(std::move(ranked), question.options.nearest);
   });
   return partners;
 }
