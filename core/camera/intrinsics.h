@@ -50,6 +50,10 @@ struct Intrinsics {
     return pixel_in_image.x() >= -0.5 && pixel_in_image.y() >= -0.5 && pixel_in_image.x() <= width_px - 0.5 &&
            pixel_in_image.y() <= height_px - 0.5;
   }
+  // The middle of one of across * across equal cells of the image.
+  Eigen::Vector2d MiddleOfCell(int column, int row, int across) const {
+    return {(column + 0.5) / across * width_px - 0.5, (row + 0.5) / across * height_px - 0.5};
+  }
   // Largest r^2 (normalised, undistorted) for which the radial polynomial still grows; infinity without
   // distortion.
   double MaxRadiusSquared() const;

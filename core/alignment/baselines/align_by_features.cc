@@ -69,8 +69,7 @@ std::optional<Resected> Resect(const camera::Intrinsics& lens, const ChainedPhot
   };
   for (int row = 0; row < kPixelsAcross; ++row) {
     for (int column = 0; column < kPixelsAcross; ++column) {
-      const Eigen::Vector2d pixel((column + 0.5) / kPixelsAcross * lens.width_px - 0.5,
-                                  (row + 0.5) / kPixelsAcross * lens.height_px - 0.5);
+      const Eigen::Vector2d pixel = lens.MiddleOfCell(column, row, kPixelsAcross);
       const auto point = meet(pixel);
       if (!point) return std::nullopt;
       seen.emplace_back(pixel, *point);

@@ -74,12 +74,6 @@ std::pair<double, double> Extremes(const DirectedEnergy& energy) {
   return {least, most};
 }
 
-Eigen::Vector2d MiddleOf(const View& view, int cell) {
-  const int column = cell % kDetailCells, row = cell / kDetailCells;
-  return {(column + 0.5) / kDetailCells * view.intrinsics.width_px - 0.5,
-          (row + 0.5) / kDetailCells * view.intrinsics.height_px - 0.5};
-}
-
 int CellAt(const View& view, const Eigen::Vector2d& pixel) {
   const auto number = [](double at_px, int size_px) {
     return std::clamp(static_cast<int>((at_px + 0.5) / size_px * kDetailCells), 0, kDetailCells - 1);
@@ -156,9 +150,11 @@ std::optional<double> SharpnessAgainst(const PictureDetail& own, const View& own
                                        const Relief& relief) {
   if (own.cells.empty() || other.cells.empty()) return std::nullopt;
   std::array<std::vector<double>, 2 * kSmearDirections> shares;  // of fine detail, then of coarse
-  for (std::size_t k = 0; k < own.cells.size(); ++k) {
+  for (int k = 0; k < static_cast<int>(own.cells.size()); ++k) {
+    const Eigen::Vector2d middle =
+        own_view.intrinsics.MiddleOfCell(k % kDetailCells, k / kDetailCells, kDetailCells);
     Eigen::Vector3d place;
-    if (!MeetGround(own_view, relief, MiddleOf(own_view, static_cast<int>(k)), &place)) continue;
+    if (!MeetGround(own_view, relief, middle, &place)) continue;
     const std::optional<SeenPlace> in_own = See(own_view, place), in_other = See(other_view, place);
     if (!in_own || !in_other || !other_view.intrinsics.IsInImage(in_other->pixel)) continue;
     const DetailCell& own_cell = own.cells[k];

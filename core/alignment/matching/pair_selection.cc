@@ -26,8 +26,7 @@ std::vector<Eigen::Vector3d> SampleGround(const View& view, const Relief& relief
   for (int y = 0; y < kSamplesAcross; ++y) {
     for (int x = 0; x < kSamplesAcross; ++x) {
       Eigen::Vector3d point;
-      const Eigen::Vector2d pixel((x + 0.5) / kSamplesAcross * view.intrinsics.width_px - 0.5,
-                                  (y + 0.5) / kSamplesAcross * view.intrinsics.height_px - 0.5);
+      const Eigen::Vector2d pixel = view.intrinsics.MiddleOfCell(x, y, kSamplesAcross);
       if (MeetGround(view, relief, pixel, &point)) points.push_back(point);
     }
   }
