@@ -3,8 +3,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "api/http/header_text.h"
 #include "api/http/http_message.h"
+#include "core/base/text/plain_text.h"
 
 namespace skyquilt::api {
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <utility>
 
-#include "api/http/header_text.h"
 #include "api/http/links.h"
 #include "api/http/parameters.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -100,7 +100,7 @@ Result<std::optional<IndexLook>> LookIn(const Request& request) {
           "There is no colormap of this name. There are {}; \"_r\" behind a name turns the colours round.",
           fmt::join(indices::ColourRamp::Names(), ", ")));
     look.ramp = *found;
-    look.ramp_name = Lower(*ramp);
+    look.ramp_name = LowerCase(*ramp);
   }
   return std::optional(std::move(look));
 }

@@ -18,9 +18,9 @@
 #include "api/downloads/small_picture.h"
 #include "api/downloads/streamed_product.h"
 #include "api/downloads/zip_layout.h"
-#include "api/http/header_text.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -124,7 +124,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 6> kShown = {{
 }};
 
 const char* ImageTypeOf(std::string_view name) {
-  const std::string lower = Lower(name);
+  const std::string lower = LowerCase(name);
   for (const auto& [extension, type] : kShown) {
     if (lower.ends_with(extension)) return type;
   }

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "api/http/header_text.h"
 #include "api/http/http_message.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -69,7 +69,7 @@ const std::string* FindParameter(const HeaderValue& header, std::string_view nam
 Result<HeaderValue> ParseHeaderValue(std::string_view text) {
   HeaderValue header;
   const std::size_t end = text.find(';');
-  header.value = Lower(Trim(text.substr(0, end)));
+  header.value = LowerCase(Trim(text.substr(0, end)));
   text = end == std::string_view::npos ? std::string_view() : text.substr(end);
   while (!text.empty()) {
     if (text.front() != ';') return Refuse("a header has text where a semicolon belongs");
@@ -77,7 +77,7 @@ Result<HeaderValue> ParseHeaderValue(std::string_view text) {
     if (text.empty()) break;
     const std::size_t equals = text.find('=');
     if (equals == std::string_view::npos || equals == 0) return Refuse("a header parameter has no value");
-    std::string name = Lower(Trim(text.substr(0, equals)));
+    std::string name = LowerCase(Trim(text.substr(0, equals)));
     text = Trim(text.substr(equals + 1));
     std::string value;
     if (text.starts_with('"')) {
@@ -105,7 +105,7 @@ Result<PartHeader> FromDisposition(std::string_view text) {
   // The extended one first: the other is what clients that know both write for those that know one.
   const std::string* const file_name = FindParameter(parsed, "filename");
   const std::string* const extended = FindParameter(parsed, "filename*");
-  const bool is_utf8 = extended != nullptr && Lower(*extended).starts_with("utf-8'");
+  const bool is_utf8 = extended != nullptr && LowerCase(*extended).starts_with("utf-8'");
   if (file_name != nullptr && !is_utf8) {
     header.file_name = WithQuotes(*file_name);
   } else if (extended != nullptr) {
@@ -134,14 +134,14 @@ Result<PartHeader> ParsePartHeader(std::string_view block) {
     if (line.starts_with(' ') || line.starts_with('\t')) return Refuse("a part header is folded");
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos || colon == 0) return Refuse("a part header has no colon");
-    const std::string name = Lower(line.substr(0, colon));
+    const std::string name = LowerCase(line.substr(0, colon));
     const std::string_view value = Trim(line.substr(colon + 1));
     if (name == "content-disposition") {
       if (header) return Refuse("a part has two dispositions");
       SKYQUILT_TRY_ASSIGN(PartHeader parsed, FromDisposition(value));
       header = std::move(parsed);
-    } else if (name == "content-transfer-encoding" && Lower(value) != "binary" && Lower(value) != "8bit" &&
-               Lower(value) != "7bit") {
+    } else if (name == "content-transfer-encoding" && LowerCase(value) != "binary" &&
+               LowerCase(value) != "8bit" && LowerCase(value) != "7bit") {
       return Refuse("a part is transfer-encoded; send plain bytes");
     }
   }

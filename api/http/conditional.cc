@@ -6,8 +6,8 @@
 #include <charconv>
 #include <optional>
 
-#include "api/http/header_text.h"
 #include "api/http/http_message.h"
+#include "core/base/text/plain_text.h"
 
 namespace skyquilt::api {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "api/http/header_text.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "storage/uploads/photo_store.h"
 

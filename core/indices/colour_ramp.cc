@@ -1,9 +1,10 @@
 #include "core/indices/colour_ramp.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string>
+
+#include "core/base/text/plain_text.h"
 
 namespace skyquilt::indices {
 namespace {
@@ -70,9 +71,7 @@ double ChannelOf(std::uint32_t colour, std::size_t channel) {
 
 std::optional<ColourRamp> ColourRamp::Named(std::string_view text) {
   if (text.size() > kMaxRampName) return std::nullopt;
-  std::string name(text);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::string name = LowerCase(text);
   const bool is_turned = name.ends_with(kTurned);
   if (is_turned) name.resize(name.size() - kTurned.size());
   const auto* const table = std::find_if(kRampTables.begin(), kRampTables.end(),

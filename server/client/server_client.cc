@@ -14,6 +14,7 @@
 #include "api/http/http_message.h"
 #include "core/base/check.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 
 namespace skyquilt::server {
@@ -60,12 +61,8 @@ std::size_t TakeBody(char* bytes, std::size_t size, std::size_t count, void* of)
 std::size_t TakeHeader(char* bytes, std::size_t size, std::size_t count, void* of) {
   const std::string_view line(bytes, size * count);
   const std::size_t colon = line.find(':');
-  if (colon != std::string_view::npos) {
-    std::string_view value = line.substr(colon + 1);
-    while (!value.empty() && value.front() == ' ') value.remove_prefix(1);
-    while (!value.empty() && (value.back() == '\r' || value.back() == '\n')) value.remove_suffix(1);
-    static_cast<ClientAnswer*>(of)->headers.emplace_back(line.substr(0, colon), value);
-  }
+  if (colon != std::string_view::npos)
+    static_cast<ClientAnswer*>(of)->headers.emplace_back(line.substr(0, colon), Trim(line.substr(colon + 1)));
   return size * count;
 }
 

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "core/base/text/plain_text.h"
+
 namespace skyquilt::server {
 namespace {
 
@@ -19,12 +21,6 @@ bool IsThisMachine(const AddressBytes& address) {
   static const AddressRange kLoopback = *AddressRange::From("127.0.0.0/8");
   static const AddressRange kLoopback6 = *AddressRange::From("::1");
   return kLoopback.Contains(address) || kLoopback6.Contains(address);
-}
-
-std::string_view Trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
 }
 
 // The share is counted under this name.
@@ -80,7 +76,7 @@ std::string ClientAddress(const std::string& peer, const api::Headers& headers,
     while (!left.empty() && IsTrusted(*address, settings)) {
       const std::size_t comma = left.rfind(',');
       const std::optional<AddressBytes> hop =
-          ParseAddress(Trimmed(comma == std::string_view::npos ? left : left.substr(comma + 1)));
+          ParseAddress(Trim(comma == std::string_view::npos ? left : left.substr(comma + 1)));
       if (!hop) break;  // what a proxy could not say, nobody before it is believed about
       address = hop;
       left = comma == std::string_view::npos ? std::string_view() : left.substr(0, comma);

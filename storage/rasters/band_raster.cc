@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/rasters/gdal_steps.h"
@@ -20,12 +20,6 @@ namespace skyquilt::storage {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-
-std::string LowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 // The pixels of one direction whose middles lie on the raster, and what of the raster they cover.
 struct Overlap {

@@ -5,19 +5,15 @@
 #include <map>
 #include <set>
 
+#include "core/base/text/plain_text.h"
+
 namespace skyquilt {
 namespace {
-
-std::string InSmallLetters(std::string_view name) {
-  std::string small(name);
-  for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return small;
-}
 
 // What a photo and the files that go with it have in common ("a/DJI_0001.JPG", "a/DJI_0001.JPG.xmp").
 std::string CompanyOf(const std::string& path) {
   const std::string_view file = FileOf(path);
-  return std::string(FolderOf(path)) + "/" + InSmallLetters(file.substr(0, file.find('.')));
+  return std::string(FolderOf(path)) + "/" + LowerCase(file.substr(0, file.find('.')));
 }
 
 // "a/b/c", 2 -> "b/c"
@@ -37,10 +33,9 @@ std::map<std::string, std::string> LabelsOf(const std::set<std::string>& folders
     std::map<std::string, std::size_t> times;
     for (const std::string& folder : open) {
       labels[folder] = LastParts(folder, parts);
-      ++times[InSmallLetters(labels[folder])];
+      ++times[LowerCase(labels[folder])];
     }
-    std::erase_if(open,
-                  [&](const std::string& folder) { return times[InSmallLetters(labels[folder])] == 1; });
+    std::erase_if(open, [&](const std::string& folder) { return times[LowerCase(labels[folder])] == 1; });
   }
   return labels;
 }
@@ -58,14 +53,14 @@ bool IsOfPrograms(std::string_view name) {
   constexpr std::array<std::string_view, 6> kFolders = {
       "@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"};
   return name.starts_with('.') ||
-         std::find(kFolders.begin(), kFolders.end(), InSmallLetters(name)) != kFolders.end();
+         std::find(kFolders.begin(), kFolders.end(), LowerCase(name)) != kFolders.end();
 }
 
 bool IsNamedAsPicture(std::string_view file) {
   constexpr std::array<std::string_view, 6> kEndings = {"jpg", "jpeg", "tif", "tiff", "png", "dng"};
   const std::size_t dot = file.rfind('.');
   if (dot == std::string_view::npos || dot == 0) return false;
-  const std::string ending = InSmallLetters(file.substr(dot + 1));
+  const std::string ending = LowerCase(file.substr(dot + 1));
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
@@ -82,12 +77,10 @@ std::vector<std::string> NamesApart(const std::vector<std::string>& paths) {
   std::map<std::string, std::string> first_folder;  // by plain name
   std::set<std::string> doubled;                    // plain names that files of several folders have
   for (const std::string& path : paths) {
-    const std::string plain = InSmallLetters(FileOf(path)), folder(FolderOf(path));
+    const std::string plain = LowerCase(FileOf(path)), folder(FolderOf(path));
     if (first_folder.try_emplace(plain, folder).first->second != folder) doubled.insert(plain);
   }
-  const auto is_doubled = [&](const std::string& path) {
-    return doubled.contains(InSmallLetters(FileOf(path)));
-  };
+  const auto is_doubled = [&](const std::string& path) { return doubled.contains(LowerCase(FileOf(path))); };
   std::set<std::string> folders;
   std::map<std::string, bool> is_picture_doubled;  // by company
   for (const std::string& path : paths) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/text/plain_text.h"
 #include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
@@ -21,9 +22,8 @@ namespace skyquilt::flight {
 inline constexpr std::size_t kMaxNameLength = 512;
 
 inline bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-// Without blanks, tabs, carriage returns and newlines at both ends.
-std::string_view Trim(std::string_view text);
-std::string LowerCase(std::string_view text);
+using skyquilt::LowerCase;
+using skyquilt::Trim;
 bool StartsWithIgnoringCase(std::string_view text, std::string_view start);
 
 // Is `word` one of these, and does `text` hold one of them?

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "core/base/text/plain_text.h"
 #include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
@@ -24,12 +25,6 @@ std::string Inflated(std::span<const std::uint8_t> bytes) {
     return "";
   text.resize(size);
   return text;
-}
-
-int HexDigit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
 // A line with its name, one with its length, then its bytes two digits each in lines.

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/text/plain_text.h"
 #include "core/geo/geodesic.h"
 
 namespace skyquilt::geo {
@@ -22,19 +23,12 @@ constexpr std::size_t kShortestName = 5;
 constexpr double kExactM = 1.0;      // operations that are no better than this err by what a map shows
 constexpr double kSameFrameM = 3.0;  // degrees of an older datum lie tens to hundreds of metres from WGS84's
 
-std::string LowerOf(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return lower;
-}
-
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 bool IsSmallLetter(char c) { return c >= 'a' && c <= 'z'; }
 
 // Letters and digits alone: how names are compared.
 std::string LettersOf(std::string_view text) {
-  std::string letters = LowerOf(text);
+  std::string letters = LowerCase(text);
   std::erase_if(letters, [](char c) { return !IsDigit(c) && !IsSmallLetter(c); });
   return letters;
 }
@@ -220,7 +214,7 @@ PjPtr FindByName(PJ_CONTEXT* context, const std::string& name) {
 PjPtr CreateSystem(PJ_CONTEXT* context, std::string_view line) {
   line = TrimmedLine(line);
   if (line.empty() || line.size() > kLongestWkt) return Owned(nullptr);
-  const std::string lower = LowerOf(line);
+  const std::string lower = LowerCase(line);
   const auto create = [&](const std::string& definition) {
     return Owned(proj_create(context, definition.c_str()));
   };

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/text/plain_text.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -83,11 +84,7 @@ std::size_t TakeHeaderLine(char* bytes, std::size_t size, std::size_t count, voi
   if (line.starts_with("HTTP/")) headers.clear();  // of another answer before this one: 100 Continue
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos || headers.size() >= kMaxHeaders) return line.size();
-  std::string_view value = line.substr(colon + 1);
-  while (!value.empty() && value.front() == ' ') value.remove_prefix(1);
-  while (!value.empty() && (value.back() == '\r' || value.back() == '\n' || value.back() == ' '))
-    value.remove_suffix(1);
-  headers[LowerCase(line.substr(0, colon))] = std::string(value);
+  headers[LowerCase(line.substr(0, colon))] = Trim(line.substr(colon + 1));
   return line.size();
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/text/json_io.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 
 namespace skyquilt::storage {
@@ -21,13 +22,6 @@ constexpr std::size_t kMaxServiceAnswer = std::size_t{64} << 10;
 constexpr std::size_t kMaxCredentialsFile = std::size_t{1} << 20;
 constexpr const char* kMachineService = "http://169.254.169.254";
 constexpr const char* kContainerService = "http://169.254.170.2";
-
-std::string_view Stripped(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
-    text.remove_suffix(1);
-  return text;
-}
 
 std::string ReadBounded(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -49,18 +43,18 @@ std::optional<S3Credentials> CredentialsInFile(std::string_view text, std::strin
   bool is_in_profile = false;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = Stripped(text.substr(0, end));
+    const std::string_view line = Trim(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.starts_with('[') && line.ends_with(']')) {
-      std::string_view name = Stripped(line.substr(1, line.size() - 2));
-      if (name.starts_with("profile ")) name = Stripped(name.substr(8));
+      std::string_view name = Trim(line.substr(1, line.size() - 2));
+      if (name.starts_with("profile ")) name = Trim(name.substr(8));
       is_in_profile = name == profile;
     }
     const std::size_t equals = line.find('=');
     if (!is_in_profile || line.starts_with('#') || line.starts_with(';') || equals == std::string_view::npos)
       continue;
-    const std::string_view name = Stripped(line.substr(0, equals));
-    const std::string value(Stripped(line.substr(equals + 1)));
+    const std::string_view name = Trim(line.substr(0, equals));
+    const std::string value(Trim(line.substr(equals + 1)));
     if (name == "aws_access_key_id") credentials.access_key = value;
     if (name == "aws_secret_access_key") credentials.secret_key = value;
     if (name == "aws_session_token") credentials.session_token = value;

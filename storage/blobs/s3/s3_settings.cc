@@ -6,6 +6,8 @@
 #include <cctype>
 #include <cstdlib>
 
+#include "core/base/text/plain_text.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -26,9 +28,8 @@ bool IsPrefix(const std::string& prefix) {
          std::all_of(prefix.begin(), prefix.end(), [](unsigned char c) { return c > 0x20 && c < 0x7f; });
 }
 
-bool IsNo(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+bool IsNo(std::string_view value) {
+  const std::string text = LowerCase(value);
   return text == "no" || text == "false" || text == "off" || text == "0";
 }
 

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <ctime>
 #include <map>
 
 #include "core/base/check.h"
+#include "core/base/text/plain_text.h"
 #include "storage/blobs/sha256.h"
 
 namespace skyquilt::storage {
@@ -41,16 +41,10 @@ std::string ScopeOf(const std::string& stamp, const std::string& region) {
   return fmt::format("{}/{}/s3/aws4_request", stamp.substr(0, 8), region);
 }
 
-std::string Trimmed(std::string_view value) {
-  while (!value.empty() && value.front() == ' ') value.remove_prefix(1);
-  while (!value.empty() && value.back() == ' ') value.remove_suffix(1);
-  return std::string(value);
-}
-
 // Names in lower case, in their order.
 std::map<std::string, std::string> CanonicalHeaders(const NamedValues& headers, const std::string& host) {
   std::map<std::string, std::string> canonical = {{"host", host}};
-  for (const auto& [name, value] : headers) canonical[LowerCase(name)] = Trimmed(value);
+  for (const auto& [name, value] : headers) canonical[LowerCase(name)] = Trim(value);
   return canonical;
 }
 
@@ -78,13 +72,6 @@ std::string SignatureOf(const RequestToSign& request, const std::map<std::string
 }
 
 }  // namespace
-
-std::string LowerCase(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return lower;
-}
 
 std::string UriEncode(std::string_view text, bool keeps_slashes) {
   std::string encoded;

@@ -32,8 +32,6 @@ struct RequestToSign {
 inline constexpr const char* kEmptySha256 =
     "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
 
-// Of a header's name.
-std::string LowerCase(std::string_view text);
 // RFC 3986 as S3 wants it: letters, digits, "-", ".", "_" and "~" stay; a slash where it separates folders.
 std::string UriEncode(std::string_view text, bool keeps_slashes);
 // "a=1&b=": encoded and in the order of names.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 
 namespace skyquilt::storage {
@@ -14,13 +15,6 @@ namespace {
 
 constexpr std::size_t kMaxSchemaName = 48;
 constexpr std::size_t kMaxPassword = 4096;
-
-int HexDigit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
 
 // "%40" -> "@". Absent: a percent sign without two digits behind it.
 std::optional<std::string> Unescaped(std::string_view text) {

@@ -10,6 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"
@@ -132,9 +133,7 @@ std::optional<ExportFormat> ExportFormatOfName(std::string_view name) {
 }
 
 std::optional<ExportFormat> ExportFormatOfFile(std::string_view file_name) {
-  std::string ending(file_name.substr(file_name.rfind('.') + 1));
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  std::string ending = LowerCase(file_name.substr(file_name.rfind('.') + 1));
   if (ending == "tiff") ending = "tif";
   for (const FormatWords& one : kFormats) {
     if (ending == one.ending && one.format != ExportFormat::kReport) return one.format;
