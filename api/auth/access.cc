@@ -1,11 +1,9 @@
 #include "api/auth/access.h"
 
 #include <openssl/crypto.h>
-#include <sys/random.h>
 
 #include <array>
 #include <memory>
-#include <stdexcept>
 
 #include "api/auth/limits.h"
 #include "api/common/node_answers.h"
@@ -14,6 +12,7 @@
 #include "api/json/json_codec.h"
 #include "api/routes.h"
 #include "core/base/try.h"
+#include "storage/db/ids.h"
 
 namespace skyquilt::api {
 namespace {
@@ -82,9 +81,7 @@ Response Forbidden(const Request& request, std::string_view pattern, Scope neede
 
 std::string NewTextAfter(std::string_view beginning) {
   std::array<std::uint8_t, 32> random{};
-  if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) {
-    throw std::runtime_error("the kernel gave no random bytes");
-  }
+  storage::FillWithRandom(random);
   std::string text = EncodeBase64({reinterpret_cast<const char*>(random.data()), random.size()});
   for (char& c : text) c = c == '+' ? '-' : c == '/' ? '_' : c;
   while (text.ends_with('=')) text.pop_back();
@@ -175,11 +172,7 @@ std::string NewTokenText() { return NewTextAfter(kTokenText); }
 
 std::string NewShareText() { return NewTextAfter(kShareText); }
 
-std::string HashToken(std::string_view text) {
-  Digest digest(DigestAlgorithm::kSha256);
-  digest.Add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-  return digest.Finish();
-}
+std::string HashToken(std::string_view text) { return RawDigestOf(DigestAlgorithm::kSha256, text); }
 
 void AddOwnAccessRoute(Router& router, Service& service) {
   router.Add(Method::kGet, "/api/v1/access", On(service, OwnAccess));

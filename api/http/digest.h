@@ -1,36 +1,20 @@
-// Digest: SHA-256 (and, for protocols that ask for it, SHA-1) of bytes that come in pieces. One thread at a
-// time.
+// Digest: SHA-256 (and, for protocols that ask for it, SHA-1) of bytes that come in pieces, and base64, as
+// storage has both. One thread at a time.
 #pragma once
 
-#include <cstdint>
-#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 
+#include "storage/blobs/sha256.h"
+
 namespace skyquilt::api {
 
-enum class DigestAlgorithm { kSha1, kSha256 };
-
-class Digest {
- public:
-  explicit Digest(DigestAlgorithm algorithm);
-  ~Digest();
-  Digest(Digest&&) noexcept;
-  Digest& operator=(Digest&&) noexcept;
-  void Add(std::span<const std::uint8_t> bytes);
-  // The raw digest. Once.
-  std::string Finish();
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
-
-// RFC 4648 with padding, strictly; absent when it is not that.
-std::optional<std::string> DecodeBase64(std::string_view text);
-std::string EncodeBase64(std::string_view bytes);
+using Digest = storage::RawDigest;
+using storage::DecodeBase64;
+using storage::DigestAlgorithm;
+using storage::EncodeBase64;
+using storage::RawDigestOf;
 
 // Content-Digest of RFC 9530: the raw SHA-256 out of "sha-256=:...:" (others beside it are left alone);
 // absent when the header has none.

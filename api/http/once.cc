@@ -17,12 +17,6 @@ std::string RouteOf(const Request& request) {
   return std::string(MethodName(request.method)) + " " + request.path;
 }
 
-std::string FingerprintOf(std::string_view body) {
-  Digest digest(DigestAlgorithm::kSha256);
-  digest.Add({reinterpret_cast<const std::uint8_t*>(body.data()), body.size()});
-  return digest.Finish();
-}
-
 Response Replay(const storage::IdempotentAnswer& answer) {
   Response response = Json(answer.status, answer.body);
   if (!answer.location.empty()) response.headers.Add("Location", answer.location);
@@ -67,7 +61,7 @@ Response OnceBy(Service& service, const Request& request, const std::string& fin
 
 Response Once(Service& service, const Request& request, std::string_view body,
               const std::function<Result<Response>()>& carry_out) {
-  return OnceBy(service, request, FingerprintOf(body), carry_out);
+  return OnceBy(service, request, RawDigestOf(DigestAlgorithm::kSha256, body), carry_out);
 }
 
 Result<bool> HasKeptAnswer(Service& service, const Request& request) {

@@ -1,12 +1,10 @@
 #include "api/nodeodm/node_new_task.h"
 
 #include <fmt/format.h>
-#include <sys/random.h>
 
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "api/flights/flights.h"
 #include "api/forms/multipart.h"
@@ -18,6 +16,7 @@
 #include "api/webhooks/webhooks.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "storage/db/ids.h"
 
 namespace skyquilt::api {
 namespace {
@@ -73,9 +72,7 @@ Result<NodeFields> FromUrlencoded(const std::string& body) {
 
 std::string NewNodeUuid() {
   std::array<std::uint8_t, 16> bytes{};
-  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw std::runtime_error("the kernel gave no random bytes");
-  }
+  storage::FillWithRandom(bytes);
   bytes[6] = static_cast<std::uint8_t>((bytes[6] & 0x0f) | 0x40);
   bytes[8] = static_cast<std::uint8_t>((bytes[8] & 0x3f) | 0x80);
   std::string uuid;

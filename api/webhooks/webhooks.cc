@@ -1,8 +1,6 @@
 #include "api/webhooks/webhooks.h"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
-#include <openssl/hmac.h>
 
 #include <nlohmann/json.hpp>
 
@@ -13,6 +11,7 @@
 #include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "storage/blobs/sha256.h"
 #include "storage/catalogue/webhooks.h"
 
 namespace skyquilt::api {
@@ -93,14 +92,8 @@ Result<void> CheckWebhookUrl(std::string_view url) {
 }
 
 std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const std::string& body) {
-  const std::string text = fmt::format("{}.{}", at_s, body);
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()),
-       reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest, &size);
-  std::string hex;
-  for (unsigned int i = 0; i < size; ++i) hex += fmt::format("{:02x}", digest[i]);
-  return fmt::format("t={},v1={}", at_s, hex);
+  const std::string mac = storage::HmacSha256(secret, fmt::format("{}.{}", at_s, body));
+  return fmt::format("t={},v1={}", at_s, storage::HexOf(mac));
 }
 
 void AddWebhookRoutes(Router& router, Service& service) {

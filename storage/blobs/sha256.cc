@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
+#include <openssl/hmac.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdint>
 #include <fstream>
@@ -15,40 +17,71 @@
 
 namespace skyquilt::storage {
 
-struct Sha256Sum::State {
-  EVP_MD_CTX* context = EVP_MD_CTX_new();
-  ~State() { EVP_MD_CTX_free(context); }
-};
-
-Sha256Sum::Sha256Sum() : state_(std::make_unique<State>()) {
-  SKYQUILT_CHECK(EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr) == 1, "OpenSSL has no SHA-256");
+RawDigest::RawDigest(DigestAlgorithm algorithm) : context_(EVP_MD_CTX_new()) {
+  const EVP_MD* kind = algorithm == DigestAlgorithm::kMd5    ? EVP_md5()
+                       : algorithm == DigestAlgorithm::kSha1 ? EVP_sha1()
+                                                             : EVP_sha256();
+  SKYQUILT_CHECK(EVP_DigestInit_ex(context_.get(), kind, nullptr) == 1, "a digest that OpenSSL always has");
 }
 
-Sha256Sum::~Sha256Sum() = default;
+void RawDigest::Free::operator()(evp_md_ctx_st* context) const { EVP_MD_CTX_free(context); }
 
-void Sha256Sum::Add(std::string_view bytes) {
-  SKYQUILT_CHECK(EVP_DigestUpdate(state_->context, bytes.data(), bytes.size()) == 1,
-                 "OpenSSL failed to digest");
+void RawDigest::Add(std::string_view bytes) {
+  SKYQUILT_CHECK(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) == 1,
+                 "a digest takes any bytes");
 }
 
-std::string Sha256Sum::Finish() {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int length = 0;
-  SKYQUILT_CHECK(EVP_DigestFinal_ex(state_->context, digest, &length) == 1, "OpenSSL failed to digest");
-  return HexOf({digest, length});
+std::string RawDigest::Finish() {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> raw{};
+  unsigned int size = 0;
+  SKYQUILT_CHECK(EVP_DigestFinal_ex(context_.get(), raw.data(), &size) == 1, "a digest ends once");
+  return {raw.begin(), raw.begin() + size};
 }
 
-std::string HexOf(std::span<const unsigned char> bytes) {
+std::string RawDigestOf(DigestAlgorithm algorithm, std::string_view bytes) {
+  RawDigest digest(algorithm);
+  digest.Add(bytes);
+  return digest.Finish();
+}
+
+std::string HmacSha256(std::string_view key, std::string_view text) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> mac{};
+  unsigned int size = 0;
+  SKYQUILT_CHECK(
+      HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()),
+           reinterpret_cast<const unsigned char*>(text.data()), text.size(), mac.data(), &size) != nullptr,
+      "OpenSSL has no HMAC-SHA256");
+  return {mac.begin(), mac.begin() + size};
+}
+
+std::string HexOf(std::string_view bytes) {
   std::string hex;
-  for (const unsigned char byte : bytes) hex += fmt::format("{:02x}", byte);
+  for (const char byte : bytes) hex += fmt::format("{:02x}", static_cast<unsigned char>(byte));
   return hex;
 }
 
-std::string Sha256Hex(std::string_view bytes) {
-  Sha256Sum sum;
-  sum.Add(bytes);
-  return sum.Finish();
+std::optional<std::string> DecodeBase64(std::string_view text) {
+  std::string bytes(text.size() / 4 * 3, '\0');
+  const int size =
+      EVP_DecodeBlock(reinterpret_cast<unsigned char*>(bytes.data()),
+                      reinterpret_cast<const unsigned char*>(text.data()), static_cast<int>(text.size()));
+  if (size < 0) return std::nullopt;
+  const int padding = text.ends_with("==") ? 2 : text.ends_with('=') ? 1 : 0;
+  bytes.resize(static_cast<std::size_t>(std::max(0, size - padding)));
+  // OpenSSL passes over blanks around it and bits that are left over: here a value has one text.
+  if (EncodeBase64(bytes) != text) return std::nullopt;
+  return bytes;
 }
+
+std::string EncodeBase64(std::string_view bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // OpenSSL puts a zero behind it
+  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                  reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<int>(bytes.size()));
+  text.pop_back();
+  return text;
+}
+
+std::string Sha256Hex(std::string_view bytes) { return HexOf(RawDigestOf(DigestAlgorithm::kSha256, bytes)); }
 
 Result<std::string> Sha256OfBlob(BlobStore& blobs, const BlobInfo& blob) {
   constexpr std::int64_t kWindow = std::int64_t{8} << 20;

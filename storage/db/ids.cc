@@ -19,11 +19,15 @@ constexpr std::size_t kOrderedChars = 18;  // that put ids of one millisecond in
 
 }  // namespace
 
-std::string NewId() {
-  std::array<std::uint8_t, kRandomChars> random{};
-  if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) {
+void FillWithRandom(std::span<std::uint8_t> bytes) {
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
     throw std::runtime_error("the kernel gave no random bytes");
   }
+}
+
+std::string NewId() {
+  std::array<std::uint8_t, kRandomChars> random{};
+  FillWithRandom(random);
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   auto ms = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
   std::string id(kTimeChars + kRandomChars, '0');

@@ -3,11 +3,15 @@
 // they were made. Any thread.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace skyquilt::storage {
 
+// The kernel's randomness.
+void FillWithRandom(std::span<std::uint8_t> bytes);
 std::string NewId();
 // True for what NewId could have made; everything else from outside is refused before it comes near a path.
 bool IsId(std::string_view text);

@@ -132,6 +132,10 @@ TEST(TusHeaders, AreReadStrictly) {
     EXPECT_FALSE(ParseTusMetadata(bad)) << bad;
   }
   EXPECT_EQ(EncodeBase64(*DecodeBase64("AAEC/w==")), "AAEC/w==");
+  EXPECT_EQ(DecodeBase64(""), "");
+  for (const char* bad : {"YQ=", "YQ", "YR==", "====", "YQ=Q", " YQ==", "YQ==\n\n\n\n", "AAAA    ", "AA-_"}) {
+    EXPECT_FALSE(DecodeBase64(bad)) << bad;
+  }
   EXPECT_EQ(Sha256OfContentDigest("md5=:AA==:, sha-256=:AAEC:"), std::string("\0\1\2", 3));
   EXPECT_FALSE(Sha256OfContentDigest("sha-256=AAEC"));
 }

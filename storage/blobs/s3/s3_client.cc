@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <openssl/evp.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,7 +13,6 @@
 #include <thread>
 #include <utility>
 
-#include "core/base/check.h"
 #include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
@@ -53,13 +51,7 @@ std::chrono::system_clock::time_point HttpDate(const std::string& text) {
 
 // S3 wants it with a deletion of many.
 std::string Md5Base64(std::string_view bytes) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int length = 0;
-  SKYQUILT_CHECK(EVP_Digest(bytes.data(), bytes.size(), digest, &length, EVP_md5(), nullptr) == 1,
-                 "OpenSSL has no MD5");
-  unsigned char text[2 * EVP_MAX_MD_SIZE];
-  const int size = EVP_EncodeBlock(text, digest, static_cast<int>(length));
-  return {reinterpret_cast<const char*>(text), static_cast<std::size_t>(size)};
+  return EncodeBase64(RawDigestOf(DigestAlgorithm::kMd5, bytes));
 }
 
 // Whether so many bytes are all that there is of a range, as far as "Content-Range: bytes 0-9/100" says how

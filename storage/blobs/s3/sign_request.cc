@@ -1,15 +1,11 @@
 #include "storage/blobs/s3/sign_request.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <openssl/evp.h>
-#include <openssl/hmac.h>
 
 #include <algorithm>
-#include <array>
-#include <ctime>
 #include <map>
 
-#include "core/base/check.h"
 #include "core/base/text/plain_text.h"
 #include "storage/blobs/sha256.h"
 
@@ -18,23 +14,9 @@ namespace {
 
 constexpr const char* kAlgorithm = "AWS4-HMAC-SHA256";
 
-std::string Hmac(std::string_view key, std::string_view text) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> mac{};
-  unsigned int length = 0;
-  const auto* bytes = reinterpret_cast<const unsigned char*>(text.data());
-  SKYQUILT_CHECK(HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), bytes, text.size(), mac.data(),
-                      &length) != nullptr,
-                 "OpenSSL has no HMAC-SHA256");
-  return {reinterpret_cast<const char*>(mac.data()), length};
-}
-
 // "20130524T000000Z"
 std::string StampOf(std::chrono::system_clock::time_point now) {
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  return fmt::format("{:04}{:02}{:02}T{:02}{:02}{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday,
-                     utc.tm_hour, utc.tm_min, utc.tm_sec);
+  return fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(now)));
 }
 
 std::string ScopeOf(const std::string& stamp, const std::string& region) {
@@ -63,12 +45,12 @@ std::string SignatureOf(const RequestToSign& request, const std::map<std::string
   canonical += fmt::format("\n{}\n{}", NamesOf(headers), request.payload_sha256);
   const std::string to_sign =
       fmt::format("{}\n{}\n{}\n{}", kAlgorithm, stamp, ScopeOf(stamp, region), Sha256Hex(canonical));
-  std::string key = Hmac("AWS4" + credentials.secret_key, stamp.substr(0, 8));
+  std::string key = HmacSha256("AWS4" + credentials.secret_key, stamp.substr(0, 8));
   for (const std::string_view part : {std::string_view(region), std::string_view("s3"),
                                       std::string_view("aws4_request"), std::string_view(to_sign)}) {
-    key = Hmac(key, part);
+    key = HmacSha256(key, part);
   }
-  return HexOf({reinterpret_cast<const unsigned char*>(key.data()), key.size()});
+  return HexOf(key);
 }
 
 }  // namespace
