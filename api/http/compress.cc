@@ -1,14 +1,12 @@
 #include "api/http/compress.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
 
-#include "core/base/check.h"
 #include "core/base/try.h"
+#include "storage/pmtiles/pmtiles_archive.h"
 
 namespace skyquilt::api {
 namespace {
@@ -24,24 +22,6 @@ bool IsText(std::string_view type) {
   return type.find("+json") != std::string_view::npos || type.find("+xml") != std::string_view::npos ||
          std::any_of(kTypes.begin(), kTypes.end(),
                      [&](std::string_view known) { return type.starts_with(known); });
-}
-
-std::string Gzipped(const std::string& text) {
-  z_stream stream{};
-  constexpr int kGzipWindow = 15 + 16, kUsualMemory = 8;
-  SKYQUILT_CHECK(
-      deflateInit2(&stream, kLevel, Z_DEFLATED, kGzipWindow, kUsualMemory, Z_DEFAULT_STRATEGY) == Z_OK,
-      "zlib takes no stream");
-  std::string packed(deflateBound(&stream, static_cast<uLong>(text.size())), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  const int ended = deflate(&stream, Z_FINISH);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  SKYQUILT_CHECK(ended == Z_STREAM_END, "deflateBound was too small");
-  return packed;
 }
 
 Result<std::string> Whole(BodySource& source) {
@@ -87,7 +67,7 @@ Result<void> CompressAnswer(const Request& request, Response& response) {
     SKYQUILT_TRY_ASSIGN(response.body, Whole(*response.source));
     response.source.reset();
   }
-  response.body = Gzipped(response.body);
+  response.body = storage::Gzip(response.body, kLevel);
   response.headers.Add("Content-Encoding", "gzip");
   if (const std::string_view etag = response.headers.Find("ETag"); etag.starts_with('"'))
     response.headers.Set("ETag", "W/" + std::string(etag));

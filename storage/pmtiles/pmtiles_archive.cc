@@ -4,7 +4,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -23,11 +22,10 @@ constexpr int kGzipWindow = 15 + 16;  // zlib's largest, with gzip's head and en
 
 }  // namespace
 
-std::string Gzip(std::string_view bytes) {
+std::string Gzip(std::string_view bytes, int level) {
   constexpr int kMemoryLevel = 8;
   z_stream stream{};
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, kMemoryLevel,
-                   Z_DEFAULT_STRATEGY) != Z_OK) {
+  if (deflateInit2(&stream, level, Z_DEFLATED, kGzipWindow, kMemoryLevel, Z_DEFAULT_STRATEGY) != Z_OK) {
     throw std::bad_alloc();
   }
   std::string out(deflateBound(&stream, bytes.size()), '\0');
@@ -111,13 +109,6 @@ Error Damaged(const std::string& what) {
   return {ErrorCode::kCorrupt, "The map's file mosaic.pmtiles is damaged. Stitch the flight again.", what};
 }
 
-template <typename Number>
-Number NumberAt(std::string_view bytes, std::size_t offset) {
-  Number number{};
-  std::memcpy(&number, bytes.data() + offset, sizeof(number));
-  return number;
-}
-
 Result<std::string> Unpacked(std::string_view packed) {
   z_stream stream{};
   if (inflateInit2(&stream, kGzipWindow) != Z_OK) throw std::bad_alloc();
@@ -165,22 +156,18 @@ class Varints {
 }  // namespace
 
 Result<PmtilesHeader> ParsePmtilesHeader(std::string_view archive) {
-  constexpr std::uint8_t kVersion = 3, kGzip = 2, kUncompressed = 1;
+  constexpr int kVersion = 3, kGzip = 2, kUncompressed = 1;
   if (archive.size() < kPmtilesHeaderBytes || !archive.starts_with("PMTiles")) return Damaged("no header");
-  const auto byte_at = [&](std::size_t at) { return static_cast<std::uint8_t>(archive[at]); };
-  const auto section_at = [&](std::size_t at) {
-    return PmtilesSection{NumberAt<std::uint64_t>(archive, at), NumberAt<std::uint64_t>(archive, at + 8)};
-  };
-  const auto degrees_at = [&](std::size_t at) { return NumberAt<std::int32_t>(archive, at) * 1e-7; };
-  if (byte_at(7) != kVersion || byte_at(97) != kGzip || byte_at(98) > kUncompressed) {
+  const PmtilesFields fields(archive);
+  if (fields.ByteAt(7) != kVersion || fields.ByteAt(97) != kGzip || fields.ByteAt(98) > kUncompressed) {
     return Error{ErrorCode::kUnsupportedFormat,
                  "The map's file mosaic.pmtiles is of another version, or packed in another way.", ""};
   }
   PmtilesHeader header;
-  header.root = section_at(8);
-  header.metadata = section_at(24);
-  header.leaves = section_at(40);
-  header.tiles = section_at(56);
+  header.root = fields.SectionAt(8);
+  header.metadata = fields.SectionAt(24);
+  header.leaves = fields.SectionAt(40);
+  header.tiles = fields.SectionAt(56);
   for (const PmtilesSection& section : {header.root, header.metadata, header.leaves, header.tiles}) {
     if (section.offset > kMaxArchiveBytes || section.bytes > kMaxArchiveBytes) return Damaged("a section");
   }
@@ -188,17 +175,17 @@ Result<PmtilesHeader> ParsePmtilesHeader(std::string_view archive) {
       header.root.bytes > kPmtilesHeadBytes - header.root.offset || header.root.bytes == 0)
     return Damaged("the root");
   if (header.metadata.bytes > kMaxLeafBytes) return Damaged("the metadata");
-  const std::optional<image::PictureFormat> format = image::PictureFormatOfPmtiles(byte_at(99));
+  const std::optional<image::PictureFormat> format = image::PictureFormatOfPmtiles(fields.ByteAt(99));
   if (!format)
     return Error{ErrorCode::kUnsupportedFormat, "The tiles of mosaic.pmtiles are no pictures.", ""};
   header.format = image::ExtensionOf(*format);
-  header.min_zoom = byte_at(100);
-  header.max_zoom = byte_at(101);
+  header.min_zoom = fields.ByteAt(100);
+  header.max_zoom = fields.ByteAt(101);
   if (header.max_zoom > geo::kMaxZoom || header.min_zoom > header.max_zoom) return Damaged("zooms");
-  header.west_deg = degrees_at(102);
-  header.south_deg = degrees_at(106);
-  header.east_deg = degrees_at(110);
-  header.north_deg = degrees_at(114);
+  header.west_deg = fields.DegreesAt(102);
+  header.south_deg = fields.DegreesAt(106);
+  header.east_deg = fields.DegreesAt(110);
+  header.north_deg = fields.DegreesAt(114);
   return header;
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,8 +18,8 @@
 
 namespace skyquilt::storage {
 
-// A gzip member that is always the same (no date, no name).
-std::string Gzip(std::string_view bytes);
+// A gzip member that is always the same (no date, no name). `level`: zlib's, -1 its usual one.
+std::string Gzip(std::string_view bytes, int level = -1);
 
 // The tile's number along the Hilbert curves of all zooms, coarsest first.
 std::uint64_t PmtilesNumber(const geo::TileId& tile);
@@ -46,6 +47,26 @@ PmtilesDirectories MakePmtilesDirectories(const std::vector<PmtilesEntry>& entri
 struct PmtilesSection {
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;
+};
+
+// The numbers of a header that is there to its end, by their places.
+class PmtilesFields {
+ public:
+  explicit PmtilesFields(std::string_view header) : header_(header) {}
+  template <typename Number>
+  Number At(std::size_t offset) const {
+    Number number{};
+    std::memcpy(&number, header_.data() + offset, sizeof(number));
+    return number;
+  }
+  PmtilesSection SectionAt(std::size_t offset) const {
+    return {At<std::uint64_t>(offset), At<std::uint64_t>(offset + 8)};
+  }
+  int ByteAt(std::size_t offset) const { return At<std::uint8_t>(offset); }
+  double DegreesAt(std::size_t offset) const { return 1e-7 * At<std::int32_t>(offset); }
+
+ private:
+  std::string_view header_;
 };
 
 struct PmtilesHeader {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <fstream>
 #include <optional>
 #include <system_error>
@@ -23,25 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxLeafDepth = 4;
 constexpr std::uint64_t kMaxMetadataBytes = std::uint64_t{4} << 20;
-
-// Header fields by their places.
-class HeadFields {
- public:
-  explicit HeadFields(std::string_view head) : head_(head) {}
-  template <typename Number>
-  Number At(std::size_t offset) const {
-    Number number{};
-    std::memcpy(&number, head_.data() + offset, sizeof(number));
-    return number;
-  }
-  PmtilesSection SectionAt(std::size_t offset) const {
-    return {At<std::uint64_t>(offset), At<std::uint64_t>(offset + 8)};
-  }
-  int ByteAt(std::size_t offset) const { return static_cast<unsigned char>(head_[offset]); }
-
- private:
-  std::string_view head_;
-};
 
 // The tile of a number along the Hilbert curves; nothing beyond the finest zoom.
 std::optional<geo::TileId> TileOfNumber(std::uint64_t number) {
@@ -79,7 +59,7 @@ class PmtilesCheck {
       verdict_.Add(Severity::kError, "it has no PMTiles header");
       return {};
     }
-    const HeadFields fields(head);
+    const PmtilesFields fields(head);
     if (fields.ByteAt(7) != 3) {
       verdict_.Add(Severity::kError,
                    fmt::format("it is of version {} of PMTiles; version 3 is read", fields.ByteAt(7)));
@@ -109,7 +89,7 @@ class PmtilesCheck {
     return read;
   }
 
-  bool CheckSections(const HeadFields& fields) {
+  bool CheckSections(const PmtilesFields& fields) {
     struct Named {
       const char* name;
       PmtilesSection section;
@@ -146,7 +126,7 @@ class PmtilesCheck {
     return is_sound;
   }
 
-  TilesetClaims ReadClaims(const HeadFields& fields) {
+  TilesetClaims ReadClaims(const PmtilesFields& fields) {
     TilesetClaims claims;
     const int type = fields.ByteAt(99);
     const std::optional<image::PictureFormat> format = image::PictureFormatOfPmtiles(type);
@@ -162,9 +142,9 @@ class PmtilesCheck {
     }
     claims.min_zoom = fields.ByteAt(100);
     claims.max_zoom = fields.ByteAt(101);
-    const auto degrees = [&](std::size_t at) { return 1e-7 * fields.At<std::int32_t>(at); };
-    claims.bounds = geo::LatLonBounds{degrees(102), degrees(106), degrees(110), degrees(114)};
-    const double lon = degrees(119), lat = degrees(123);
+    claims.bounds = geo::LatLonBounds{fields.DegreesAt(102), fields.DegreesAt(106), fields.DegreesAt(110),
+                                      fields.DegreesAt(114)};
+    const double lon = fields.DegreesAt(119), lat = fields.DegreesAt(123);
     constexpr double kSlackDeg = 1e-6;
     const geo::LatLonBounds& b = *claims.bounds;
     if (lon < b.west_deg - kSlackDeg || lon > b.east_deg + kSlackDeg || lat < b.south_deg - kSlackDeg ||
@@ -249,7 +229,7 @@ class PmtilesCheck {
     if (are_pictures_) judge_.LookAt(*first, ReadAt(tiles_.offset + entry.offset, entry.length));
   }
 
-  void CompareCounts(const HeadFields& fields) {
+  void CompareCounts(const PmtilesFields& fields) {
     const auto compare = [&](std::size_t at, std::uint64_t is, const char* name) {
       const auto said = fields.At<std::uint64_t>(at);
       if (said != 0 && said != is)  // zero: unknown
