@@ -44,4 +44,21 @@ void ParallelFor(std::size_t count, int threads, const std::function<void(std::s
   if (failure) std::rethrow_exception(failure);
 }
 
+Result<void> ParallelTry(std::size_t count, int threads,
+                         const std::function<Result<void>(std::size_t)>& body) {
+  std::mutex mutex;
+  std::optional<Error> failure;
+  ParallelFor(count, threads, [&](std::size_t i) {
+    {
+      const std::lock_guard lock(mutex);
+      if (failure) return;
+    }
+    const Result<void> done = body(i);
+    const std::lock_guard lock(mutex);
+    if (!done && !failure) failure = done.error();
+  });
+  if (failure) return *failure;
+  return {};
+}
+
 }  // namespace skyquilt

@@ -2,7 +2,8 @@
 // out in order; the first exception stops the hand-out and is rethrown. With one thread it runs in the
 // caller. ParallelOrdered: like it, but `consume(i, result)` is called by one thread at a time in the order
 // of i, and at most `window` results wait: memory stays bounded and the outcome does not depend on the number
-// of threads. ParallelCollect: what is found of some of them, in order.
+// of threads. ParallelCollect: what is found of some of them, in order. ParallelTry: the first error is the
+// answer, and nothing is begun after it.
 #pragma once
 
 #include <condition_variable>
@@ -15,12 +16,17 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/result.h"
+
 namespace skyquilt {
 
 // The number of worker threads meant by `threads` (0 = all cores).
 int ThreadCount(int threads);
 
 void ParallelFor(std::size_t count, int threads, const std::function<void(std::size_t)>& body);
+
+Result<void> ParallelTry(std::size_t count, int threads,
+                         const std::function<Result<void>(std::size_t)>& body);
 
 // `find(i)` is an optional; those with nothing are left out.
 template <typename Find>

@@ -44,22 +44,15 @@ Result<void> WithPatience(const Progress& progress, const std::function<Result<v
 Result<void> ForAll(std::size_t count, const char* what, Progress& progress,
                     const std::function<Result<void>(std::size_t)>& act) {
   std::mutex mutex;
-  std::optional<Error> failure;
   std::size_t done = 0;
-  ParallelFor(count, kSideBySide, [&](std::size_t i) {
-    {
-      const std::lock_guard lock(mutex);
-      if (failure) return;
-    }
-    const Result<void> acted = WithPatience(progress, [&] { return act(i); });
+  return ParallelTry(count, kSideBySide, [&](std::size_t i) -> Result<void> {
+    SKYQUILT_TRY(WithPatience(progress, [&] { return act(i); }));
     const std::lock_guard lock(mutex);
-    if (!acted && !failure) failure = acted.error();
     ++done;
     progress.Report(static_cast<double>(done) / static_cast<double>(count),
                     fmt::format(fmt::runtime(what), done, count));
+    return {};
   });
-  if (failure) return *failure;
-  return {};
 }
 
 // A flight's files into this machine's cache, side by side.

@@ -1,7 +1,6 @@
 #include "storage/blobs/s3_blobs.h"
 
 #include <algorithm>
-#include <mutex>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -26,23 +25,6 @@ Result<std::string> RangeOf(const fs::path& file, std::int64_t offset, std::int6
   if (static_cast<std::int64_t>(bytes.size()) < length) return FileError("cannot read", file, EIO);
   return bytes;
 }
-
-// The first error of several threads.
-class FirstError {
- public:
-  void Keep(Error error) {
-    const std::lock_guard lock(mutex_);
-    if (!error_) error_ = std::move(error);
-  }
-  std::optional<Error> error() const {
-    const std::lock_guard lock(mutex_);
-    return error_;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::optional<Error> error_;
-};
 
 }  // namespace
 
@@ -71,23 +53,16 @@ Result<void> S3Blobs::PutInParts(const std::string& key, const fs::path& file, s
   const auto count = static_cast<std::size_t>((bytes + part_bytes - 1) / part_bytes);
   SKYQUILT_TRY_ASSIGN(const std::string upload_id, client_->BeginUpload(key, {sha256}));
   std::vector<UploadedPart> parts(count);
-  FirstError failure;
-  ParallelFor(count, kPartsSideBySide, [&](std::size_t i) {
-    if (failure.error()) return;
+  Result<void> done = ParallelTry(count, kPartsSideBySide, [&](std::size_t i) -> Result<void> {
     const std::int64_t offset = static_cast<std::int64_t>(i) * part_bytes;
-    const Result<std::string> part = RangeOf(file, offset, std::min(part_bytes, bytes - offset));
-    if (!part) return failure.Keep(part.error());
-    Result<UploadedPart> put = client_->PutPart(key, upload_id, static_cast<int>(i) + 1, *part);
-    if (!put) return failure.Keep(put.error());
-    parts[i] = *std::move(put);
+    SKYQUILT_TRY_ASSIGN(const std::string part, RangeOf(file, offset, std::min(part_bytes, bytes - offset)));
+    SKYQUILT_TRY_ASSIGN(parts[i], client_->PutPart(key, upload_id, static_cast<int>(i) + 1, part));
+    return {};
   });
-  if (!failure.error()) {
-    const Result<void> completed = client_->Complete(key, upload_id, parts, bytes);
-    if (completed) return {};
-    failure.Keep(completed.error());
-  }
-  (void)client_->Abort(key, upload_id).ok();  // what stays, the store's own rule for begun uploads removes
-  return *failure.error();
+  if (done) done = client_->Complete(key, upload_id, parts, bytes);
+  // What stays, the store's own rule for begun uploads removes.
+  if (!done) (void)client_->Abort(key, upload_id).ok();
+  return done;
 }
 
 Result<void> S3Blobs::PutIfAbsent(const std::string& key, std::string_view bytes) {

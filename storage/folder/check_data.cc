@@ -129,15 +129,9 @@ Result<void> CheckMaps(CatalogueDb& db, BlobStore& blobs, DataCheck& check, Prog
   SKYQUILT_TRY_ASSIGN(const std::vector<MapProduct> products, AllProducts(db, check));
   progress.BeginStage("compare");
   std::mutex mutex;
-  std::optional<Error> failure;
   std::size_t done = 0;
-  ParallelFor(products.size(), kComparedSideBySide, [&](std::size_t i) {
-    {
-      const std::lock_guard lock(mutex);
-      if (!failure && progress.IsCancelled())
-        failure = Error{ErrorCode::kCancelled, "The check was stopped.", ""};
-      if (failure) return;
-    }
+  const auto compare = [&](std::size_t i) -> Result<void> {
+    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The check was stopped.", ""};
     const std::string &key = products[i].name, &sha256 = products[i].sha256;
     const auto read = [&]() -> Result<std::string> {
       SKYQUILT_TRY_ASSIGN(const BlobInfo blob, blobs.Find(key));
@@ -150,15 +144,16 @@ Result<void> CheckMaps(CatalogueDb& db, BlobStore& blobs, DataCheck& check, Prog
     } else if (!sum && sum.error().code == ErrorCode::kCorrupt) {
       check.changed.push_back(fmt::format("{}: {}", key, sum.error().message));
     } else if (!sum) {
-      if (!failure) failure = sum.error();
+      return sum.error();
     } else if (*sum != sha256) {
       check.changed.push_back(fmt::format("{}: SHA-256 {} instead of {}", key, *sum, sha256));
     }
     ++done;
     progress.Report(static_cast<double>(done) / static_cast<double>(products.size()),
                     fmt::format("{} of {} files", done, products.size()));
-  });
-  if (failure) return *failure;
+    return {};
+  };
+  SKYQUILT_TRY(ParallelTry(products.size(), kComparedSideBySide, compare));
   std::sort(check.changed.begin(), check.changed.end());
   return {};
 }

@@ -226,25 +226,19 @@ Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id
   for (const BlobInfo& blob : blobs) report.bytes += blob.bytes;
   progress.BeginStage("move");
   std::mutex mutex;
-  std::optional<Error> failure;
   std::int64_t bytes_done = 0;
-  ParallelFor(blobs.size(), kMovedSideBySide, [&](std::size_t i) {
-    {
-      const std::lock_guard lock(mutex);
-      if (failure) return;
-    }
-    const Result<bool> moved = MoveOne(blobs[i], from, to);
+  const auto move = [&](std::size_t i) -> Result<void> {
+    SKYQUILT_TRY_ASSIGN(const bool is_copied, MoveOne(blobs[i], from, to));
     const std::lock_guard lock(mutex);
-    if (!moved && !failure) failure = moved.error();
-    if (!moved) return;
-    ++(*moved ? report.copied : report.there_already);
+    ++(is_copied ? report.copied : report.there_already);
     bytes_done += blobs[i].bytes;
     progress.Report(
         static_cast<double>(bytes_done) / static_cast<double>(std::max<std::int64_t>(1, report.bytes)),
         fmt::format("{} of {} files, {:.1f} of {:.1f} MB", report.copied + report.there_already, blobs.size(),
                     static_cast<double>(bytes_done) / 1e6, static_cast<double>(report.bytes) / 1e6));
-  });
-  if (failure) return *failure;
+    return {};
+  };
+  SKYQUILT_TRY(ParallelTry(blobs.size(), kMovedSideBySide, move));
   if (!to.IsFolder()) {
     SKYQUILT_TRY_ASSIGN(report.pack, PackMaps(dir, MapsAmong(blobs), from, to, progress));
   }

@@ -17,6 +17,19 @@ TEST(ParallelFor, VisitsEveryItemOnce) {
   }
 }
 
+TEST(ParallelTry, AnswersTheFirstErrorAndBeginsNothingAfterIt) {
+  int begun = 0;
+  const Result<void> done = ParallelTry(1000, 1, [&](std::size_t i) -> Result<void> {
+    ++begun;
+    if (i == 3) return Error{ErrorCode::kIo, "three", ""};
+    return {};
+  });
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().message, "three");
+  EXPECT_EQ(begun, 4);
+  EXPECT_TRUE(ParallelTry(10, 3, [](std::size_t) { return Result<void>(); }));
+}
+
 TEST(ParallelFor, RethrowsTheFirstFailureAndStops) {
   EXPECT_THROW(ParallelFor(100, 3,
                            [](std::size_t i) {
