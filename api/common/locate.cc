@@ -1,8 +1,6 @@
 #include "api/common/locate.h"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "api/common/find_flight.h"
 #include "api/http/parameters.h"
@@ -11,6 +9,7 @@
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/pipeline/report/locate.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::api {
 namespace {
@@ -55,14 +54,11 @@ Result<pipeline::LocatedMap> ReadLocatedMap(Service& service, const std::string&
   SKYQUILT_TRY_ASSIGN(const ShownMap shown, FindShownMap(service, id));
   const Result<storage::LocalBlob> fetched = FetchProduct(service, shown, "locate.json");
   if (!fetched && fetched.error().code != ErrorCode::kNotFound) return fetched.error();
-  std::ifstream file(fetched ? fetched->path : std::filesystem::path(), std::ios::binary);
-  if (!file) {
+  const Result<std::string> text = fetched ? storage::ReadWholeFile(fetched->path) : fetched.error();
+  if (!text)
     return Error{ErrorCode::kNotFound, "This map was made before cameras were kept with it. Stitch it again.",
                  shown.prefix};
-  }
-  std::ostringstream text;
-  text << file.rdbuf();
-  return pipeline::ParseLocateJson(text.str());
+  return pipeline::ParseLocateJson(*text);
 }
 
 void AddLocateRoutes(Router& router, Service& service) {

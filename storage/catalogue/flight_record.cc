@@ -5,12 +5,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/base/text/json_io.h"
+#include "core/base/try.h"
 #include "storage/files/publish_file.h"
 #include "storage/tags/flight_tags.h"
 
@@ -139,9 +138,7 @@ Result<std::optional<FlightRecord>> ReadFlightRecord(const std::filesystem::path
   const std::filesystem::path path = flight_folder / kFlightRecordName;
   std::error_code none;
   if (!std::filesystem::is_regular_file(path, none)) return std::optional<FlightRecord>();
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
-  if (!file.is_open() || file.bad()) return FileError("cannot read", path, errno != 0 ? errno : EIO);
+  SKYQUILT_TRY_ASSIGN(const std::string text, ReadWholeFile(path));
   return std::optional<FlightRecord>(ParseFlightRecord(text));
 }
 

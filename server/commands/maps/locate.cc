@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "server/commands/commands.h"
 #include "server/terminal/fail.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
@@ -31,15 +30,13 @@ void Run(const LocateOptions& options) {
   if (options.pixel.empty() == options.lon_lat.empty() || options.pixel.empty() != options.photo.empty()) {
     Refuse("skyquilt locate", "Give either --photo with --pixel, or --lonlat.");
   }
-  std::ifstream file(options.map_dir + "/locate.json", std::ios::binary);
-  if (!file) {
+  const Result<std::string> text = storage::ReadWholeFile(options.map_dir + "/locate.json");
+  if (!text) {
     Fail("skyquilt locate",
          {ErrorCode::kNotFound,
           options.map_dir + " has no locate.json. Give the folder that \"stitch\" wrote.", ""});
   }
-  std::ostringstream text;
-  text << file.rdbuf();
-  const pipeline::LocatedMap map = OrFail("skyquilt locate", pipeline::ParseLocateJson(text.str()));
+  const pipeline::LocatedMap map = OrFail("skyquilt locate", pipeline::ParseLocateJson(*text));
   if (!options.pixel.empty()) {
     const pipeline::GroundPoint point = OrFail(
         "skyquilt locate", pipeline::GroundAtPixel(map, options.photo, {options.pixel[0], options.pixel[1]}));
