@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <ctime>
 #include <random>
 #include <thread>
 #include <utility>
@@ -43,10 +42,7 @@ std::int64_t IntegerOf(const std::string& text) {
 
 // "Fri, 24 May 2013 00:00:00 GMT"; zero where it is none.
 std::chrono::system_clock::time_point HttpDate(const std::string& text) {
-  std::tm utc{};
-  if (strptime(text.c_str(), "%a, %d %b %Y %H:%M:%S", &utc) == nullptr) return {};
-  if (utc.tm_year < 70 || utc.tm_year > 300) return {};  // beyond what the clock counts
-  return std::chrono::system_clock::from_time_t(timegm(&utc));
+  return UtcOf(text, "%a, %d %b %Y %H:%M:%S").value_or(std::chrono::system_clock::time_point());
 }
 
 // S3 wants it with a deletion of many.

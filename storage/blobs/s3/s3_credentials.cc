@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -63,20 +62,16 @@ std::optional<S3Credentials> CredentialsInFile(std::string_view text, std::strin
   return credentials;
 }
 
-std::optional<std::chrono::system_clock::time_point> ParseUtc(const std::string& text) {
+std::optional<std::chrono::system_clock::time_point> UtcOf(const std::string& text, const char* format) {
   std::tm utc{};
-  int read = 0;
-  const int fields = std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2d%n", &utc.tm_year, &utc.tm_mon,
-                                 &utc.tm_mday, &utc.tm_hour, &utc.tm_min, &utc.tm_sec, &read);
+  if (strptime(text.c_str(), format, &utc) == nullptr) return std::nullopt;
   // The clock counts nanoseconds in 64 bits: it ends in 2262.
-  const bool is_time = fields == 6 && utc.tm_year >= 1970 && utc.tm_year <= 2200 && utc.tm_mon >= 1 &&
-                       utc.tm_mon <= 12 && utc.tm_mday >= 1 && utc.tm_mday <= 31 && utc.tm_hour >= 0 &&
-                       utc.tm_hour < 24 && utc.tm_min >= 0 && utc.tm_min < 60 && utc.tm_sec >= 0 &&
-                       utc.tm_sec <= 60;
-  if (!is_time || !text.ends_with('Z')) return std::nullopt;
-  utc.tm_year -= 1900;
-  utc.tm_mon -= 1;
+  if (utc.tm_year < 70 || utc.tm_year > 300) return std::nullopt;
   return std::chrono::system_clock::from_time_t(timegm(&utc));
+}
+
+std::optional<std::chrono::system_clock::time_point> ParseUtc(const std::string& text) {
+  return text.ends_with('Z') ? UtcOf(text, "%Y-%m-%dT%H:%M:%S") : std::nullopt;
 }
 
 std::optional<S3Credentials> CredentialsInAnswer(std::string_view text) {

@@ -45,6 +45,8 @@ class CredentialSource {
 std::optional<S3Credentials> CredentialsInFile(std::string_view text, std::string_view profile);
 // What a credentials service answers, as JSON; absent where it is none. Pure.
 std::optional<S3Credentials> CredentialsInAnswer(std::string_view json);
+// `format`: as strptime has it. Absent: it is no such time, or none that the clock counts.
+std::optional<std::chrono::system_clock::time_point> UtcOf(const std::string& text, const char* format);
 // "2026-05-24T12:00:00Z".
 std::optional<std::chrono::system_clock::time_point> ParseUtc(const std::string& text);
 // A token is sent over http only to this machine and to the addresses that container services have.
