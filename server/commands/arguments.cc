@@ -76,11 +76,14 @@ void CheckOutFile(const char* command, const fs::path& out, bool may_replace) {
     Refuse(command, "The folder " + out.parent_path().string() + " is not there. Make it first.");
 }
 
-WorkBeside::WorkBeside(const char* command, const fs::path& out)
-    : folder_(out.parent_path() / ("." + out.filename().string() + "-" + std::to_string(getpid()))) {
+fs::path HiddenBeside(const fs::path& out) {
+  return out.parent_path() / ("." + out.filename().string() + "-" + std::to_string(getpid()));
+}
+
+WorkFolder::WorkFolder(const char* command, const fs::path& path) : folder_(path) {
   std::error_code error;
-  if (!fs::create_directory(path(), error))
-    Fail(command, storage::FileError("cannot make", path(), error ? error.value() : EEXIST));
+  if (!fs::create_directory(path, error))
+    Fail(command, storage::FileError("cannot make", path, error ? error.value() : EEXIST));
 }
 
 }  // namespace skyquilt::server

@@ -33,11 +33,13 @@ UploadedFlight UploadAtTerminal(const char* command, const std::vector<flight::I
 // replaced.
 void CheckOutFile(const char* command, const std::filesystem::path& out, bool may_replace);
 
-// A folder for what is put down while a file is made: beside it, on the same disk, under a hidden name of
-// this process; gone at the end.
-class WorkBeside {
+// On the same disk as a file that is made, under a hidden name of this process.
+std::filesystem::path HiddenBeside(const std::filesystem::path& out);
+
+// A folder for what is put down while something is made; gone at the end.
+class WorkFolder {
  public:
-  WorkBeside(const char* command, const std::filesystem::path& out);
+  WorkFolder(const char* command, const std::filesystem::path& path);
   const std::filesystem::path& path() const { return folder_.path(); }
 
  private:

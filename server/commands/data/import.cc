@@ -6,10 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <system_error>
 #include <vector>
 
-#include "core/base/scoped_folder.h"
 #include "core/base/text/json_io.h"
 #include "core/base/text/printable.h"
 #include "server/commands/arguments.h"
@@ -17,7 +15,7 @@
 #include "server/imports/import_map.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
-#include "storage/files/publish_file.h"
+#include "storage/files/data_dir.h"
 #include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 #include "storage/tags/flight_tags.h"
@@ -39,21 +37,6 @@ struct ImportArguments {
   std::vector<std::string> tags;
 };
 
-// Below incoming/, under a name that says it is temporary and ours; gone at the end unless it became a map.
-class ImportFolder {
- public:
-  explicit ImportFolder(const storage::DataDir& dir)
-      : folder_(dir.Incoming() / dir.NewTemporaryName(storage::kImportKind)) {
-    std::error_code error;
-    if (!fs::create_directory(path(), error))
-      Fail(kImportCommand, storage::FileError("cannot make", path(), error.value()));
-  }
-  const fs::path& path() const { return folder_.path(); }
-
- private:
-  ScopedFolder folder_;
-};
-
 storage::OpenedDataFolder OpenForImport(const fs::path& data_dir) {
   storage::OpenedDataFolder opened = OrFail(kImportCommand, storage::OpenDataFolder(data_dir));
   const std::optional<std::string> elsewhere = OrFail(kImportCommand, storage::SettledAt(opened.dir));
@@ -70,7 +53,9 @@ void ImportIntoFolder(ImportArguments& arguments) {
   arguments.options.report_json = ReportBeside(arguments.file);
   const ImportOptions& options = arguments.options;
   const storage::OpenedDataFolder opened = OpenForImport(arguments.data_dir);
-  const ImportFolder folder(opened.dir);
+  // Under a name that says it is temporary and ours; what became a map is no longer there at the end.
+  const WorkFolder folder(kImportCommand,
+                          opened.dir.Incoming() / opened.dir.NewTemporaryName(storage::kImportKind));
   const pipeline::MosaicReport report = OrFail(kImportCommand, [&] {
     TerminalProgress progress;
     return ImportMap({arguments.file.string(), arguments.file}, folder.path(), options, progress);

@@ -85,7 +85,7 @@ void Run(const ExportArguments& arguments) {
       Refuse(kExportCommand, out.string() + " is the map itself or a part of it; choose another name.");
   }
   CheckOutFile(kExportCommand, out, arguments.overwrite);
-  const WorkBeside work(kExportCommand, out);
+  const WorkFolder work(kExportCommand, HiddenBeside(out));
   OrFail(kExportCommand, [&] {
     TerminalProgress progress;
     return storage::ExportMap(source, request, work.path(), out, {arguments.quality, arguments.threads},

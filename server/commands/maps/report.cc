@@ -64,7 +64,7 @@ void Run(const ReportArguments& arguments) {
                           arguments.map_dir.string() +
                               " has no report.json. Name the folder that \"skyquilt stitch -o\" wrote.",
                           ""});
-  const WorkBeside work(kReportCommand, out);
+  const WorkFolder work(kReportCommand, HiddenBeside(out));
   const MapPixels pixels = OrFail(kReportCommand, [&] {
     TerminalProgress progress;
     return MakeMapPixels(arguments.map_dir, arguments.picture_px, 0, work.path(), progress);
