@@ -19,10 +19,10 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
   SKYQUILT_TRY_ASSIGN(const ExtractedFlight extracted,
                       ExtractFlight(recorded, source, options, std::move(found), progress));
   SKYQUILT_TRY_ASSIGN(Attempt matched, MatchByRecords(extracted, options, progress));
-  SKYQUILT_TRY_ASSIGN(PlacedFlight placed, PlaceByEvidence(extracted, std::move(matched), options, progress));
-  placed.attempt = FinishAttempt(std::move(placed.attempt), options, progress);
-  SKYQUILT_TRY_ASSIGN(AlignedFlight flight,
-                      Conclude(recorded, extracted, std::move(placed), options, report));
+  SKYQUILT_TRY_ASSIGN(Attempt placed, PlaceByEvidence(extracted, std::move(matched), options, progress));
+  SKYQUILT_TRY_ASSIGN(
+      AlignedFlight flight,
+      Conclude(recorded, extracted, FinishAttempt(std::move(placed), options, progress), options, report));
   progress.Report(1.0, "aligned");
   return flight;
 }

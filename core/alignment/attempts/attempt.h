@@ -44,6 +44,7 @@ struct Attempt {
   BundleProblem problem;
   BundleSummary adjusted;  // by the last adjustment
   bool is_adjusted = false;
+  ByImagesReport by_images;            // what was tried without the records, and why it was taken or not
   std::vector<ControlReport> control;  // by surveyed point, once tied to them
   // Heights of all that were not believed, positions of all that were late.
   std::vector<flight::Remark> corrected_records;

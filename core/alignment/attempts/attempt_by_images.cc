@@ -11,6 +11,7 @@
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/georeference.h"
 #include "core/alignment/from_images/register_photos.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
@@ -24,12 +25,12 @@ namespace {
 constexpr double kFallbackSigmaM = 1e4;
 constexpr double kFallbackSigmaRad = 3.0;
 constexpr double kFallbackHeightM = 50.0;
-constexpr double kNearlyAll = 0.9;
-constexpr double kSoundResidualShare = 0.001;  // of a photo's width
 constexpr double kAttitudeHoldsRad = 0.1;
 constexpr double kHeightHoldsSigmas = 4.0;
 constexpr double kTrustedHeightShare = 0.1;
 constexpr double kLowestFlightM = 1.0;  // below it the height was not recorded, or nobody flew
+constexpr double kOtherFocalSigmas = 3.0;
+constexpr double kSigmaFoundFocal = 0.01;
 
 constexpr double kMaxFromFlightM = 50'000.0;  // no flight is as long
 constexpr double kMaxLatDeg = 85.0;
@@ -196,22 +197,20 @@ flight::Remark HowHigh(double found_m, std::optional<double> expected_m) {
   return {flight::RemarkCode::kFlownAt, {{"height_m", found_m}}};
 }
 
-// One photo of a block, as the block's place has it.
-void MergePhoto(const Registration& registration, const BlockPlace& place, const PhotoRecord& record,
-                double height_offset_m, double height_spread_m, std::size_t i, AttemptByImages& second) {
+// One photo of a block, as the block's place has it; whether its recorded position agrees.
+bool MergePhoto(const Registration& registration, const BlockPlace& place, const PhotoRecord& record,
+                double height_offset_m, double height_spread_m, std::size_t i, Attempt& second) {
   poses::PosedPhoto& photo = second.posed.photos[i];
   const geo::Rigid3 pose = place.enu_from_world.Moved(registration.photos[i].cam_from_world);
   const Eigen::Vector3d center = pose.TargetOriginInSource();
   photo.height_above_ground_m = std::max(0.5, center.z() - second.posed.ground_z_in_enu_m);
   const double unknown_m = kUnknownShare * photo.height_above_ground_m;
   Eigen::Vector3d expected = center, sigma = Eigen::Vector3d::Constant(unknown_m);
-  PlacedByImages& placed = second.photos[i];
-  placed = {};
-  CorrectedPose& corrected = placed.corrected;
+  CorrectedPose& corrected = second.matched.corrected[i];
   // Positions that contradict the pictures say where the block is, not how its photos lie to each other.
   const bool is_contradicted = place.spread_sigmas > kContradictedSigmas;
-  placed.has_record = place.holding.Has(i) && !is_contradicted;
-  if (placed.has_record) {
+  const bool has_record = place.holding.Has(i) && !is_contradicted;
+  if (has_record) {
     expected.head<2>() = record.center_in_enu->head<2>();
     sigma.head<2>() = place.spread_sigmas * record.sigma_m.head<2>();
     const double height_m = record.center_in_enu->z() + height_offset_m;
@@ -244,7 +243,7 @@ void MergePhoto(const Registration& registration, const BlockPlace& place, const
   corrected.start_cam_from_enu = pose;
   corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
       attitude_holds ? *record.cam_from_enu : pose.rotation, expected);
-  placed.is_placed = true;
+  return has_record;
 }
 
 }  // namespace
@@ -283,10 +282,10 @@ flight::Remark NotTaken(flight::Remark why) {
   return {flight::RemarkCode::kImagesNotTaken, {{"why", std::move(why)}}};
 }
 
-std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, const Attempt& by_records,
-                                             std::size_t tied_by_records, bool takes_equal,
-                                             const std::vector<ControlPoint>& control, int threads,
-                                             ByImagesReport& report, Progress& progress) {
+std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size_t tied_by_records,
+                                     bool takes_equal, const std::vector<ControlPoint>& control, int threads,
+                                     Attempt& by_records, Progress& progress) {
+  ByImagesReport& report = by_records.by_images;
   ScopedTimer timer(report.total_s);
   const poses::PosedFlight& posed = by_records.posed;
   const std::size_t count = posed.photos.size();
@@ -328,16 +327,13 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
         {flight::RemarkCode::kImagesTie, {{"photos", report.registered}, {"by_records", tied_by_records}}});
     return std::nullopt;
   }
-  AttemptByImages second;
+  Attempt second;
   second.posed = posed;
-  const auto readable = std::count_if(extracted.readable.begin(), extracted.readable.end(), ShowsEnough);
-  second.is_nearly_all = report.registered >= kNearlyAll * static_cast<double>(readable) &&
-                         registration.residual_rms_px < kSoundResidualShare * MedianWidthPx(posed);
-  second.photos.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    CorrectedPose& corrected = second.photos[i].corrected;
-    corrected.start_cam_from_enu = corrected.prior_cam_from_enu = posed.photos[i].cam_from_enu;
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    CorrectedPose& corrected = second.matched.corrected.emplace_back();
+    corrected.start_cam_from_enu = corrected.prior_cam_from_enu = photo.cam_from_enu;
   }
+  PhotoSet placed(count), without_record(count);
   for (std::size_t b = 0; b < registration.block_sizes.size(); ++b) {
     const int block = static_cast<int>(b);
     records.control = ControlOf(registration, block, posed, control);
@@ -357,7 +353,7 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
     if (b == 0) {
       const bool is_by_control = place.placing == Placing::kByControl;
       report.is_adrift = !(is_on_earth || place.positions > 0) || (is_reckoned && is_by_control);
-      second.is_placed = is_by_control || (!is_reckoned && !report.is_adrift);
+      report.is_placed = is_by_control || (!is_reckoned && !report.is_adrift);
       report.ignores_surveyed_heights = place.ignores_surveyed_heights;
       if (!place.knows_north) report.is_north_guessed = true;
       if (place.placing == Placing::kByGuess) report.is_scale_guessed = true;
@@ -381,15 +377,38 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
     for (double& offset : offsets) offset = std::abs(offset - height_offset_m);
     const double height_spread_m = offsets.empty() ? 0.0 : 1.48 * Median(std::move(offsets));
     for (std::size_t i = 0; i < count; ++i) {
-      if (registration.photos[i].block == block) {
-        MergePhoto(registration, place, records.photos[i], height_offset_m, height_spread_m, i, second);
-      }
+      if (registration.photos[i].block != block) continue;
+      placed.Add(i);
+      if (!MergePhoto(registration, place, records.photos[i], height_offset_m, height_spread_m, i, second))
+        without_record.Add(i);
     }
   }
   for (const VerifiedPair& link : registration.links) {
-    if (second.photos[link.first].is_placed) second.links.push_back(link);
+    if (!placed.Has(link.first)) continue;
+    second.matched.links.push_back(link);
+    second.matched.pairs.push_back({link.first, link.second, 0.0});
   }
-  for (const BundleLens& lens : registration.lenses) second.lenses.push_back(lens.intrinsics);
+  second.compared = second.matched.pairs;
+  second.problem = MakeBundle(second.posed, second.matched.corrected, extracted.lines);
+  for (std::size_t c = 0; c < second.problem.lenses.size(); ++c) {
+    BundleLens& lens = second.problem.lenses[c];
+    lens.intrinsics = registration.lenses[c].intrinsics;
+    // Where the images found another focal length than was recorded, theirs is the one to hold on to: level
+    // ground alone says little of it, and heights that are wrong would bend it.
+    const double off = std::abs(std::log(lens.intrinsics.focal_x_px / lens.recorded.focal_x_px));
+    if (off <= kOtherFocalSigmas * lens.sigma_focal_share) continue;
+    lens.recorded.focal_x_px = lens.intrinsics.focal_x_px;
+    lens.recorded.focal_y_px = lens.intrinsics.focal_y_px;
+    lens.sigma_focal_share = std::max(lens.sigma_focal_share, kSigmaFoundFocal);
+  }
+  second.input = MakeMatchingInput(second.posed);
+  second.input.features = extracted.readable;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!placed.Has(i)) second.input.features[i] = nullptr;
+    second.problem.photos[i].has_record = !without_record.Has(i);
+    second.problem.photos[i].is_by_images = placed.Has(i);
+  }
+  second.input.views = ViewsOf(second.problem);
   return second;
 }
 

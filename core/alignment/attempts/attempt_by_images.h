@@ -1,7 +1,7 @@
 // The second attempt of the alignment: where recorded poses fail their test, photos are placed by what they
-// show alone (RegisterPhotos), and the records count only where they agree with that. What comes back is a
-// posed flight, as the first attempt starts from, with verified pairs and lenses: the alignment goes on from
-// it. The same for any number of threads.
+// show alone (RegisterPhotos), and the records count only where they agree with that. What comes back is an
+// attempt as the first one is before its adjustment, with a posed flight, verified pairs and lenses: the
+// alignment goes on from it. The same for any number of threads.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,6 @@
 
 #include "core/alignment/attempts/attempt_evidence.h"
 #include "core/alignment/scene/ground_control.h"
-#include "core/alignment/scene/matches.h"
-#include "core/alignment/scene/priors.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/poses/posed_flight.h"
@@ -22,23 +20,6 @@ namespace skyquilt::alignment {
 inline constexpr double kSigmaTurnRad = 0.35;
 inline constexpr double kUnknownShare = 0.5;
 
-struct PlacedByImages {
-  CorrectedPose corrected;
-  bool is_placed = false;
-  bool has_record = true;  // a recorded position that agrees
-};
-
-struct AttemptByImages {
-  poses::PosedFlight posed;
-  std::vector<PlacedByImages> photos;
-  std::vector<VerifiedPair> links;
-  std::vector<camera::Intrinsics> lenses;  // as the problem numbers them
-  bool is_placed = false;                  // on Earth
-  // So many of the photos that show anything, and so well, that the first attempt needs no adjustment to be
-  // compared.
-  bool is_nearly_all = false;
-};
-
 // A flight with the photos that it could not place as photos of it: in the order of capture, with poses that
 // stand for none, and of the records only the horizontal position, if there is one. Fills `posed` and
 // `records`.
@@ -47,12 +28,12 @@ ExtractedFlight WithUnplaced(const poses::PosedFlight& recorded);
 // The outcome of an attempt whose result is not the map's.
 flight::Remark NotTaken(flight::Remark why);
 
-// Nothing where it ties no more photos together than `tied_by_records`, or where that cannot be told apart
-// from an equal (`takes_equal`: then it may tie as many). Fills report.by_images.
-std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, const Attempt& by_records,
-                                             std::size_t tied_by_records, bool takes_equal,
-                                             const std::vector<ControlPoint>& control, int threads,
-                                             ByImagesReport& report, Progress& progress);
+// The attempt from where the images place the photos, as if the records had said so. Nothing where it ties no
+// more photos together than `tied_by_records`, or where that cannot be told apart from an equal
+// (`takes_equal`: then it may tie as many). Fills by_records.by_images.
+std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size_t tied_by_records,
+                                     bool takes_equal, const std::vector<ControlPoint>& control, int threads,
+                                     Attempt& by_records, Progress& progress);
 
 // Photos that nothing placed go back to those left out, and those that were placed leave that list. Errors:
 // kUnprocessable when nothing is left.

@@ -10,6 +10,7 @@
 #include "core/alignment/bundle/control_points.h"
 #include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/from_records/direct_registration.h"
+#include "core/alignment/stages/attempt_steps.h"
 #include "core/alignment/stages/doubt_photos.h"
 #include "core/alignment/stages/place_photos.h"
 #include "core/base/median.h"
@@ -194,11 +195,10 @@ void Warn(const AlignReport& report, const AttemptEvidence& evidence, AlignedFli
 }  // namespace
 
 Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
-                               PlacedFlight placed, const AlignOptions& options, AlignReport& report) {
-  Attempt& attempt = placed.attempt;
+                               Attempt attempt, const AlignOptions& options, AlignReport& report) {
   ForgiveTurnsAtBends(extracted.posed.photos, attempt.matched.corrected);
   const AttemptEvidence evidence = Weigh(extracted, attempt);
-  report.by_images = std::move(placed.by_images);
+  report.by_images = std::move(attempt.by_images);
   if (!report.by_images.why) {
     report.by_images.outcome = flight::Remark{flight::RemarkCode::kRecordsHold,
                                               {{"photos", evidence.tied}, {"total", evidence.readable}}};

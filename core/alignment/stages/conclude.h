@@ -2,14 +2,16 @@
 // thread.
 #pragma once
 
+#include "core/alignment/attempts/attempt.h"
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/aligned_flight.h"
-#include "core/alignment/stages/place_by_evidence.h"
+#include "core/alignment/stages/align_options.h"
+#include "core/base/result.h"
 
 namespace skyquilt::alignment {
 
 // Fills the whole report but its total time. Errors: kUnprocessable where no photo is left to place.
 Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
-                               PlacedFlight placed, const AlignOptions& options, AlignReport& report);
+                               Attempt attempt, const AlignOptions& options, AlignReport& report);
 
 }  // namespace skyquilt::alignment

@@ -38,8 +38,8 @@ constexpr double kMaxLostShareByLinks = 0.4;
 constexpr double kMaxLostShare = 0.1;
 constexpr int kMaxLostRounds = 5;
 
-constexpr double kOtherFocalSigmas = 3.0;
-constexpr double kSigmaFoundFocal = 0.01;
+constexpr double kNearlyAll = 0.9;
+constexpr double kSoundResidualShare = 0.001;  // of a photo's width
 
 BundleOptions FirstAdjustment() { return {.cuts_px = {30.0, 10.0}, .max_iterations = 15}; }
 
@@ -59,33 +59,35 @@ double LeanedShare(const std::vector<CorrectedPose>& corrected, const BundleProb
   return Median(std::move(shares));
 }
 
-struct TriedByImages {
-  ByImagesReport report;
-  std::optional<AttemptByImages>
-      second;  // none where the records hold, or where it ties no more photos together
-};
-
-TriedByImages TryByImages(const ExtractedFlight& extracted, const Attempt& by_records, double max_lost_share,
-                          const AlignOptions& options, Progress& progress) {
-  TriedByImages tried;
+// The attempt by images, not adjusted; none where the records hold, or where it ties no more photos together.
+// by_records.by_images says which.
+std::optional<Attempt> TryByImages(const ExtractedFlight& extracted, double max_lost_share,
+                                   const AlignOptions& options, Attempt& by_records, Progress& progress) {
   const AttemptEvidence evidence = Weigh(extracted, by_records);
   const bool is_asked_for = options.by_images == ByImages::kAlways;
-  tried.report.why = is_asked_for ? flight::Remark(flight::RemarkCode::kImagesAskedFor)
-                                  : WhyDoubted(evidence, max_lost_share);
-  TraceDecision(tried.report.why ? "records doubted" : "records held",
+  std::optional<flight::Remark>& why = by_records.by_images.why;
+  why = is_asked_for ? flight::Remark(flight::RemarkCode::kImagesAskedFor)
+                     : WhyDoubted(evidence, max_lost_share);
+  TraceDecision(why ? "records doubted" : "records held",
                 {{"photos", evidence.readable},
                  {"tied", evidence.tied},
                  {"unplaced", evidence.unplaced},
                  {"residual_px", evidence.residual_rms_px},
                  {"dropped_share", evidence.DroppedShare()},
                  {"contradicted", evidence.positions_contradicted}});
-  if (!tried.report.why) return tried;
+  if (!why) return std::nullopt;
   progress.Report(0.82, "placing photos by what they show");
   // Where residuals are in doubt, as many photos tied are not better by number.
   const bool takes_equal = is_asked_for || evidence.Lost() == 0;
-  tried.second = PlaceByImages(extracted, by_records, evidence.tied, takes_equal, options.control,
-                               options.threads, tried.report, progress);
-  return tried;
+  return PlaceByImages(extracted, evidence.tied, takes_equal, options.control, options.threads, by_records,
+                       progress);
+}
+
+// So many of the photos that show anything, and so well, that the records need no adjustment to be compared.
+bool IsNearlyAll(const ExtractedFlight& extracted, const ByImagesReport& by_images) {
+  const auto readable = std::count_if(extracted.readable.begin(), extracted.readable.end(), ShowsEnough);
+  return by_images.registered >= kNearlyAll * static_cast<double>(readable) &&
+         by_images.residual_rms_px < kSoundResidualShare * MedianWidthPx(extracted.posed);
 }
 
 Attempt TiedDirectly(Attempt attempt, const AlignOptions& options) {
@@ -132,48 +134,19 @@ Attempt AdjustedByRecords(const ExtractedFlight& extracted, Attempt attempt, con
   return WithLostTakenIn(extracted, std::move(attempt), MayRematch::kYes, options);
 }
 
-// The attempt from where the images place the photos, as if the records had said so.
-Attempt GoOnFrom(AttemptByImages second, const ExtractedFlight& extracted, Attempt attempt) {
-  attempt.posed = std::move(second.posed);
-  attempt.matched.corrected.clear();
-  for (PlacedByImages& photo : second.photos) attempt.matched.corrected.push_back(std::move(photo.corrected));
-  attempt.matched.links = std::move(second.links);
-  attempt.matched.pairs.clear();
-  for (const VerifiedPair& link : attempt.matched.links)
-    attempt.matched.pairs.push_back({link.first, link.second, 0.0});
-  attempt.compared = attempt.matched.pairs;
-  attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
-  for (std::size_t c = 0; c < attempt.problem.lenses.size(); ++c) {
-    BundleLens& lens = attempt.problem.lenses[c];
-    lens.intrinsics = second.lenses[c];
-    // Where the images found another focal length than was recorded, theirs is the one to hold on to: level
-    // ground alone says little of it, and heights that are wrong would bend it.
-    const double off = std::abs(std::log(lens.intrinsics.focal_x_px / lens.recorded.focal_x_px));
-    if (off <= kOtherFocalSigmas * lens.sigma_focal_share) continue;
-    lens.recorded.focal_x_px = lens.intrinsics.focal_x_px;
-    lens.recorded.focal_y_px = lens.intrinsics.focal_y_px;
-    lens.sigma_focal_share = std::max(lens.sigma_focal_share, kSigmaFoundFocal);
-  }
-  attempt.input = MakeMatchingInput(attempt.posed);
-  attempt.input.features = extracted.readable;
-  for (std::size_t i = 0; i < extracted.readable.size(); ++i) {
-    if (!second.photos[i].is_placed) attempt.input.features[i] = nullptr;
-    attempt.problem.photos[i].has_record = second.photos[i].has_record;
-    attempt.problem.photos[i].is_by_images = second.photos[i].is_placed;
-  }
-  attempt.input.views = ViewsOf(attempt.problem);
-  return attempt;
-}
-
-PlacedFlight BetterOf(const ExtractedFlight& extracted, Attempt by_records, TriedByImages tried,
-                      bool compares, const AlignOptions& options) {
-  ByImagesReport& report = tried.report;
-  report.is_placed = tried.second->is_placed;
+Attempt BetterOf(const ExtractedFlight& extracted, Attempt by_records, Attempt by_images, bool compares,
+                 const AlignOptions& options) {
+  by_images.by_images = std::move(by_records.by_images);
+  ByImagesReport& report = by_images.by_images;
   report.is_taken = true;
-  std::optional<Attempt> kept;
-  if (compares && options.by_images != ByImages::kAlways) kept = by_records;
-  Attempt by_images = Adjusted(GoOnFrom(*std::move(tried.second), extracted, std::move(by_records)),
-                               SettledAdjustment(), options);
+  by_images.matched.rejected = by_records.matched.rejected;
+  by_images.pairs_by_direct = by_records.pairs_by_direct;
+  by_images.iterations = by_records.iterations;
+  by_images.matching_s = by_records.matching_s;
+  by_images.adjustment_s = by_records.adjustment_s;
+  const bool may_keep_records = compares && options.by_images != ByImages::kAlways;
+  if (!may_keep_records) by_records = Attempt();  // not both at a time
+  by_images = Adjusted(std::move(by_images), SettledAdjustment(), options);
   by_images.input.views = ViewsOf(by_images.problem);
   by_images.relief = AdjustedRelief(by_images);
   by_images = WithLostTakenIn(extracted, std::move(by_images), MayRematch::kNo, options);
@@ -182,8 +155,8 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Attempt by_records, Trie
     report.registered = static_cast<int>(evidence.tied);
     report.outcome->values.insert_or_assign("photos", report.registered);
   }
-  if (kept) {
-    const AttemptEvidence of_records = Weigh(extracted, *kept);
+  if (may_keep_records) {
+    const AttemptEvidence of_records = Weigh(extracted, by_records);
     const AttemptChoice choice = ChooseAttempt(of_records, evidence);
     TraceDecision(choice.takes_images ? "images taken" : "records taken",
                   {{"tied_by_images", evidence.tied},
@@ -193,12 +166,13 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Attempt by_records, Trie
     if (!choice.takes_images) {
       report.is_taken = report.is_placed = false;
       report.outcome = NotTaken(choice.why);
-      kept->iterations = by_images.iterations;
-      kept->adjustment_s = by_images.adjustment_s;
-      return {*std::move(kept), std::move(report)};
+      by_records.by_images = std::move(report);
+      by_records.iterations = by_images.iterations;
+      by_records.adjustment_s = by_images.adjustment_s;
+      return by_records;
     }
   }
-  return {std::move(by_images), std::move(report)};
+  return by_images;
 }
 
 // Adjusted anew where wrong heights held the flight tilted.
@@ -241,10 +215,8 @@ CaptureTimes TimesOf(const poses::PosedFlight& posed) {
 
 // Adjusted anew where the positions of all photos are those of other moments. Once more then: what positions
 // held too fast before follows. Positions that were given up come back.
-PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight placed,
-                                const AlignOptions& options) {
+Attempt WithoutPositionLag(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options) {
   constexpr int kRounds = 2;
-  Attempt& attempt = placed.attempt;
   const CaptureTimes times = TimesOf(attempt.posed);
   std::vector<PhotoRecord> records = extracted.records;
   double lag_s = 0.0, off_m = 0.0;
@@ -268,60 +240,60 @@ PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight p
     }
     attempt = Adjusted(std::move(attempt), SettledAdjustment(), options);
   }
-  if (lag_s == 0.0) return placed;
+  if (lag_s == 0.0) return attempt;
   flight::Remark late{
       lag_s > 0.0 ? flight::RemarkCode::kPositionsOfBefore : flight::RemarkCode::kPositionsOfAfter,
       {{"lag", std::abs(lag_s)},
        {"unit", flight::Remark(times.are_seconds ? flight::RemarkCode::kSecondsApart
                                                  : flight::RemarkCode::kPhotosApart)},
        {"apart_m", off_m}}};
-  if (placed.by_images.is_taken) {
-    placed.by_images.outcome = flight::Remark{flight::RemarkCode::kImagesPlaced,
-                                              {{"photos", placed.by_images.registered},
-                                               {"total", records.size()},
-                                               {"place", std::vector<flight::Remark>()},
-                                               {"height", std::vector<flight::Remark>()}}};
+  if (attempt.by_images.is_taken) {
+    attempt.by_images.outcome = flight::Remark{flight::RemarkCode::kImagesPlaced,
+                                               {{"photos", attempt.by_images.registered},
+                                                {"total", records.size()},
+                                                {"place", std::vector<flight::Remark>()},
+                                                {"height", std::vector<flight::Remark>()}}};
   }
   attempt.corrected_records.push_back(std::move(late));
-  return placed;
+  return attempt;
 }
 
 }  // namespace
 
-Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_records,
-                                     const AlignOptions& options, Progress& progress) {
+Result<Attempt> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_records,
+                                const AlignOptions& options, Progress& progress) {
   const bool may_go_by_images = options.fixed.Photos() == 0 && !extracted.posed.photos.empty();
-  TriedByImages tried;
+  std::optional<Attempt> by_images;
   // Where hardly any photo fits to the others, nothing is worth adjusting.
-  if (may_go_by_images) tried = TryByImages(extracted, by_records, kMaxLostShareByLinks, options, progress);
-  const bool compares = !tried.second || !tried.second->is_nearly_all;
+  if (may_go_by_images)
+    by_images = TryByImages(extracted, kMaxLostShareByLinks, options, by_records, progress);
+  const bool compares = !by_images || !IsNearlyAll(extracted, by_records.by_images);
   if (compares) by_records = TiedDirectly(std::move(by_records), options);
   if (progress.IsCancelled()) return AlignmentCancelled();
   progress.Report(0.8, "adjusting");
   if (compares) {
     by_records = AdjustedByRecords(extracted, std::move(by_records), options);
-    if (may_go_by_images && !tried.report.why)
-      tried = TryByImages(extracted, by_records, kMaxLostShare, options, progress);
+    if (may_go_by_images && !by_records.by_images.why)
+      by_images = TryByImages(extracted, kMaxLostShare, options, by_records, progress);
   }
-  PlacedFlight placed = tried.second
-                            ? BetterOf(extracted, std::move(by_records), std::move(tried), compares, options)
-                            : PlacedFlight{std::move(by_records), std::move(tried.report)};
+  Attempt attempt = by_images
+                        ? BetterOf(extracted, std::move(by_records), *std::move(by_images), compares, options)
+                        : std::move(by_records);
   if (may_go_by_images) {
-    placed.attempt = Levelled(extracted, std::move(placed.attempt), options);
-    placed = WithoutPositionLag(extracted, std::move(placed), options);
+    attempt = Levelled(extracted, std::move(attempt), options);
+    attempt = WithoutPositionLag(extracted, std::move(attempt), options);
   }
-  Attempt& attempt = placed.attempt;
-  if (!placed.by_images.is_taken &&
+  if (!attempt.by_images.is_taken &&
       LeanedShare(attempt.matched.corrected, attempt.problem) > kMuchLeanedShare) {
     attempt = Adjusted(Rematched(std::move(attempt), kMiddlePass, options), FirstAdjustment(), options);
   }
   std::vector<ControlPoint> control = options.control;
-  if (placed.by_images.is_taken && placed.by_images.ignores_surveyed_heights) {
+  if (attempt.by_images.is_taken && attempt.by_images.ignores_surveyed_heights) {
     for (ControlPoint& point : control) point.height_m.reset();
   }
   TieToControl(attempt.posed, control, attempt.problem, attempt.control);
   if (progress.IsCancelled()) return AlignmentCancelled();
-  return placed;
+  return attempt;
 }
 
 }  // namespace skyquilt::alignment

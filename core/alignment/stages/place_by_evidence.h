@@ -3,18 +3,13 @@
 // The same for any number of threads.
 #pragma once
 
-#include "core/alignment/scene/align_report.h"
 #include "core/alignment/stages/attempt_steps.h"
 
 namespace skyquilt::alignment {
 
-struct PlacedFlight {
-  Attempt attempt;
-  ByImagesReport by_images;  // what was tried, and why it was taken or not
-};
-
-// `by_records`: matched, not adjusted. Errors: kCancelled.
-Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_records,
-                                     const AlignOptions& options, Progress& progress);
+// `by_records`: matched, not adjusted. What was tried stands in the attempt's `by_images`. Errors:
+// kCancelled.
+Result<Attempt> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_records,
+                                const AlignOptions& options, Progress& progress);
 
 }  // namespace skyquilt::alignment
