@@ -18,7 +18,7 @@ constexpr std::size_t kReadoutSize = 1;
 constexpr std::size_t kClockSize = 1;
 
 constexpr double kLossSigmas = 2.5;
-constexpr int kDenseUpToPhotos = 25;
+constexpr std::size_t kDenseUpToPhotos = 25;
 constexpr double kControlLossSigmas = 5.0;
 constexpr double kPositionBiasSigmaM =
     30.0;  // of consumer GNSS in a bad hour, and of a wrong reference system
@@ -67,25 +67,24 @@ class Round {
         first_readout_(first_correction_ + kCorrectionSize * problem.photos.size()),
         clock_(first_readout_ + kReadoutSize * problem.lenses.size()),
         state_(clock_ + kClockSize, 0.0),
-        starts_(problem.photos.size()) {}
+        starts_(problem.photos.size()) {
+    for (auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
+      for (Track& track : *list) points_.push_back(&track);
+    }
+    for (BundleControl& tied : bundle_.control) points_.push_back(&tied.track);
+  }
 
   void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
     for (int l = 0; l < bundle_.lines; ++l) Eigen::Map<Eigen::Vector3d>(Bias(l)) = line_bias[l];
-    PhotoSet in_use(bundle_.photos.size());
-    for (const auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
-      for (const Track& track : *list) {
-        for (const Observation& seen : track.observations) in_use.Add(seen.photo);
-      }
-    }
-    for (const BundleControl& tied : bundle_.control) {
-      for (const Observation& seen : tied.track.observations) in_use.Add(seen.photo);
-    }
     AddLenses();
     AddObservations();
     AddControl();
-    AddPlane(in_use.Count());
+    std::vector<std::size_t> in_use;  // photos that see anything
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
-      if (!in_use.Has(i)) continue;
+      if (ceres_.HasParameterBlock(Pose(i))) in_use.push_back(i);
+    }
+    AddPlane(in_use.size());
+    for (const std::size_t i : in_use) {
       AddPriors(i);
       if (bundle_.photos[i].is_fixed) ceres_.SetParameterBlockConstant(Pose(i));
       if (ceres_.HasParameterBlock(Correction(i))) AddCorrectionPrior(i);
@@ -97,33 +96,25 @@ class Round {
       AddPrior<3>({Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(bundle_.sigma_line_bias_rad)}, Bias(l));
     }
     ceres::Solver::Options options;
-    const int active = in_use.Count();
-    options.linear_solver_type = active <= kDenseUpToPhotos ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    const bool is_dense = in_use.size() <= kDenseUpToPhotos;
+    options.linear_solver_type = is_dense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     options.max_num_iterations = options_.max_iterations;
     options.function_tolerance = 1e-5;
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
-    options.linear_solver_ordering.reset(ordering_);
-    ordering_ = nullptr;
-    const auto eliminate_last = [&](double* block) {
-      if (ceres_.HasParameterBlock(block)) options.linear_solver_ordering->AddElementToGroup(block, 1);
-    };
-    for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
-      if (in_use.Has(i)) eliminate_last(Pose(i));
-      eliminate_last(Correction(i));
+    // Points are eliminated first.
+    options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    std::vector<double*> blocks;
+    ceres_.GetParameterBlocks(&blocks);
+    for (double* block : blocks) {
+      const bool is_point = block >= Point(0) && block < Point(points_.size());
+      options.linear_solver_ordering->AddElementToGroup(block, is_point ? 0 : 1);
     }
-    for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
-      eliminate_last(Lens(c));
-      eliminate_last(Readout(c));
-    }
-    for (int l = 0; l < bundle_.lines; ++l) eliminate_last(Bias(l));
-    eliminate_last(PositionBias());
-    eliminate_last(Clock());
     ceres::Solver::Summary solved;
     const TraceSpan span("adjust");
     ceres::Solve(options, &ceres_, &solved);
     summary.iterations += static_cast<int>(solved.iterations.size());
-    summary.solver = active <= kDenseUpToPhotos ? "dense_schur" : "sparse_schur";
+    summary.solver = is_dense ? "dense_schur" : "sparse_schur";
     if (!solved.IsSolutionUsable()) {
       summary.termination = BundleTermination::kFailed;
       summary.solver += " (failed: " + solved.message + ")";
@@ -154,17 +145,7 @@ class Round {
   }
 
   void AddObservations() {
-    ordering_ = new ceres::ParameterBlockOrdering;
-    std::size_t number = 0;
-    for (const auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
-      for (const Track& track : *list) {
-        double* point = Point(number++);
-        Eigen::Map<Eigen::Vector3d> at(point);
-        at = track.point_in_enu;
-        for (const Observation& seen : track.observations) AddObservation(point, seen);
-        ordering_->AddElementToGroup(point, 0);
-      }
-    }
+    for (std::size_t n = 0; n < points_.size() - bundle_.control.size(); ++n) AddPoint(n);
     for (std::size_t t = 0; t < bundle_.soft_tracks.size(); ++t) {
       const double height =
           bundle_.photos[bundle_.soft_tracks[t].observations.front().photo].height_above_ground_m;
@@ -199,18 +180,15 @@ class Round {
   void AddControl() {
     for (std::size_t c = 0; c < bundle_.control.size(); ++c) {
       const BundleControl& tied = bundle_.control[c];
-      double* point = Point(bundle_.tracks.size() + bundle_.soft_tracks.size() + c);
-      Eigen::Map<Eigen::Vector3d> at(point);
-      at = tied.track.point_in_enu;
-      for (const Observation& seen : tied.track.observations) AddObservation(point, seen);
-      ordering_->AddElementToGroup(point, 0);
+      const std::size_t point = bundle_.tracks.size() + bundle_.soft_tracks.size() + c;
+      AddPoint(point);
       PriorResidual<3> prior{tied.surveyed_in_enu, tied.sigma_m};
       if (!tied.has_height) prior.sigma.z() = kUnknownHeightSigmaM;
-      AddPrior(prior, point, new ceres::HuberLoss(kControlLossSigmas));
+      AddPrior(prior, Point(point), new ceres::HuberLoss(kControlLossSigmas));
     }
   }
 
-  void AddPlane(int photos) {
+  void AddPlane(std::size_t photos) {
     if (!bundle_.plane || photos == 0) return;
     const BundlePlane& plane = *bundle_.plane;
     const double points_a_photo =
@@ -240,6 +218,11 @@ class Round {
     prior.expected << 0.0;
     prior.sigma << bundle_.sigma_clock_s;
     AddPrior(prior, Clock());
+  }
+
+  void AddPoint(std::size_t n) {
+    Eigen::Map<Eigen::Vector3d>{Point(n)} = points_[n]->point_in_enu;
+    for (const Observation& seen : points_[n]->observations) AddObservation(Point(n), seen);
   }
 
   void AddObservation(double* point, const Observation& seen) {
@@ -350,13 +333,8 @@ class Round {
     for (int l = 0; l < bundle_.lines; ++l) line_bias[l] = Eigen::Map<Eigen::Vector3d>(Bias(l));
     if (!bundle_.control.empty()) bundle_.position_bias_m = Eigen::Map<Eigen::Vector3d>(PositionBias());
     if (ceres_.HasParameterBlock(Clock())) bundle_.clock_error_s = *Clock();
-    std::size_t number = 0;
-    for (auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
-      for (Track& track : *list) track.point_in_enu = Eigen::Map<Eigen::Vector3d>(Point(number++));
-    }
-    for (BundleControl& tied : bundle_.control) {
-      tied.track.point_in_enu = Eigen::Map<Eigen::Vector3d>(Point(number++));
-    }
+    for (std::size_t n = 0; n < points_.size(); ++n)
+      points_[n]->point_in_enu = Eigen::Map<Eigen::Vector3d>(Point(n));
   }
 
   bool FindsReadoutOf(const BundlePhoto& photo) const {
@@ -380,10 +358,10 @@ class Round {
   std::size_t first_lens_, first_bias_, position_bias_, first_point_, first_correction_, first_readout_,
       clock_;
   std::vector<double> state_;
+  std::vector<Track*> points_;  // tracks, soft ones and surveyed points, as the state has them
   std::vector<std::shared_ptr<const CameraStart>> starts_;  // by photo, each made when it is first needed
   ceres::LossFunction* tie_loss_ = nullptr;                 // owned by ceres_
   ceres::Problem ceres_;
-  ceres::ParameterBlockOrdering* ordering_ = nullptr;
 };
 
 }  // namespace
