@@ -58,7 +58,6 @@ struct BundleProblem {
   std::vector<BundlePhoto> photos;
   std::vector<BundleLens> lenses;
   int lines = 1;
-  double sigma_line_bias_rad = 0.05;
   std::vector<Track> tracks;
   std::vector<Track> soft_tracks;  // from direct registration: two views, held near the ground
   std::vector<BundleControl> control;

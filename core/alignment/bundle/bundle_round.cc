@@ -16,12 +16,15 @@ constexpr std::size_t kBiasSize = 3;
 constexpr std::size_t kPointSize = 3;
 constexpr std::size_t kReadoutSize = 1;
 constexpr std::size_t kClockSize = 1;
+using OneNumber = Eigen::Matrix<double, 1, 1>;
 
 constexpr double kLossSigmas = 2.5;
 constexpr std::size_t kDenseUpToPhotos = 25;
 constexpr double kControlLossSigmas = 5.0;
 constexpr double kPositionBiasSigmaM =
     30.0;  // of consumer GNSS in a bad hour, and of a wrong reference system
+constexpr double kSigmaLineBiasRad = 0.05;
+constexpr double kSigmaReadoutS = 0.05;
 constexpr double kHeldSigma = 1e-9;
 constexpr double kUnknownHeightSigmaM = 1000.0;
 constexpr double kReliefShare = 0.03;  // of the flying height: how near the ground a soft tie lies
@@ -93,7 +96,7 @@ class Round {
     AddClock();
     for (int l = 0; l < bundle_.lines; ++l) {
       if (!ceres_.HasParameterBlock(Bias(l))) continue;
-      AddPrior<3>({Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(bundle_.sigma_line_bias_rad)}, Bias(l));
+      AddPrior<kBiasSize>({Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(kSigmaLineBiasRad)}, Bias(l));
     }
     ceres::Solver::Options options;
     const bool is_dense = in_use.size() <= kDenseUpToPhotos;
@@ -168,11 +171,8 @@ class Round {
     }
     for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
       if (!ceres_.HasParameterBlock(Readout(c))) continue;
-      const BundleLens& lens = bundle_.lenses[c];
-      PriorResidual<kReadoutSize> prior;
-      prior.expected << -lens.readout_s;
-      prior.sigma << lens.sigma_readout_s;
-      AddPrior(prior, Readout(c));
+      AddPrior<kReadoutSize>({OneNumber(-bundle_.lenses[c].readout_s), OneNumber(kSigmaReadoutS)},
+                             Readout(c));
     }
   }
 
@@ -214,10 +214,7 @@ class Round {
   void AddClock() {
     if (!ceres_.HasParameterBlock(Clock())) return;
     *Clock() = bundle_.clock_error_s;
-    PriorResidual<kClockSize> prior;
-    prior.expected << 0.0;
-    prior.sigma << bundle_.sigma_clock_s;
-    AddPrior(prior, Clock());
+    AddPrior<kClockSize>({OneNumber(0.0), OneNumber(bundle_.sigma_clock_s)}, Clock());
   }
 
   void AddPoint(std::size_t n) {

@@ -21,30 +21,22 @@ namespace skyquilt::alignment {
 inline constexpr int kPoseSize = 6;
 inline constexpr int kLensSize = 7;  // log focal factor, cx, cy, k1, k2, p1, p2
 
-// The recorded attitude, apart from an error that the whole flight line shares (in cam).
-struct AttitudeResidual {
-  Eigen::Vector3d start_from_prior_rad;  // Log(start * prior^-1), small
-  Eigen::Vector3d sigma_rad;
-
-  template <typename T>
-  bool operator()(const T* pose, const T* line_bias, T* residual) const {
-    for (int k = 0; k < 3; ++k)
-      residual[k] = (pose[k] + start_from_prior_rad[k] - line_bias[k]) / sigma_rad[k];
-    return true;
-  }
-};
-
-// The recorded position, apart from an error that the whole flight shares.
-struct PositionResidual {
-  Eigen::Vector3d start_from_prior_m;
-  Eigen::Vector3d sigma_m;
+// What was recorded of three of a pose's numbers, from kFirst on, apart from an error that several share.
+template <int kFirst>
+struct RecordResidual {
+  Eigen::Vector3d start_from_prior;
+  Eigen::Vector3d sigma;
 
   template <typename T>
   bool operator()(const T* pose, const T* bias, T* residual) const {
-    for (int k = 0; k < 3; ++k) residual[k] = (pose[3 + k] + start_from_prior_m[k] - bias[k]) / sigma_m[k];
+    for (int k = 0; k < 3; ++k) residual[k] = (pose[kFirst + k] + start_from_prior[k] - bias[k]) / sigma[k];
     return true;
   }
 };
+// The flight line shares its error (in cam); Log(start * prior^-1), small.
+using AttitudeResidual = RecordResidual<0>;
+// The whole flight shares its error.
+using PositionResidual = RecordResidual<3>;
 
 // The same of a photo that was looked up by its time on a track: its clock's error is shared as well.
 struct TimedPositionResidual {
@@ -54,7 +46,7 @@ struct TimedPositionResidual {
   template <typename T>
   bool operator()(const T* pose, const T* bias, const T* clock_error_s, T* residual) const {
     position(pose, bias, residual);
-    for (int k = 0; k < 3; ++k) residual[k] -= clock_error_s[0] * by_clock_mps[k] / position.sigma_m[k];
+    for (int k = 0; k < 3; ++k) residual[k] -= clock_error_s[0] * by_clock_mps[k] / position.sigma[k];
     return true;
   }
 };

@@ -44,8 +44,7 @@ struct BundleLens {
   // The time from the first row of a picture to the last is an unknown of the adjustment: of photos that have
   // a velocity and no doubts, whose motion it becomes.
   bool finds_readout = false;
-  double readout_s = 0.0;  // in: start; out: adjusted
-  double sigma_readout_s = 0.05;
+  double readout_s = 0.0;             // in: start; out: adjusted
   double found_sigma_focal_px = 0.0;  // out: what the images left of the prior
 };
 
