@@ -22,6 +22,7 @@
 namespace skyquilt::alignment {
 namespace {
 
+constexpr double kSigmaTurnRad = 0.35;  // of poses from images alone, before they are asked again
 constexpr double kFallbackSigmaM = 1e4;
 constexpr double kFallbackSigmaRad = 3.0;
 constexpr double kFallbackHeightM = 50.0;
@@ -35,24 +36,22 @@ constexpr double kSigmaFoundFocal = 0.01;
 constexpr double kMaxFromFlightM = 50'000.0;  // no flight is as long
 constexpr double kMaxLatDeg = 85.0;
 
-// One that can be of this flight; others are no better than none.
-bool HasPosition(const flight::Photo& photo, const geo::LocalFrame& frame) {
-  if (!photo.position) return false;
+// Its recorded position, as high as the frame's origin; nothing where it cannot be of this flight, which is
+// no better than none.
+std::optional<Eigen::Vector3d> RecordedPlace(const flight::Photo& photo, const geo::LocalFrame& frame) {
+  if (!photo.position) return std::nullopt;
   const geo::LatLon& at = photo.position->position;
-  if (!std::isfinite(at.lat_deg + at.lon_deg) || std::abs(at.lat_deg) > kMaxLatDeg) return false;
-  return frame.EnuFromWgs84({at.lat_deg, at.lon_deg, frame.origin().height_ellipsoid_m}).norm() <
-         kMaxFromFlightM;
+  if (!std::isfinite(at.lat_deg + at.lon_deg) || std::abs(at.lat_deg) > kMaxLatDeg) return std::nullopt;
+  const Eigen::Vector3d place =
+      frame.EnuFromWgs84({at.lat_deg, at.lon_deg, frame.origin().height_ellipsoid_m});
+  return place.norm() < kMaxFromFlightM ? std::optional(place) : std::nullopt;
 }
 
 poses::PosedPhoto FallbackPose(const flight::Photo& photo, const geo::LocalFrame& frame, double height_m,
                                double ground_z_m) {
   poses::PosedPhoto posed;
   posed.photo = photo;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  if (HasPosition(photo, frame)) {
-    center = frame.EnuFromWgs84({photo.position->position.lat_deg, photo.position->position.lon_deg,
-                                 frame.origin().height_ellipsoid_m});
-  }
+  Eigen::Vector3d center = RecordedPlace(photo, frame).value_or(Eigen::Vector3d(0.0, 0.0, 0.0));
   center.z() = ground_z_m + height_m;
   Eigen::Matrix3d down;  // image top north
   down << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
@@ -91,11 +90,10 @@ PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo
   // As high above the ground as above the place of take-off, as it is for other photos without more to go by.
   const std::optional<double>& lone_height_m = posed.photo.lone_height_above_takeoff_m;
   if (lone_height_m && *lone_height_m > kLowestFlightM) record.height_above_ground_m = lone_height_m;
-  if (!HasPosition(posed.photo, frame) || own->is_repeated) return record;
-  const flight::RecordedPosition& position = *own;
-  record.center_in_enu = frame.EnuFromWgs84(
-      {position.position.lat_deg, position.position.lon_deg, frame.origin().height_ellipsoid_m});
-  const double sigma_m = flight::SigmaOfRecordM(position);
+  const std::optional<Eigen::Vector3d> place = RecordedPlace(posed.photo, frame);
+  if (!place || own->is_repeated) return record;
+  record.center_in_enu = place;
+  const double sigma_m = flight::SigmaOfRecordM(*own);
   record.sigma_m = {sigma_m, sigma_m, std::numeric_limits<double>::infinity()};
   return record;
 }
@@ -233,11 +231,7 @@ bool MergePhoto(const Registration& registration, const BlockPlace& place, const
       record.cam_from_enu ? record.cam_from_enu->angularDistance(pose.rotation) : kAttitudeHoldsRad;
   const bool attitude_holds = turned < kAttitudeHoldsRad && place.knows_north;
   const Eigen::Matrix3d attitude = photo.covariance.topLeftCorner<3, 3>();
-  photo.cam_from_enu = pose;
-  photo.covariance.setZero();
-  photo.covariance_with_next.setZero();
-  photo.clock_sigma_s = 0.0;
-  photo.covariance.diagonal() << Eigen::Vector3d::Constant(kSigmaTurnRad * kSigmaTurnRad), sigma.cwiseAbs2();
+  HoldLoosely(pose, sigma, photo);
   if (attitude_holds && !record.is_unplaced) photo.covariance.topLeftCorner<3, 3>() = attitude;
   photo.error_radius_m = sigma.head<2>().norm();
   corrected.start_cam_from_enu = pose;
@@ -247,6 +241,15 @@ bool MergePhoto(const Registration& registration, const BlockPlace& place, const
 }
 
 }  // namespace
+
+void HoldLoosely(const geo::Rigid3& cam_from_enu, const Eigen::Vector3d& sigma_m, poses::PosedPhoto& photo) {
+  photo.cam_from_enu = cam_from_enu;
+  photo.covariance.setZero();
+  photo.covariance_with_next.setZero();
+  photo.clock_sigma_s = 0.0;
+  photo.covariance.diagonal() << Eigen::Vector3d::Constant(kSigmaTurnRad * kSigmaTurnRad),
+      sigma_m.cwiseAbs2();
+}
 
 ExtractedFlight WithUnplaced(const poses::PosedFlight& recorded) {
   ExtractedFlight whole;

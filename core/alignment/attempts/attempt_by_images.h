@@ -15,10 +15,11 @@
 
 namespace skyquilt::alignment {
 
-// How well poses from images alone are known before they are asked again: their turn, and, as a share of the
-// height, a place that no record tells.
-inline constexpr double kSigmaTurnRad = 0.35;
+// How well a place is known that no record tells, before the images are asked again: a share of the height.
 inline constexpr double kUnknownShare = 0.5;
+
+// A pose found from images alone, with such uncertainty that the adjustment may move it.
+void HoldLoosely(const geo::Rigid3& cam_from_enu, const Eigen::Vector3d& sigma_m, poses::PosedPhoto& photo);
 
 // A flight with the photos that it could not place as photos of it: in the order of capture, with poses that
 // stand for none, and of the records only the horizontal position, if there is one. Fills `posed` and

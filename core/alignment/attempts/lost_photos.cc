@@ -163,14 +163,9 @@ bool IsSaidToBeFar(const flight::Photo& photo, const Eigen::Vector3d& center, co
 // A photo without record: its pose is where it was found, give or take much.
 CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m,
                               const geo::LocalFrame& frame, poses::PosedPhoto& photo) {
-  photo.cam_from_enu = cam_from_enu;
   photo.height_above_ground_m = std::max(0.5, cam_from_enu.TargetOriginInSource().z() - ground_z_m);
   const double unknown_m = kUnknownShare * photo.height_above_ground_m;
-  photo.covariance.setZero();
-  photo.covariance_with_next.setZero();
-  photo.clock_sigma_s = 0.0;
-  photo.covariance.diagonal() << Eigen::Vector3d::Constant(kSigmaTurnRad * kSigmaTurnRad),
-      Eigen::Vector3d::Constant(unknown_m * unknown_m);
+  HoldLoosely(cam_from_enu, Eigen::Vector3d::Constant(unknown_m), photo);
   photo.error_radius_m = unknown_m;
   CorrectedPose corrected;
   corrected.start_cam_from_enu = corrected.prior_cam_from_enu = cam_from_enu;

@@ -16,7 +16,7 @@
 
 namespace skyquilt::alignment {
 
-// What is wrong with a photo or its record, found by comparing it with the others.
+// What is wrong with a photo or its record, found by comparing it with the others. Below in the same order.
 enum class PhotoFault {
   kPositionWrong,  // recorded far off
   kYawWrong,       // by something else than quarter turns
@@ -30,23 +30,9 @@ inline constexpr std::array kAllPhotoFaults = {
     PhotoFault::kPositionWrong, PhotoFault::kYawWrong,   PhotoFault::kStoredTurned, PhotoFault::kCopy,
     PhotoFault::kBlurred,       PhotoFault::kOtherPlace, PhotoFault::kFarAway};
 inline std::string_view FaultName(PhotoFault fault) {
-  switch (fault) {
-    case PhotoFault::kPositionWrong:
-      return "position_wrong";
-    case PhotoFault::kYawWrong:
-      return "yaw_wrong";
-    case PhotoFault::kStoredTurned:
-      return "stored_turned";
-    case PhotoFault::kCopy:
-      return "copy";
-    case PhotoFault::kBlurred:
-      return "blurred";
-    case PhotoFault::kOtherPlace:
-      return "other_place";
-    case PhotoFault::kFarAway:
-      return "far_away";
-  }
-  return {};
+  constexpr std::array<std::string_view, kAllPhotoFaults.size()> kNames = {
+      "position_wrong", "yaw_wrong", "stored_turned", "copy", "blurred", "other_place", "far_away"};
+  return kNames[static_cast<int>(fault)];
 }
 
 struct AlignPhotoReport {
