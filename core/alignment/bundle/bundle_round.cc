@@ -152,9 +152,7 @@ class Round {
     for (std::size_t t = 0; t < bundle_.soft_tracks.size(); ++t) {
       const double height =
           bundle_.photos[bundle_.soft_tracks[t].observations.front().photo].height_above_ground_m;
-      const PlaneResidual residual{{bundle_.ground_z_in_enu_m, 0.0, 0.0}, kReliefShare * height};
-      ceres_.AddResidualBlock(Derived<kRowsOfPoint, kPointSize>(residual), nullptr,
-                              Point(bundle_.tracks.size() + t));
+      AddPlaneOf({bundle_.ground_z_in_enu_m, 0.0, 0.0, kReliefShare * height}, bundle_.tracks.size() + t);
     }
     for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
       if (!ceres_.HasParameterBlock(Lens(c))) continue;
@@ -190,14 +188,15 @@ class Round {
 
   void AddPlane(std::size_t photos) {
     if (!bundle_.plane || photos == 0) return;
-    const BundlePlane& plane = *bundle_.plane;
+    BundlePlane plane = *bundle_.plane;
     const double points_a_photo =
         std::max(1.0, static_cast<double>(bundle_.tracks.size()) / static_cast<double>(photos));
-    const PlaneResidual residual{{plane.height_m, plane.slope_east, plane.slope_north},
-                                 plane.sigma_m * std::sqrt(points_a_photo)};
-    for (std::size_t t = 0; t < bundle_.tracks.size(); ++t) {
-      ceres_.AddResidualBlock(Derived<kRowsOfPoint, kPointSize>(residual), nullptr, Point(t));
-    }
+    plane.sigma_m *= std::sqrt(points_a_photo);
+    for (std::size_t t = 0; t < bundle_.tracks.size(); ++t) AddPlaneOf(plane, t);
+  }
+
+  void AddPlaneOf(const BundlePlane& plane, std::size_t point) {
+    ceres_.AddResidualBlock(Derived<BundlePlane::kRows, kPointSize>(plane), nullptr, Point(point));
   }
 
   void AddPositionBias() {

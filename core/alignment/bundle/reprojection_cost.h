@@ -63,23 +63,6 @@ struct PriorResidual {
   }
 };
 
-// What says something of a point alone has two rows like an observation, the second empty: Ceres eliminates
-// points of one row size by code made for that size, in half the time.
-inline constexpr int kRowsOfPoint = 2;
-
-// The ground is more or less a plane; a point that only direct registration knows lies near a level one.
-struct PlaneResidual {
-  Eigen::Vector3d plane;  // z = plane.x + plane.y * E + plane.z * N
-  double sigma_m;
-
-  template <typename T>
-  bool operator()(const T* point, T* residual) const {
-    residual[0] = (point[2] - plane.x() - plane.y() * point[0] - plane.z() * point[1]) / sigma_m;
-    residual[1] = T(0.0);
-    return true;
-  }
-};
-
 // Where a photo was taken and with which lens, before the solve changes either. Of a camera that flies on
 // while it reads its rows it is the middle row's.
 struct CameraStart {
