@@ -3,8 +3,6 @@
 #include <utility>
 
 #include "core/alignment/stages/attempt_steps.h"
-#include "core/alignment/stages/conclude.h"
-#include "core/alignment/stages/place_by_evidence.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
 

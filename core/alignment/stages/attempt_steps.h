@@ -1,10 +1,12 @@
-// What each photo of a flight shows, the first and the last stage of an attempt, and the steps that several
-// stages take with it. The same for any number of threads.
+// The stages of an alignment, and the steps that several of them take with an attempt. The same for any
+// number of threads.
 #pragma once
 
 #include <vector>
 
 #include "core/alignment/attempts/attempt.h"
+#include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/alignment/stages/align_options.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
@@ -37,7 +39,18 @@ std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& opti
 Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
                                Progress& progress);
 
+// The first adjustment, from where the records place the photos and, where that stands badly, from what the
+// photos show alone (attempts/); the attempt that goes on is the one that stands better, and its `by_images`
+// says why. `by_records`: matched, not adjusted. Errors: kCancelled.
+Result<Attempt> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_records,
+                                const AlignOptions& options, Progress& progress);
+
 // The last matching pass, on the relief that the first adjustment found, and the last adjustment.
 Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& progress);
+
+// From an adjusted attempt to the flight that the map is made of, and what is told of it: fills the whole
+// report but its total time. Errors: kUnprocessable where no photo is left to place.
+Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
+                               Attempt attempt, const AlignOptions& options, AlignReport& report);
 
 }  // namespace skyquilt::alignment

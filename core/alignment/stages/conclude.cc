@@ -1,5 +1,3 @@
-#include "core/alignment/stages/conclude.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>

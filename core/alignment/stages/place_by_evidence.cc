@@ -1,5 +1,3 @@
-#include "core/alignment/stages/place_by_evidence.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +14,7 @@
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/from_records/level_flight.h"
 #include "core/alignment/from_records/position_lag.h"
+#include "core/alignment/stages/attempt_steps.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
