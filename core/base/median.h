@@ -26,6 +26,8 @@ Value Median(std::vector<Value> values) {
 
 // Times the median of what values lie off their middle, their sigma where they are distributed normally.
 inline constexpr double kSigmaOfMedian = 1.4826;
+// The median length of errors in a plane, in the sigmas of either axis.
+inline constexpr double kMedianInPlane = 1.177;
 
 template <typename Value>
 std::optional<Value> MedianIfAny(std::vector<Value> values) {

@@ -85,7 +85,7 @@ double MedianWidthPx(const poses::PosedFlight& posed) {
 AttemptEvidence Weigh(const ExtractedFlight& extracted, const Attempt& attempt) {
   AttemptEvidence evidence;
   if (!attempt.posed.photos.empty())
-    evidence.residual_rms_px = attempt.adjusted.rms_px * kResidualWidthPx / MedianWidthPx(attempt.posed);
+    evidence.residual_rms_px = attempt.adjusted.rms_px * kReferenceWidthPx / MedianWidthPx(attempt.posed);
   evidence.observations = attempt.adjusted.observations;
   evidence.dropped = attempt.adjusted.dropped;
   evidence.is_adjusted = attempt.is_adjusted;

@@ -17,7 +17,6 @@ namespace skyquilt::alignment {
 
 // A record further than this from where the images put its photo contradicts them.
 inline constexpr double kContradictedSigmas = poses::kFalseClaim;
-inline constexpr double kResidualWidthPx = 4000.0;  // of a photo, that residuals are told for
 
 struct AttemptEvidence {
   std::size_t readable = 0;      // photos that show enough to be tied

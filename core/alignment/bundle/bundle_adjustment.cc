@@ -10,7 +10,6 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr double kOutlierSigmas = 3.5;
-constexpr double kReferenceWidthPx = 4000.0;
 
 // By how much the observations of each photo spread, against the sigmas they were given. Where the others
 // agree better than was assumed of keypoints, an error assumed usual is an outlier. Bounded below: less sharp
@@ -18,7 +17,6 @@ constexpr double kReferenceWidthPx = 4000.0;
 // better in one photo than in another, so that each of those has its own.
 std::vector<double> SpreadsOf(const std::vector<View>& views, const std::vector<Track>& tracks) {
   constexpr double kMinSpread = 0.7, kMinOwnSpread = 0.25;
-  constexpr double kMedianOfNormalPlane = 1.177;
   std::vector<double> all;
   std::vector<std::vector<double>> of_photo(views.size());
   for (const Track& track : tracks) {
@@ -28,11 +26,11 @@ std::vector<double> SpreadsOf(const std::vector<View>& views, const std::vector<
     }
   }
   const double common =
-      all.empty() ? 1.0 : std::clamp(Median(std::move(all)) / kMedianOfNormalPlane, kMinSpread, 1.0);
+      all.empty() ? 1.0 : std::clamp(Median(std::move(all)) / kMedianInPlane, kMinSpread, 1.0);
   std::vector<double> spreads(views.size(), common);
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (of_photo[i].empty()) continue;
-    spreads[i] = std::clamp(Median(std::move(of_photo[i])) / kMedianOfNormalPlane, kMinOwnSpread, common);
+    spreads[i] = std::clamp(Median(std::move(of_photo[i])) / kMedianInPlane, kMinOwnSpread, common);
   }
   return spreads;
 }

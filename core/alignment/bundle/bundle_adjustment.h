@@ -85,8 +85,10 @@ struct BundleProblem {
 // Where its record puts a photo, with what was found that all records err by.
 Eigen::Vector3d ExpectedCenter(const BundleProblem& problem, const BundlePhoto& photo);
 
+inline constexpr double kReferenceWidthPx = 4000.0;  // of a photo, that errors are told and judged for
+
 struct BundleOptions {
-  // At a picture 4000 pixels wide; a round each. 0: what stands out from the others' own spread.
+  // At a picture of that width; a round each. 0: what stands out from the others' own spread.
   std::vector<double> cuts_px{20.0, 6.0, 0.0, 0.0};
   int max_iterations = 25;
   bool adjust_lens = true;

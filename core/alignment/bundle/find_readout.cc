@@ -13,7 +13,6 @@ constexpr double kShowsSigmas = 4.0;
 constexpr double kExplainsSigmas = 8.0;
 constexpr double kShortestReadoutS = 0.003, kLongestReadoutS = 0.25;
 constexpr double kReadoutStepS = 0.001;
-constexpr double kMedianOfPlaneNormal = 1.177;
 
 struct Weighed {
   double observed = 0.0;  // sum of weight * derivative * residual
@@ -73,7 +72,7 @@ std::vector<int> LensesThatMayRoll(const BundleProblem& adjusted, const PhotoSet
   for (std::size_t c = 0; c < of_lens.size(); ++c) {
     Weighed& weighed = of_lens[c];
     if (adjusted.lenses[c].is_fixed || weighed.square <= 0.0) continue;
-    const double spread = Median(std::move(weighed.errors_in_sigmas)) / kMedianOfPlaneNormal;
+    const double spread = Median(std::move(weighed.errors_in_sigmas)) / kMedianInPlane;
     // What poses and points took over of it does not count here, so that it is rather more than this.
     if (std::abs(weighed.observed) > kShowsSigmas * spread * std::sqrt(weighed.square))
       lenses.push_back(static_cast<int>(c));
@@ -101,7 +100,7 @@ std::vector<int> LensesThatRoll(const BundleProblem& adjusted, const std::vector
     const double cost = CostOf(adjusted, c, errors);
     const double cost_when_still = CostOf(still, c, errors_when_still);
     if (errors.empty()) continue;
-    const double spread = Median(std::move(errors)) / kMedianOfPlaneNormal;
+    const double spread = Median(std::move(errors)) / kMedianInPlane;
     if (cost_when_still - cost > kExplainsSigmas * kExplainsSigmas * spread * spread) rolling.push_back(c);
   }
   return rolling;

@@ -17,7 +17,6 @@ using Eigen::Vector3d;
 
 constexpr int kSamples = 400;
 constexpr double kHoldsSigmas = 4.0;
-constexpr double kMedianOfPlane = 1.177;  // of the length of a two-dimensional normal error
 constexpr double kMinHeld = 0.5;
 constexpr double kBelievedSigmas = 3.0;
 constexpr double kHeldUpRad = 0.003;
@@ -173,7 +172,7 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
   if (!best) return std::nullopt;
   FittedSimilarity fitted;
   fitted.target_from_source = *best;
-  double spread_sigmas = std::max(1.0, least / kMedianOfPlane);
+  double spread_sigmas = std::max(1.0, least / kMedianInPlane);
   for (int round = 0; round < 4; ++round) {
     fitted.holds.assign(pairs.size(), false);
     fitted.held = 0;
@@ -190,7 +189,7 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
     if (fitted.held < kMinHeld * count) return std::nullopt;
     fitted.median_residual = Median(std::move(residuals));
     if (fitted.median_residual > max_residual_share * SpreadOf(pairs)) return std::nullopt;
-    const double now = std::max(1.0, Median(std::move(sigmas)) / kMedianOfPlane);
+    const double now = std::max(1.0, Median(std::move(sigmas)) / kMedianInPlane);
     spread_sigmas = std::min(spread_sigmas, now);
     fitted.spread_sigmas = spread_sigmas;
     if (round == 3) break;

@@ -131,7 +131,7 @@ Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const Ali
 }
 
 Relief AdjustedRelief(const Attempt& attempt) {
-  const double cell_m = kReliefCellGsds * MedianWidthM(attempt.input.views) / kResidualWidthPx;
+  const double cell_m = kReliefCellGsds * MedianWidthM(attempt.input.views) / kReferenceWidthPx;
   return Relief::FromPoints(PointsWithHeights(attempt.problem.tracks), cell_m,
                             attempt.posed.ground_z_in_enu_m);
 }
