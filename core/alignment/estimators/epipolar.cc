@@ -35,7 +35,7 @@ Matrix3d Unit(const std::vector<RayPair>& pairs, const std::vector<int>& used, b
   return unit;
 }
 
-int InFront(const RelativePose& pose, const std::vector<RayPair>& pairs, const std::vector<int>& used) {
+int InFront(const geo::Rigid3& pose, const std::vector<RayPair>& pairs, const std::vector<int>& used) {
   int in_front = 0;
   for (const int k : used) {
     const std::optional<Vector2d> depths = Depths(pose, pairs[k]);
@@ -106,19 +106,19 @@ double TransferError2(const Matrix3d& second_from_first, const RayPair& pair) {
   return (mapped.head<2>() / mapped.z() - pair.second).squaredNorm();
 }
 
-std::optional<Vector2d> Depths(const RelativePose& pose, const RayPair& pair) {
+std::optional<Vector2d> Depths(const geo::Rigid3& pose, const RayPair& pair) {
   // depth2 * b = depth1 * R a + t
   const Vector3d a = pose.rotation * pair.first.homogeneous();
   const Vector3d b = pair.second.homogeneous();
   const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
   const double determinant = aa * bb - ab * ab;
   if (determinant < 1e-14 * aa * bb) return std::nullopt;
-  const double at = a.dot(pose.direction), bt = b.dot(pose.direction);
+  const double at = a.dot(pose.translation), bt = b.dot(pose.translation);
   return Vector2d((-at * bb + bt * ab) / determinant, (aa * bt - ab * at) / determinant);
 }
 
-std::vector<RelativePose> PosesOfHomography(const Matrix3d& second_from_first,
-                                            const std::vector<RayPair>& pairs, const std::vector<int>& used) {
+std::vector<geo::Rigid3> PosesOfHomography(const Matrix3d& second_from_first,
+                                           const std::vector<RayPair>& pairs, const std::vector<int>& used) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(second_from_first.transpose() * second_from_first);
   Matrix3d v;  // by falling singular value
   for (int k = 0; k < 3; ++k) v.col(k) = solver.eigenvectors().col(2 - k);
@@ -127,9 +127,9 @@ std::vector<RelativePose> PosesOfHomography(const Matrix3d& second_from_first,
   if (middle <= 0.0) return {};
   const Matrix3d h = second_from_first / std::sqrt(middle);
   const double most = solver.eigenvalues()[2] / middle, least = solver.eigenvalues()[0] / middle;
-  std::vector<RelativePose> poses;
+  std::vector<geo::Rigid3> poses;
   if (most - least < 1e-10) {
-    RelativePose turned;
+    geo::Rigid3 turned;
     turned.rotation = Eigen::Quaterniond(h).normalized();
     return {turned};
   }
@@ -142,7 +142,7 @@ std::vector<RelativePose> PosesOfHomography(const Matrix3d& second_from_first,
     to << h * v.col(1), h * u, (h * v.col(1)).cross(h * u);
     const Matrix3d rotation = to * from.transpose();
     const Vector3d shift = (h - rotation) * from.col(2);
-    RelativePose pose;
+    geo::Rigid3 pose;
     pose.rotation = Eigen::Quaterniond(rotation).normalized();
     const double size = shift.norm();
     if (size < 1e-9) {
@@ -150,7 +150,7 @@ std::vector<RelativePose> PosesOfHomography(const Matrix3d& second_from_first,
       continue;
     }
     for (const double way : {1.0, -1.0}) {
-      pose.direction = way / size * shift;
+      pose.translation = way / size * shift;
       if (10 * InFront(pose, pairs, used) >= 9 * static_cast<int>(used.size())) poses.push_back(pose);
     }
   }
@@ -222,21 +222,21 @@ std::vector<Matrix3d> EssentialsOfFive(const std::array<RayPair, 5>& pairs) {
   return found;
 }
 
-RelativePose PoseOfEssential(const Matrix3d& essential, const std::vector<RayPair>& pairs,
-                             const std::vector<int>& used) {
+geo::Rigid3 PoseOfEssential(const Matrix3d& essential, const std::vector<RayPair>& pairs,
+                            const std::vector<int>& used) {
   const Eigen::JacobiSVD<Matrix3d> svd(essential, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Matrix3d u = svd.matrixU(), v = svd.matrixV();
   if (u.determinant() < 0.0) u = -u;
   if (v.determinant() < 0.0) v = -v;
   Matrix3d quarter;
   quarter << 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
-  RelativePose best;
+  geo::Rigid3 best;
   int most = -1;
   for (const Matrix3d& turn : {quarter, Matrix3d(quarter.transpose())}) {
     for (const double way : {1.0, -1.0}) {
-      RelativePose pose;
+      geo::Rigid3 pose;
       pose.rotation = Eigen::Quaterniond(Matrix3d(u * turn * v.transpose())).normalized();
-      pose.direction = way * u.col(2);
+      pose.translation = way * u.col(2);
       const int in_front = InFront(pose, pairs, used);
       if (in_front > most) {
         most = in_front;
@@ -247,8 +247,8 @@ RelativePose PoseOfEssential(const Matrix3d& essential, const std::vector<RayPai
   return best;
 }
 
-Matrix3d EssentialOfPose(const RelativePose& pose) {
-  return poses::Skew(pose.direction) * pose.rotation.toRotationMatrix();
+Matrix3d EssentialOfPose(const geo::Rigid3& pose) {
+  return poses::Skew(pose.translation) * pose.rotation.toRotationMatrix();
 }
 
 double Sampson2(const Matrix3d& essential, const RayPair& pair) {
@@ -260,16 +260,17 @@ double Sampson2(const Matrix3d& essential, const RayPair& pair) {
   return slope2 > 1e-18 ? residual * residual / slope2 : std::numeric_limits<double>::infinity();
 }
 
-RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& pairs,
-                        const std::vector<int>& used, double width, int steps) {
+geo::Rigid3 RefinePose(const geo::Rigid3& start, const std::vector<RayPair>& pairs,
+                       const std::vector<int>& used, double width, int steps) {
   using Vector5d = Eigen::Matrix<double, 5, 1>;
-  if (start.direction.squaredNorm() < 0.5) return start;
-  RelativePose pose = start;
-  const auto nudged = [](const RelativePose& from, const Vector5d& by) {
-    RelativePose to;
+  if (start.translation.squaredNorm() < 0.5) return start;
+  geo::Rigid3 pose = start;
+  const auto nudged = [](const geo::Rigid3& from, const Vector5d& by) {
+    geo::Rigid3 to;
     to.rotation = (geo::RotationFromVector(by.head<3>()) * from.rotation).normalized();
-    const Vector3d across = from.direction.unitOrthogonal();
-    to.direction = (from.direction + by[3] * across + by[4] * from.direction.cross(across)).normalized();
+    const Vector3d across = from.translation.unitOrthogonal();
+    to.translation =
+        (from.translation + by[3] * across + by[4] * from.translation.cross(across)).normalized();
     return to;
   };
   const auto residual = [](const Matrix3d& essential, const RayPair& pair) {
@@ -278,7 +279,7 @@ RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& p
     const Vector3d eb = essential.transpose() * b;
     return b.dot(ea) / std::sqrt(std::max(1e-18, ea.head<2>().squaredNorm() + eb.head<2>().squaredNorm()));
   };
-  const auto cost = [&](const RelativePose& of) {
+  const auto cost = [&](const geo::Rigid3& of) {
     const Matrix3d essential = EssentialOfPose(of);
     double sum = 0.0;
     for (const int k : used) {
@@ -309,7 +310,7 @@ RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& p
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff();
     const Vector5d by = geo::SolveSymmetric(damped, right);
-    const RelativePose next = nudged(pose, by);
+    const geo::Rigid3 next = nudged(pose, by);
     const double then = cost(next);
     if (then < now) {
       pose = next;

@@ -1,14 +1,13 @@
 // The geometry of two calibrated views, on rays (x, y, 1): homographies, essential matrices and the poses
-// they stand for. Pure; any thread.
+// (second_from_first, the shift of length 1) they stand for. Pure; any thread.
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <array>
 #include <optional>
 #include <vector>
 
-#include "core/alignment/scene/matches.h"
+#include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {
 
@@ -24,23 +23,23 @@ double TransferError2(const Eigen::Matrix3d& second_from_first, const RayPair& p
 
 // The poses a homography of a plane may stand for (O. Faugeras and F. Lustman 1988, by singular values): up
 // to four, those for which most of the pairs lie before both cameras.
-std::vector<RelativePose> PosesOfHomography(const Eigen::Matrix3d& second_from_first,
-                                            const std::vector<RayPair>& pairs, const std::vector<int>& used);
+std::vector<geo::Rigid3> PosesOfHomography(const Eigen::Matrix3d& second_from_first,
+                                           const std::vector<RayPair>& pairs, const std::vector<int>& used);
 
 // Up to ten matrices through five pairs.
 std::vector<Eigen::Matrix3d> EssentialsOfFive(const std::array<RayPair, 5>& pairs);
 // The one of its four poses for which most of the pairs lie before both cameras.
-RelativePose PoseOfEssential(const Eigen::Matrix3d& essential, const std::vector<RayPair>& pairs,
-                             const std::vector<int>& used);
-Eigen::Matrix3d EssentialOfPose(const RelativePose& pose);
+geo::Rigid3 PoseOfEssential(const Eigen::Matrix3d& essential, const std::vector<RayPair>& pairs,
+                            const std::vector<int>& used);
+Eigen::Matrix3d EssentialOfPose(const geo::Rigid3& pose);
 // First-order distance of the pair from the epipolar constraint, squared.
 double Sampson2(const Eigen::Matrix3d& essential, const RayPair& pair);
 
 // Depths along both rays where they come nearest; nothing where they are parallel.
-std::optional<Eigen::Vector2d> Depths(const RelativePose& pose, const RayPair& pair);
+std::optional<Eigen::Vector2d> Depths(const geo::Rigid3& pose, const RayPair& pair);
 
 // Gauss-Newton on Sampson's distance with a robust weight of the given width; five unknowns.
-RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& pairs,
-                        const std::vector<int>& used, double width, int steps);
+geo::Rigid3 RefinePose(const geo::Rigid3& start, const std::vector<RayPair>& pairs,
+                       const std::vector<int>& used, double width, int steps);
 
 }  // namespace skyquilt::alignment

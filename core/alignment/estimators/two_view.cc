@@ -151,8 +151,8 @@ std::vector<int> NearEpipolar(const Matrix3d& essential, const std::vector<RayPa
   return near;
 }
 
-std::optional<RelativePose> FindByFive(const std::vector<RayPair>& pairs, const std::vector<int>& among,
-                                       double tolerance, Sampler& sampler) {
+std::optional<geo::Rigid3> FindByFive(const std::vector<RayPair>& pairs, const std::vector<int>& among,
+                                      double tolerance, Sampler& sampler) {
   Matrix3d best = Matrix3d::Zero();
   std::vector<int> inliers;
   int samples = kMaxEssentials;
@@ -190,7 +190,7 @@ Eigen::Quaterniond FitTurn(const std::vector<RayPair>& pairs, const std::vector<
 }
 
 // Near its epipolar line and before both cameras.
-std::vector<int> Fitting(const RelativePose& pose, const std::vector<RayPair>& pairs,
+std::vector<int> Fitting(const geo::Rigid3& pose, const std::vector<RayPair>& pairs,
                          const std::vector<int>& among, double tolerance) {
   std::vector<int> fitting = NearEpipolar(EssentialOfPose(pose), pairs, among, tolerance);
   std::erase_if(fitting, [&](int k) {
@@ -210,14 +210,14 @@ double MedianAngle(const Eigen::Quaterniond& rotation, const std::vector<RayPair
 }
 
 struct Candidate {
-  RelativePose pose;
+  geo::Rigid3 pose;
   std::vector<int> fitting;
   double frontal = 0.0;
 };
 
 // How squarely both cameras look at the plane through the points, 0 (along it) to 1. What flat ground under a
 // camera that moved sideways leaves open is another ground, seen along it, under a camera that turned.
-double Frontal(const RelativePose& pose, const std::vector<RayPair>& pairs, const std::vector<int>& used) {
+double Frontal(const geo::Rigid3& pose, const std::vector<RayPair>& pairs, const std::vector<int>& used) {
   Matrix3d normal = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
   for (const int k : used) {
@@ -282,18 +282,18 @@ std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPh
   }
   const bool is_flat =
       static_cast<double>(flat.inliers.size()) > kFlatShare * static_cast<double>(loose.size());
-  std::vector<RelativePose> starts;
+  std::vector<geo::Rigid3> starts;
   if (static_cast<int>(flat.inliers.size()) >= least) {
     starts = PosesOfHomography(flat.second_from_first, pairs, flat.inliers);
   }
   if (!is_flat || starts.empty()) {
-    if (const std::optional<RelativePose> found = FindByFive(pairs, loose, tolerance, sampler)) {
+    if (const std::optional<geo::Rigid3> found = FindByFive(pairs, loose, tolerance, sampler)) {
       starts.push_back(*found);
     }
   }
   std::vector<Candidate> candidates;
-  for (const RelativePose& start : starts) {
-    if (start.direction.squaredNorm() < 0.5) continue;
+  for (const geo::Rigid3& start : starts) {
+    if (start.translation.squaredNorm() < 0.5) continue;
     Candidate candidate{start, Fitting(start, pairs, loose, 4.0 * tolerance)};
     for (const double width : {2.0 * tolerance, tolerance}) {
       if (static_cast<int>(candidate.fitting.size()) < least) break;

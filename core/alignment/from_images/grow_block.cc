@@ -201,10 +201,9 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
                          const std::vector<BundleLens>& lenses, const PhotoSet& used,
                          const InitialPair& initial_pair, int threads) {
   const GraphPair& pair = graph.pairs[initial_pair.pair];
-  const RelativePose& pose = pair.view.poses[initial_pair.pose];
   Block block(input, scene, lenses);
   block.Place(pair.first, geo::Rigid3{});
-  block.Place(pair.second, geo::Rigid3{pose.rotation, pose.direction});
+  block.Place(pair.second, pair.view.poses[initial_pair.pose]);
   block.TriangulateSeenBy({pair.first, pair.second}, threads);
   if (block.PointsSeen()[pair.first] < kEnoughPoints) return std::nullopt;
   block.Normalise();

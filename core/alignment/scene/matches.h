@@ -3,8 +3,6 @@
 // along the strongest. Values; any thread.
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "core/alignment/scene/photo_set.h"
+#include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {
 
@@ -54,19 +53,14 @@ struct VerifiedPair {
   double rms_m = 0.0;
 };
 
-// second_from_first, the length of the shift unknown.
-struct RelativePose {
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // of the shift: x_second = R x_first + s * direction
-};
-
 enum class Scene { kFlat, kRelief, kNoParallax };
 
 struct TwoView {
   Scene scene = Scene::kRelief;
   std::vector<KeypointMatch> matches;  // those that fit
-  // The likeliest first; a second where the matches fit it nearly as well.
-  std::vector<RelativePose> poses;
+  // second_from_first, the length of the shift unknown (1, or 0 without parallax). The likeliest first; a
+  // second where the matches fit it nearly as well.
+  std::vector<geo::Rigid3> poses;
   double angle_rad = 0.0;  // between two rays to the same point, in the median
 };
 

@@ -159,10 +159,10 @@ Solver OurTwoViews() {
                                 second = RaysOf(problem.second, lens, kPairs);
     const auto view = VerifyTwoViews({&problem.first, &lens, &first}, {&problem.second, &lens, &second},
                                      problem.matches, 1, 3.0);
-    if (!view || view->poses.front().direction.squaredNorm() < 0.5) return std::nullopt;
-    Outcome best = JudgePose(problem, view->poses.front().rotation, view->poses.front().direction);
+    if (!view || view->poses.front().translation.squaredNorm() < 0.5) return std::nullopt;
+    Outcome best = JudgePose(problem, view->poses.front().rotation, view->poses.front().translation);
     if (problem.homography && view->poses.size() > 1) {  // flat ground leaves two
-      const Outcome other = JudgePose(problem, view->poses[1].rotation, view->poses[1].direction);
+      const Outcome other = JudgePose(problem, view->poses[1].rotation, view->poses[1].translation);
       if (other.error + other.way_deg < best.error + best.way_deg) best = other;
     }
     return best;

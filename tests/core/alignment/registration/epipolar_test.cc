@@ -7,28 +7,27 @@
 #include <numeric>
 
 #include "core/alignment/estimators/sampler.h"
-#include "core/alignment/scene/matches.h"
 #include "core/geo/rigid3.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {
 namespace {
 
-RelativePose TruePose() {
-  RelativePose pose;
+geo::Rigid3 TruePose() {
+  geo::Rigid3 pose;
   pose.rotation = geo::RotationFromVector({0.05, -0.1, 0.8});
-  pose.direction = Eigen::Vector3d(0.9, 0.2, 0.15).normalized();
+  pose.translation = Eigen::Vector3d(0.9, 0.2, 0.15).normalized();
   return pose;
 }
 
 // Points five to seven deep, or on a plane that leans.
-std::vector<RayPair> PairsOf(const RelativePose& pose, int count, bool is_flat, double noise = 0.0) {
+std::vector<RayPair> PairsOf(const geo::Rigid3& pose, int count, bool is_flat, double noise = 0.0) {
   Sampler sampler(7);
   std::vector<RayPair> pairs;
   for (int k = 0; k < count; ++k) {
     Eigen::Vector3d point(4.0 * Uniform(sampler) - 2.0, 3.0 * Uniform(sampler) - 1.5, 0.0);
     point.z() = is_flat ? 6.0 + 0.1 * point.x() + 0.05 * point.y() : 5.0 + 2.0 * Uniform(sampler);
-    const Eigen::Vector3d other = pose.rotation * point + pose.direction;
+    const Eigen::Vector3d other = pose.rotation * point + pose.translation;
     const Eigen::Vector2d off(noise * (Uniform(sampler) - 0.5), noise * (Uniform(sampler) - 0.5));
     pairs.push_back({point.head<2>() / point.z(), other.head<2>() / other.z() + off});
   }
@@ -42,7 +41,7 @@ std::vector<int> All(const std::vector<RayPair>& pairs) {
 }
 
 TEST(Epipolar, FivePairsInReliefGiveTheEssentialMatrix) {
-  const RelativePose truth = TruePose();
+  const geo::Rigid3 truth = TruePose();
   const std::vector<RayPair> pairs = PairsOf(truth, 5, false);
   const Eigen::Matrix3d expected = EssentialOfPose(truth).normalized();
   double nearest = 1.0;
@@ -53,26 +52,26 @@ TEST(Epipolar, FivePairsInReliefGiveTheEssentialMatrix) {
 }
 
 TEST(Epipolar, TheEssentialMatrixGivesThePoseWithPointsInFront) {
-  const RelativePose truth = TruePose();
+  const geo::Rigid3 truth = TruePose();
   const std::vector<RayPair> pairs = PairsOf(truth, 40, false);
-  const RelativePose found = PoseOfEssential(EssentialOfPose(truth), pairs, All(pairs));
+  const geo::Rigid3 found = PoseOfEssential(EssentialOfPose(truth), pairs, All(pairs));
   EXPECT_LT(found.rotation.angularDistance(truth.rotation), 1e-6);
-  EXPECT_GT(found.direction.dot(truth.direction), 1.0 - 1e-9);
+  EXPECT_GT(found.translation.dot(truth.translation), 1.0 - 1e-9);
 }
 
 TEST(Epipolar, AHomographyOfAPlaneGivesThePoseAmongFew) {
-  const RelativePose truth = TruePose();
+  const geo::Rigid3 truth = TruePose();
   const std::vector<RayPair> pairs = PairsOf(truth, 30, true);
   const std::optional<Eigen::Matrix3d> homography = FitHomography(pairs, All(pairs));
   ASSERT_TRUE(homography);
   for (const RayPair& pair : pairs) EXPECT_LT(TransferError2(*homography, pair), 1e-16);
-  const std::vector<RelativePose> poses = PosesOfHomography(*homography, pairs, All(pairs));
+  const std::vector<geo::Rigid3> poses = PosesOfHomography(*homography, pairs, All(pairs));
   ASSERT_FALSE(poses.empty());
   EXPECT_LE(poses.size(), 2U);
   double nearest = 10.0;
-  for (const RelativePose& pose : poses) {
-    nearest = std::min(
-        nearest, pose.rotation.angularDistance(truth.rotation) + (pose.direction - truth.direction).norm());
+  for (const geo::Rigid3& pose : poses) {
+    nearest = std::min(nearest, pose.rotation.angularDistance(truth.rotation) +
+                                    (pose.translation - truth.translation).norm());
   }
   EXPECT_LT(nearest, 1e-5);
 }
@@ -83,20 +82,20 @@ TEST(Epipolar, ThreePointsOnALineGiveNoHomography) {
 }
 
 TEST(Epipolar, RefiningBringsAPoseThatIsDegreesOffToTheTruth) {
-  const RelativePose truth = TruePose();
+  const geo::Rigid3 truth = TruePose();
   const std::vector<RayPair> pairs = PairsOf(truth, 200, false, 1e-4);
-  RelativePose start;
+  geo::Rigid3 start;
   start.rotation = geo::RotationFromVector({0.03, 0.02, -0.02}) * truth.rotation;
-  start.direction = (truth.direction + Eigen::Vector3d(0.05, -0.1, 0.05)).normalized();
-  const RelativePose found = RefinePose(start, pairs, All(pairs), 0.01, 20);
+  start.translation = (truth.translation + Eigen::Vector3d(0.05, -0.1, 0.05)).normalized();
+  const geo::Rigid3 found = RefinePose(start, pairs, All(pairs), 0.01, 20);
   EXPECT_LT(found.rotation.angularDistance(truth.rotation), 1e-3);
-  EXPECT_LT((found.direction - truth.direction).norm(), 5e-3);
+  EXPECT_LT((found.translation - truth.translation).norm(), 5e-3);
 }
 
 TEST(Epipolar, DepthsAreThoseOfThePoint) {
-  const RelativePose truth = TruePose();
+  const geo::Rigid3 truth = TruePose();
   const Eigen::Vector3d point(0.5, -0.3, 6.0);
-  const Eigen::Vector3d other = truth.rotation * point + truth.direction;
+  const Eigen::Vector3d other = truth.rotation * point + truth.translation;
   const auto depths = Depths(truth, {point.head<2>() / point.z(), other.head<2>() / other.z()});
   ASSERT_TRUE(depths);
   EXPECT_NEAR(depths->x(), 6.0, 1e-9);

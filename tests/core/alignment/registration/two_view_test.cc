@@ -21,7 +21,7 @@ double TurnError(const SyntheticScene& scene, int i, int j, const TwoView& view)
   const Eigen::Quaterniond truth =
       scene.cam_from_enu[j].rotation * scene.cam_from_enu[i].rotation.conjugate();
   double least = 10.0;
-  for (const RelativePose& pose : view.poses) least = std::min(least, pose.rotation.angularDistance(truth));
+  for (const geo::Rigid3& pose : view.poses) least = std::min(least, pose.rotation.angularDistance(truth));
   return least;
 }
 
