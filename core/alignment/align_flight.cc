@@ -13,7 +13,6 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
                                   FoundFeatures found) {
   report = {};
   ScopedTimer timer(report.total_s);
-  SKYQUILT_TRY(options.Validate());
   SKYQUILT_TRY_ASSIGN(const ExtractedFlight extracted,
                       ExtractFlight(recorded, source, options, std::move(found), progress));
   SKYQUILT_TRY_ASSIGN(Attempt matched, MatchByRecords(extracted, options, progress));

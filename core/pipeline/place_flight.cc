@@ -291,7 +291,7 @@ std::optional<geo::Boundary> BoundaryOf(const MosaicOptions& options, const pyra
 
 std::optional<alignment::FeatureOptions> FeaturesToFind(const MosaicOptions& options) {
   if (!MayGoByImages(options)) return std::nullopt;
-  return alignment::AlignOptions().Features();
+  return alignment::AlignOptions().features;
 }
 
 Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const MosaicOptions& options,

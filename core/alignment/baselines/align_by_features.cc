@@ -16,7 +16,6 @@
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/matches.h"
 #include "core/base/scoped_timer.h"
-#include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::alignment {
@@ -124,11 +123,10 @@ flight::Remark HowChained(const ChainedPhoto& chained, double misfit_px) {
 
 Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const flight::PhotoSource& source,
                                       const AlignOptions& options, AlignReport& report, Progress& progress) {
-  SKYQUILT_TRY(options.Validate());
   report = {};
   ScopedTimer total_timer(report.total_s);
   const Photographed photographed =
-      ExtractAll(posed, source, options.Features(), {}, options.threads, 0.7, progress);
+      ExtractAll(posed, source, options.features, {}, options.threads, 0.7, progress);
   std::vector<camera::Intrinsics> lenses;
   for (const poses::PosedPhoto& photo : posed.photos) lenses.push_back(photo.photo.intrinsics);
   ChainedMosaic mosaic;

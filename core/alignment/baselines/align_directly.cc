@@ -8,17 +8,16 @@
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/base/scoped_timer.h"
-#include "core/base/try.h"
 
 namespace skyquilt::alignment {
 
 Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const flight::PhotoSource& source,
                                     const AlignOptions& options, AlignReport& report, Progress& progress) {
   constexpr int kPasses = 2;
-  SKYQUILT_TRY(options.Validate());
   report = {};
   ScopedTimer total_timer(report.total_s);
-  const FeatureOptions thumbnails_only{.detector_pixels = options.detector_pixels, .max_features = 0};
+  const FeatureOptions thumbnails_only{.detector_pixels = options.features.detector_pixels,
+                                       .max_features = 0};
   const Photographed photographed =
       ExtractAll(posed, source, thumbnails_only, {}, options.threads, 0.8, progress);
   const std::size_t count = posed.photos.size();

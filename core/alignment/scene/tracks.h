@@ -39,7 +39,7 @@ std::vector<Eigen::Vector3d> PointsWithHeights(const std::vector<Track>& tracks)
 inline constexpr int kEnoughObservations = 12;
 
 struct TrackOptions {
-  int observations_per_photo = 220;
+  int observations_per_photo = 220;  // as an adjustment takes them
   // Chains of matches that lead to two places of one photo are of no use as they are; true: each of their
   // matches becomes a track of its own, false: none.
   bool splits_contradictory = false;

@@ -6,7 +6,6 @@
 #include "core/alignment/features/features.h"
 #include "core/alignment/scene/ground_control.h"
 #include "core/alignment/scene/photo_set.h"
-#include "core/base/result.h"
 
 namespace skyquilt::alignment {
 
@@ -18,19 +17,13 @@ enum class ByImages {
 };
 
 struct AlignOptions {
-  int threads = 0;                   // 0 = all cores
-  int detector_pixels = 1'500'000;   // pixels of the picture given to the feature detector
-  int max_features = 2000;           // kept a photo
-  int observations_per_photo = 220;  // tie points a photo brings into the adjustment
-
+  int threads = 0;  // 0 = all cores
+  FeatureOptions features;
   std::vector<ControlPoint> control;  // surveyed points marked in photos
   // Placed for good, and their lenses known; the others are placed against them. Of no photos: none is. In
   // the order of the flight, or of capture where some of it is unplaced.
   PhotoSet fixed;
   ByImages by_images = ByImages::kByEvidence;  // not asked with `fixed`
-
-  FeatureOptions Features() const;
-  Result<void> Validate() const;
 };
 
 }  // namespace skyquilt::alignment

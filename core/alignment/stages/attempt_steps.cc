@@ -69,7 +69,7 @@ Attempt WithReadoutFound(Attempt attempt, const BundleOptions& bundle_options, c
     if (!may_roll.Has(i)) found.problem.photos[i].velocity_in_enu_mps.reset();
   }
   for (const int lens : lenses) found.problem.lenses[lens].finds_readout = true;
-  found = Adjusted(std::move(found), bundle_options, options);
+  found = Adjusted(std::move(found), bundle_options);
   const std::vector<int> rolling = LensesThatRoll(found.problem, lenses);
   TraceDecision("rolling shutter looked for", {{"lenses", lenses.size()}, {"found", rolling.size()}});
   if (rolling.size() < lenses.size()) {
@@ -77,7 +77,7 @@ Attempt WithReadoutFound(Attempt attempt, const BundleOptions& bundle_options, c
     return attempt;
   }
   // What was matched by photos taken for still ones is matched anew.
-  found = Adjusted(Rematched(std::move(found), kLastPass, options), bundle_options, options);
+  found = Adjusted(Rematched(std::move(found), kLastPass, options), bundle_options);
   for (const int lens : rolling) {
     int photos = 0;
     std::string camera;
@@ -109,16 +109,16 @@ std::optional<BundlePlane> PlaneOf(const Attempt& attempt) {
 
 }  // namespace
 
-Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
+Attempt Adjusted(Attempt attempt, const BundleOptions& options) {
   if (attempt.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
   {
     ScopedTimer timer(attempt.adjustment_s);
     attempt.problem.tracks = {};  // not both at a time
-    attempt.problem.tracks = BuildTracks(attempt.matched.links, attempt.input.features, attempt.input.views,
-                                         {.observations_per_photo = options.observations_per_photo});
+    attempt.problem.tracks =
+        BuildTracks(attempt.matched.links, attempt.input.features, attempt.input.views, {});
     std::erase_if(attempt.problem.tracks,
                   [&](Track& track) { return !Triangulate(attempt.input.views, track); });
-    attempt.adjusted = AdjustBundle(attempt.problem, bundle_options);
+    attempt.adjusted = AdjustBundle(attempt.problem, options);
   }
   TraceDecision("adjusted", {{"points", attempt.problem.tracks.size()},
                              {"observations", attempt.adjusted.observations},
@@ -159,7 +159,7 @@ std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& opti
   const std::vector<View>& views = attempt.input.views;
   std::vector<Track> tracks =
       BuildTracks(attempt.matched.links, attempt.input.features, views,
-                  {.observations_per_photo = options.max_features, .splits_contradictory = true});
+                  {.observations_per_photo = options.features.max_features, .splits_contradictory = true});
   std::erase_if(tracks, [&](Track& track) {
     // The observation with the largest error goes first, for it pulls the point away from the others.
     while (track.observations.size() >= 2 && Triangulate(views, track)) {
@@ -182,7 +182,7 @@ Error AlignmentCancelled() { return {ErrorCode::kCancelled, "the alignment was c
 Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
                                       const AlignOptions& options, FoundFeatures found, Progress& progress) {
   ExtractedFlight extracted = WithUnplaced(recorded);
-  extracted.photographed = ExtractAll(extracted.posed, source, options.Features(), std::move(found),
+  extracted.photographed = ExtractAll(extracted.posed, source, options.features, std::move(found),
                                       options.threads, kExtractedFraction, progress);
   if (progress.IsCancelled()) return AlignmentCancelled();
   extracted.readable = extracted.photographed.Readable();
@@ -239,14 +239,14 @@ Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& pr
   bool is_bent = ReweighPriors(attempt.problem);
   attempt.problem.plane = PlaneOf(attempt);
   const BundleOptions last{.estimate_lens_sigma = attempt.problem.photos.size() <= kMaxPhotosForLensSigma};
-  attempt = Adjusted(std::move(attempt), last, options);
+  attempt = Adjusted(std::move(attempt), last);
   for (int round = 1; is_bent && round < kMaxUnbent; ++round) {
     is_bent = ReweighPositions(attempt.problem);
     attempt.problem.plane = PlaneOf(attempt);
-    attempt = Adjusted(std::move(attempt), last, options);
+    attempt = Adjusted(std::move(attempt), last);
   }
   attempt = WithReadoutFound(std::move(attempt), last, options);
-  if (BelieveContradictedControlLess(attempt.problem)) attempt = Adjusted(std::move(attempt), last, options);
+  if (BelieveContradictedControlLess(attempt.problem)) attempt = Adjusted(std::move(attempt), last);
   return attempt;
 }
 

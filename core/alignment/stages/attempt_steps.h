@@ -22,7 +22,7 @@ Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const 
                                       const AlignOptions& options, FoundFeatures found, Progress& progress);
 
 // Tracks by the poses as they stand, and an adjustment of those.
-Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options);
+Attempt Adjusted(Attempt attempt, const BundleOptions& options);
 
 // The relief as adjusted, and pairs and matches from where the photos now lie.
 Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions& options);

@@ -119,14 +119,14 @@ Attempt WithLostTakenIn(const ExtractedFlight& extracted, Attempt attempt, MayRe
     } else {
       took_in = true;
     }
-    attempt = Adjusted(std::move(attempt), FirstAdjustment(), options);
+    attempt = Adjusted(std::move(attempt), FirstAdjustment());
   }
   return attempt;
 }
 
 // Adjusted from the records, and photos that these left apart registered against the others.
 Attempt AdjustedByRecords(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options) {
-  attempt = Adjusted(std::move(attempt), FirstAdjustment(), options);
+  attempt = Adjusted(std::move(attempt), FirstAdjustment());
   attempt.input.views = ViewsOf(attempt.problem);
   attempt.relief = AdjustedRelief(attempt);
   attempt.problem.plane = FitPlane(attempt.problem);
@@ -145,7 +145,7 @@ Attempt BetterOf(const ExtractedFlight& extracted, Attempt by_records, Attempt b
   by_images.adjustment_s = by_records.adjustment_s;
   const bool may_keep_records = compares && options.by_images != ByImages::kAlways;
   if (!may_keep_records) by_records = Attempt();  // not both at a time
-  by_images = Adjusted(std::move(by_images), SettledAdjustment(), options);
+  by_images = Adjusted(std::move(by_images), SettledAdjustment());
   by_images.input.views = ViewsOf(by_images.problem);
   by_images.relief = AdjustedRelief(by_images);
   by_images = WithLostTakenIn(extracted, std::move(by_images), MayRematch::kNo, options);
@@ -175,14 +175,14 @@ Attempt BetterOf(const ExtractedFlight& extracted, Attempt by_records, Attempt b
 }
 
 // Adjusted anew where wrong heights held the flight tilted.
-Attempt Levelled(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options) {
+Attempt Levelled(const ExtractedFlight& extracted, Attempt attempt) {
   const std::optional<Levelling> levelling = FindLevelling(attempt.problem, extracted.records);
   if (!levelling) return attempt;
   TraceDecision("flight levelled",
                 {{"tilt_rad", levelling->tilt_rad}, {"apart_m", levelling->height_range_m}});
   Level(*levelling, extracted.records, attempt.problem);
   attempt.input.views = ViewsOf(attempt.problem);
-  attempt = Adjusted(std::move(attempt), SettledAdjustment(), options);
+  attempt = Adjusted(std::move(attempt), SettledAdjustment());
   attempt.corrected_records.push_back({flight::RemarkCode::kHeightsTilted,
                                        {{"tilt_deg", levelling->tilt_rad * 180.0 / std::numbers::pi},
                                         {"apart_m", levelling->height_range_m}}});
@@ -214,7 +214,7 @@ CaptureTimes TimesOf(const poses::PosedFlight& posed) {
 
 // Adjusted anew where the positions of all photos are those of other moments. Once more then: what positions
 // held too fast before follows. Positions that were given up come back.
-Attempt WithoutPositionLag(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options) {
+Attempt WithoutPositionLag(const ExtractedFlight& extracted, Attempt attempt) {
   constexpr int kRounds = 2;
   const CaptureTimes times = TimesOf(attempt.posed);
   std::vector<PhotoRecord> records = extracted.records;
@@ -237,7 +237,7 @@ Attempt WithoutPositionLag(const ExtractedFlight& extracted, Attempt attempt, co
       photo.sigma_position_m.head<2>() = records[i].sigma_m.head<2>();
       photo.has_record = true;
     }
-    attempt = Adjusted(std::move(attempt), SettledAdjustment(), options);
+    attempt = Adjusted(std::move(attempt), SettledAdjustment());
   }
   if (lag_s == 0.0) return attempt;
   flight::Remark late{
@@ -279,12 +279,11 @@ Result<Attempt> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_rec
                         ? BetterOf(extracted, std::move(by_records), *std::move(by_images), compares, options)
                         : std::move(by_records);
   if (may_go_by_images) {
-    attempt = Levelled(extracted, std::move(attempt), options);
-    attempt = WithoutPositionLag(extracted, std::move(attempt), options);
+    attempt = WithoutPositionLag(extracted, Levelled(extracted, std::move(attempt)));
   }
   if (!attempt.by_images.is_taken &&
       LeanedShare(attempt.matched.corrected, attempt.problem) > kMuchLeanedShare) {
-    attempt = Adjusted(Rematched(std::move(attempt), kMiddlePass, options), FirstAdjustment(), options);
+    attempt = Adjusted(Rematched(std::move(attempt), kMiddlePass, options), FirstAdjustment());
   }
   std::vector<ControlPoint> control = options.control;
   if (attempt.by_images.is_taken && attempt.by_images.ignores_surveyed_heights) {

@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   if (!posed) return fmt::print(stderr, "{}\n", posed.error().message), 1;
   alignment::AlignOptions options;
   if (argc > 2) options.threads = std::atoi(argv[2]);
-  if (argc > 3) options.detector_pixels = std::atoi(argv[3]);
+  if (argc > 3) options.features.detector_pixels = std::atoi(argv[3]);
   alignment::AlignReport report;
   const double cpu_before = CpuSeconds();
   const Result<alignment::AlignedFlight> aligned =

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
   const flight::Flight read = ReadFolder(argv[1], progress);
   const int threads = argc > 2 ? std::atoi(argv[2]) : 0;
   const bool with_positions = argc <= 3 || std::string_view(argv[3]) != "nothing";
-  const alignment::FeatureOptions feature_options = alignment::AlignOptions().Features();
+  const alignment::FeatureOptions feature_options = alignment::AlignOptions().features;
   const std::vector<flight::Photo>& photos = read.photos;
   std::vector<alignment::PhotoFeatures> features(photos.size());
   std::vector<char> is_read(photos.size(), 0);

@@ -285,17 +285,6 @@ TEST(AlignFlight, LimitsNoLookWhereNothingIsTied) {
   EXPECT_DOUBLE_EQ(outcome.flight.photos[0].tied_look_rad, 0.5 * std::numbers::pi);
 }
 
-TEST(AlignFlight, RefusesOptionsThatMakeNoSense) {
-  AlignReport report;
-  SilentProgress progress;
-  AlignOptions options;
-  options.detector_pixels = 5;
-  const simulate::SimulatedFlight truth = SmallTruth(2, 0.0);
-  const Error refused =
-      test::ErrorOf(AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress));
-  EXPECT_EQ(refused.code, ErrorCode::kInvalidArgument);
-}
-
 TEST(AlignFlight, TakesAFlightOfNoneAndOfOne) {
   const simulate::SimulatedFlight truth = SmallTruth(2, 0.0);
   poses::PosedFlight posed = PosesOf(truth);

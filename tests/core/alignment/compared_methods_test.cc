@@ -16,7 +16,7 @@ namespace {
 
 AlignOptions OnThreads(int threads) {
   AlignOptions options;
-  options.max_features = 800;
+  options.features.max_features = 800;
   options.threads = threads;
   return options;
 }
