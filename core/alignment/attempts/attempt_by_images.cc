@@ -99,17 +99,12 @@ PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo
 }
 
 // What surveyed points say of a block's place.
-std::vector<PlacePair> ControlOf(const Registration& registration, int block, const poses::PosedFlight& posed,
+std::vector<PlacePair> ControlOf(const Registration& registration, const PhotoSet& of_block,
+                                 const std::vector<std::string>& names, const geo::LocalFrame& frame,
                                  const std::vector<ControlPoint>& control) {
   std::vector<View> views;
-  PhotoSet of_block;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < registration.photos.size(); ++i) {
-    const RegisteredPhoto& photo = registration.photos[i];
+  for (const RegisteredPhoto& photo : registration.photos)
     views.push_back({registration.lenses[photo.lens].intrinsics, photo.cam_from_world, kMedianDepth, {}});
-    of_block.Append(photo.block == block);
-    names.push_back(posed.photos[i].photo.name);
-  }
   const MarkedPhotos marked(names, views, of_block);
   std::vector<PlacePair> pairs;
   for (const ControlPoint& point : control) {
@@ -118,9 +113,8 @@ std::vector<PlacePair> ControlOf(const Registration& registration, int block, co
     if (!track) continue;
     PlacePair pair;
     pair.in_source = track->point_in_enu;
-    pair.in_target =
-        posed.frame.EnuFromWgs84({point.position.lat_deg, point.position.lon_deg,
-                                  point.height_m.value_or(posed.frame.origin().height_ellipsoid_m)});
+    pair.in_target = frame.EnuFromWgs84({point.position.lat_deg, point.position.lon_deg,
+                                         point.height_m.value_or(frame.origin().height_ellipsoid_m)});
     pair.sigma = {point.sigma_horizontal_m, point.sigma_horizontal_m,
                   point.height_m ? point.sigma_vertical_m : std::numeric_limits<double>::infinity()};
     pairs.push_back(pair);
@@ -128,17 +122,12 @@ std::vector<PlacePair> ControlOf(const Registration& registration, int block, co
   return pairs;
 }
 
-// Does `place`, by surveyed points, lie where the photos' own positions say that the flight was not?
-bool IsElsewhere(const Registration& registration, int block, const BlockPlace& place,
-                 const poses::PosedFlight& posed) {
-  PhotoSet of_block;
+// Where a block's place puts the cameras; it says nothing of those of other blocks.
+std::vector<Eigen::Vector3d> CentersInEnu(const Registration& registration, const BlockPlace& place) {
   std::vector<Eigen::Vector3d> centers_in_enu;
-  for (const RegisteredPhoto& photo : registration.photos) {
-    of_block.Append(photo.block == block);
+  for (const RegisteredPhoto& photo : registration.photos)
     centers_in_enu.push_back(place.enu_from_world * photo.cam_from_world.TargetOriginInSource());
-  }
-  const auto apart = RecordsApartOfBlock(posed, of_block, centers_in_enu);
-  return apart && apart->IsElsewhere();
+  return centers_in_enu;
 }
 
 RegistrationInput InputOf(const ExtractedFlight& extracted, const BundleProblem& problem) {
@@ -150,18 +139,6 @@ RegistrationInput InputOf(const ExtractedFlight& extracted, const BundleProblem&
         {extracted.readable[i], problem.photos[i].lens, extracted.records[i].center_in_enu});
   }
   return input;
-}
-
-// Of the largest block's cameras, above the flight's ground.
-double MedianHeightM(const Registration& registration, const BlockPlace& place,
-                     const poses::PosedFlight& posed) {
-  std::vector<double> heights;
-  for (const RegisteredPhoto& photo : registration.photos) {
-    if (photo.block != 0) continue;
-    heights.push_back((place.enu_from_world * photo.cam_from_world.TargetOriginInSource()).z() -
-                      posed.ground_z_in_enu_m);
-  }
-  return Median(std::move(heights));
 }
 
 // What says where on Earth a block lies, and how large it is.
@@ -336,14 +313,23 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
     CorrectedPose& corrected = second.matched.corrected.emplace_back();
     corrected.start_cam_from_enu = corrected.prior_cam_from_enu = photo.cam_from_enu;
   }
+  const std::vector<std::string> names = extracted.Names();
   PhotoSet placed(count), without_record(count);
   for (std::size_t b = 0; b < registration.block_sizes.size(); ++b) {
     const int block = static_cast<int>(b);
-    records.control = ControlOf(registration, block, posed, control);
+    PhotoSet of_block;
+    for (const RegisteredPhoto& photo : registration.photos) of_block.Append(photo.block == block);
+    records.control = ControlOf(registration, of_block, names, posed.frame, control);
     BlockPlace place = Georeference(registration, block, records);
-    if (place.placing == Placing::kByControl && IsElsewhere(registration, block, place, posed)) {
+    std::vector<Eigen::Vector3d> centers_in_enu = CentersInEnu(registration, place);
+    const auto is_elsewhere = [&] {  // than the photos' own positions say
+      const auto apart = RecordsApartOfBlock(posed, of_block, centers_in_enu);
+      return apart && apart->IsElsewhere();
+    };
+    if (place.placing == Placing::kByControl && is_elsewhere()) {
       records.control.clear();  // refused, and said, where the flight is tied to them
       place = Georeference(registration, block, records);
+      centers_in_enu = CentersInEnu(registration, place);
     }
     TraceDecision("group placed", {{"group", b},
                                    {"photos", registration.block_sizes[b]},
@@ -360,9 +346,12 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
       report.ignores_surveyed_heights = place.ignores_surveyed_heights;
       if (!place.knows_north) report.is_north_guessed = true;
       if (place.placing == Placing::kByGuess) report.is_scale_guessed = true;
+      std::vector<double> flown_m;
+      for (std::size_t i = 0; i < count; ++i) {
+        if (of_block.Has(i)) flown_m.push_back(centers_in_enu[i].z() - posed.ground_z_in_enu_m);
+      }
       std::vector<flight::Remark> height;
-      if (is_on_earth)
-        height.push_back(HowHigh(MedianHeightM(registration, place, posed), expected_height_m));
+      if (is_on_earth) height.push_back(HowHigh(Median(std::move(flown_m)), expected_height_m));
       report.outcome = flight::Remark{flight::RemarkCode::kImagesPlaced,
                                       {{"photos", report.registered},
                                        {"total", count},
@@ -372,15 +361,13 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
     std::vector<double> offsets;
     for (std::size_t i = 0; i < count; ++i) {
       if (!place.holding.Has(i) || !std::isfinite(records.photos[i].sigma_m.z())) continue;
-      offsets.push_back(
-          (place.enu_from_world * registration.photos[i].cam_from_world.TargetOriginInSource()).z() -
-          records.photos[i].center_in_enu->z());
+      offsets.push_back(centers_in_enu[i].z() - records.photos[i].center_in_enu->z());
     }
     const double height_offset_m = offsets.empty() ? 0.0 : Median(offsets);
     for (double& offset : offsets) offset = std::abs(offset - height_offset_m);
     const double height_spread_m = offsets.empty() ? 0.0 : 1.48 * Median(std::move(offsets));
     for (std::size_t i = 0; i < count; ++i) {
-      if (registration.photos[i].block != block) continue;
+      if (!of_block.Has(i)) continue;
       placed.Add(i);
       if (!MergePhoto(registration, place, records.photos[i], height_offset_m, height_spread_m, i, second))
         without_record.Add(i);
