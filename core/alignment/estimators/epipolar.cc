@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <utility>
 
 #include "core/geo/rigid3.h"
 #include "core/geo/solvers/dense_solvers.h"
@@ -42,6 +43,14 @@ int InFront(const geo::Rigid3& pose, const std::vector<RayPair>& pairs, const st
     in_front += depths && depths->x() > 0.0 && depths->y() > 0.0 ? 1 : 0;
   }
   return in_front;
+}
+
+// b' E a, and the square of how it grows with the pair's places.
+std::pair<double, double> Apart(const Matrix3d& essential, const RayPair& pair) {
+  const Vector3d a = pair.first.homogeneous(), b = pair.second.homogeneous();
+  const Vector3d ea = essential * a;
+  const Vector3d eb = essential.transpose() * b;
+  return {b.dot(ea), ea.head<2>().squaredNorm() + eb.head<2>().squaredNorm()};
 }
 
 // Polynomials in three unknowns of an essential matrix x X + y Y + z Z + W, by the order of their terms
@@ -252,11 +261,7 @@ Matrix3d EssentialOfPose(const geo::Rigid3& pose) {
 }
 
 double Sampson2(const Matrix3d& essential, const RayPair& pair) {
-  const Vector3d a = pair.first.homogeneous(), b = pair.second.homogeneous();
-  const Vector3d ea = essential * a;
-  const Vector3d eb = essential.transpose() * b;
-  const double residual = b.dot(ea);
-  const double slope2 = ea.head<2>().squaredNorm() + eb.head<2>().squaredNorm();
+  const auto [residual, slope2] = Apart(essential, pair);
   return slope2 > 1e-18 ? residual * residual / slope2 : std::numeric_limits<double>::infinity();
 }
 
@@ -274,10 +279,8 @@ geo::Rigid3 RefinePose(const geo::Rigid3& start, const std::vector<RayPair>& pai
     return to;
   };
   const auto residual = [](const Matrix3d& essential, const RayPair& pair) {
-    const Vector3d a = pair.first.homogeneous(), b = pair.second.homogeneous();
-    const Vector3d ea = essential * a;
-    const Vector3d eb = essential.transpose() * b;
-    return b.dot(ea) / std::sqrt(std::max(1e-18, ea.head<2>().squaredNorm() + eb.head<2>().squaredNorm()));
+    const auto [apart, slope2] = Apart(essential, pair);
+    return apart / std::sqrt(std::max(1e-18, slope2));
   };
   const auto cost = [&](const geo::Rigid3& of) {
     const Matrix3d essential = EssentialOfPose(of);

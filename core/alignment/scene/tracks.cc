@@ -49,52 +49,6 @@ class KeypointSets {
   DisjointSets sets_;
 };
 
-// Sets that know their members, each photo at most once.
-class MemberSets {
- public:
-  explicit MemberSets(const std::vector<const PhotoFeatures*>& features)
-      : features_(features), sets_(features), members_(sets_.size()) {
-    for (std::size_t i = 0; i < features.size(); ++i) {
-      if (!features[i]) continue;
-      for (int k = 0; k < static_cast<int>(features[i]->keypoints.size()); ++k)
-        members_[sets_.SetOf({static_cast<int>(i), k})] = {{static_cast<int>(i), k}};
-    }
-  }
-
-  void Join(const TrackElement& first, const TrackElement& second) {
-    const int a = sets_.SetOf(first), b = sets_.SetOf(second);
-    if (a == b) return;
-    std::vector<TrackElement>& of_a = members_[a];
-    std::vector<TrackElement>& of_b = members_[b];
-    std::vector<TrackElement> merged;
-    merged.reserve(of_a.size() + of_b.size());
-    auto next_a = of_a.begin();
-    auto next_b = of_b.begin();
-    while (next_a != of_a.end() || next_b != of_b.end()) {
-      if (next_b == of_b.end() || (next_a != of_a.end() && next_a->photo < next_b->photo)) {
-        merged.push_back(*next_a++);
-      } else if (next_a == of_a.end() || next_b->photo < next_a->photo) {
-        merged.push_back(*next_b++);
-      } else {
-        const PhotoFeatures& features = *features_[next_a->photo];
-        if (!IsOnePlace(features, next_a->keypoint, next_b->keypoint)) return;
-        merged.push_back(*next_a++);
-        ++next_b;
-      }
-    }
-    sets_.Join(a, b);
-    members_[std::max(a, b)] = {};
-    members_[std::min(a, b)] = std::move(merged);
-  }
-
-  std::vector<std::vector<TrackElement>>& members() { return members_; }
-
- private:
-  const std::vector<const PhotoFeatures*>& features_;
-  KeypointSets sets_;
-  std::vector<std::vector<TrackElement>> members_;
-};
-
 // Long tracks first, and of each photo only as many as its cells have room for.
 std::vector<Track> Thin(std::vector<Track> tracks, const std::vector<View>& views,
                         int observations_per_photo) {
@@ -244,21 +198,51 @@ SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return pairs[a].view.matches.size() > pairs[b].view.matches.size();
   });
-  MemberSets sets(features);
+  KeypointSets sets(features);
+  std::vector<std::vector<TrackElement>> members(sets.size());  // by set, each photo at most once
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (!features[i]) continue;
+    for (int k = 0; k < static_cast<int>(features[i]->keypoints.size()); ++k)
+      members[sets.SetOf({static_cast<int>(i), k})] = {{static_cast<int>(i), k}};
+  }
+  const auto join = [&](const TrackElement& first, const TrackElement& second) {
+    const int a = sets.SetOf(first), b = sets.SetOf(second);
+    if (a == b) return;
+    std::vector<TrackElement>& of_a = members[a];
+    std::vector<TrackElement>& of_b = members[b];
+    std::vector<TrackElement> merged;
+    merged.reserve(of_a.size() + of_b.size());
+    auto next_a = of_a.begin();
+    auto next_b = of_b.begin();
+    while (next_a != of_a.end() || next_b != of_b.end()) {
+      if (next_b == of_b.end() || (next_a != of_a.end() && next_a->photo < next_b->photo)) {
+        merged.push_back(*next_a++);
+      } else if (next_a == of_a.end() || next_b->photo < next_a->photo) {
+        merged.push_back(*next_b++);
+      } else {
+        if (!IsOnePlace(*features[next_a->photo], next_a->keypoint, next_b->keypoint)) return;
+        merged.push_back(*next_a++);
+        ++next_b;
+      }
+    }
+    sets.Join(a, b);
+    members[std::max(a, b)] = {};
+    members[std::min(a, b)] = std::move(merged);
+  };
   for (const std::size_t p : order) {
     const GraphPair& pair = pairs[p];
     for (const KeypointMatch& match : pair.view.matches) {
-      sets.Join({pair.first, match.first}, {pair.second, match.second});
+      join({pair.first, match.first}, {pair.second, match.second});
     }
   }
   SceneTracks scene;
   scene.of_photo.resize(features.size());
-  for (std::vector<TrackElement>& members : sets.members()) {
-    if (members.size() < 2) continue;
-    for (const TrackElement& element : members) {
+  for (std::vector<TrackElement>& track : members) {
+    if (track.size() < 2) continue;
+    for (const TrackElement& element : track) {
       scene.of_photo[element.photo].push_back(static_cast<int>(scene.tracks.size()));
     }
-    scene.tracks.push_back(std::move(members));
+    scene.tracks.push_back(std::move(track));
   }
   return scene;
 }
