@@ -44,13 +44,9 @@ struct Attempt {
   BundleProblem problem;
   BundleSummary adjusted;  // by the last adjustment
   bool is_adjusted = false;
-  ByImagesReport by_images;            // what was tried without the records, and why it was taken or not
-  std::vector<ControlReport> control;  // by surveyed point, once tied to them
-  // Heights of all that were not believed, positions of all that were late.
-  std::vector<flight::Remark> corrected_records;
-  int iterations = 0;  // of all adjustments
-  int pairs_by_direct = 0;
-  double matching_s = 0.0, adjustment_s = 0.0;  // wall
+  // As far as it has come: what was tried without the records, surveyed points once it is tied to them,
+  // records of all photos that were corrected (heights not believed, positions that were late), costs.
+  AlignReport report;
 };
 
 }  // namespace skyquilt::alignment

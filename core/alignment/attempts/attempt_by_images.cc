@@ -265,7 +265,7 @@ flight::Remark NotTaken(flight::Remark why) {
 std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size_t tied_by_records,
                                      bool takes_equal, const std::vector<ControlPoint>& control, int threads,
                                      Attempt& by_records, Progress& progress) {
-  ByImagesReport& report = by_records.by_images;
+  ByImagesReport& report = by_records.report.by_images;
   ScopedTimer timer(report.total_s);
   const poses::PosedFlight& posed = by_records.posed;
   const std::size_t count = posed.photos.size();

@@ -31,7 +31,7 @@ flight::Remark NotTaken(flight::Remark why);
 
 // The attempt from where the images place the photos, as if the records had said so. Nothing where it ties no
 // more photos together than `tied_by_records`, or where that cannot be told apart from an equal
-// (`takes_equal`: then it may tie as many). Fills by_records.by_images.
+// (`takes_equal`: then it may tie as many). Fills by_records.report.by_images.
 std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size_t tied_by_records,
                                      bool takes_equal, const std::vector<ControlPoint>& control, int threads,
                                      Attempt& by_records, Progress& progress);

@@ -73,7 +73,7 @@ Attempt WithReadoutFound(Attempt attempt, const BundleOptions& bundle_options, c
   const std::vector<int> rolling = LensesThatRoll(found.problem, lenses);
   TraceDecision("rolling shutter looked for", {{"lenses", lenses.size()}, {"found", rolling.size()}});
   if (rolling.size() < lenses.size()) {
-    attempt.iterations = found.iterations;
+    attempt.report.iterations = found.report.iterations;
     return attempt;
   }
   // What was matched by photos taken for still ones is matched anew.
@@ -86,10 +86,10 @@ Attempt WithReadoutFound(Attempt attempt, const BundleOptions& bundle_options, c
       ++photos;
       camera = found.posed.photos[i].photo.model;
     }
-    found.corrected_records.push_back({flight::RemarkCode::kRollingShutterFound,
-                                       {{"camera", camera.empty() ? "The camera" : camera},
-                                        {"readout_ms", 1e3 * std::abs(found.problem.lenses[lens].readout_s)},
-                                        {"photos", photos}}});
+    found.report.corrections.push_back({flight::RemarkCode::kRollingShutterFound,
+                                        {{"camera", camera.empty() ? "The camera" : camera},
+                                         {"readout_ms", 1e3 * std::abs(found.problem.lenses[lens].readout_s)},
+                                         {"photos", photos}}});
   }
   return found;
 }
@@ -112,7 +112,7 @@ std::optional<BundlePlane> PlaneOf(const Attempt& attempt) {
 Attempt Adjusted(Attempt attempt, const BundleOptions& options) {
   if (attempt.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
   {
-    ScopedTimer timer(attempt.adjustment_s);
+    ScopedTimer timer(attempt.report.adjustment_s);
     attempt.problem.tracks = {};  // not both at a time
     attempt.problem.tracks =
         BuildTracks(attempt.matched.links, attempt.input.features, attempt.input.views, {});
@@ -125,7 +125,7 @@ Attempt Adjusted(Attempt attempt, const BundleOptions& options) {
                              {"dropped", attempt.adjusted.dropped},
                              {"residual_px", attempt.adjusted.rms_px},
                              {"iterations", attempt.adjusted.iterations}});
-  attempt.iterations += attempt.adjusted.iterations;
+  attempt.report.iterations += attempt.adjusted.iterations;
   attempt.is_adjusted = true;
   return attempt;
 }
@@ -139,7 +139,7 @@ Relief AdjustedRelief(const Attempt& attempt) {
 Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions& options) {
   const std::size_t count = attempt.input.views.size();
   {
-    ScopedTimer timer(attempt.matching_s);
+    ScopedTimer timer(attempt.report.matching_s);
     attempt.input.views = ViewsOf(attempt.problem);
     attempt.relief = AdjustedRelief(attempt);
     attempt.matched.pairs = OnlyWithinComponents(
@@ -210,7 +210,7 @@ Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOpti
     if (photo.photo.turning) attempt.input.views[i].readout_motion = ReadoutMotion(photo, 0);
   }
   {
-    ScopedTimer timer(attempt.matching_s);
+    ScopedTimer timer(attempt.report.matching_s);
     progress.Report(0.7, "comparing photos");
     attempt.matched = MatchInPasses(attempt.posed, extracted.lines, attempt.input, options.threads, progress);
   }

@@ -40,7 +40,7 @@ Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOpti
                                Progress& progress);
 
 // The first adjustment, from where the records place the photos and, where that stands badly, from what the
-// photos show alone (attempts/); the attempt that goes on is the one that stands better, and its `by_images`
+// photos show alone (attempts/); the attempt that goes on is the one that stands better, and its report
 // says why. `by_records`: matched, not adjusted. Errors: kCancelled.
 Result<Attempt> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_records,
                                 const AlignOptions& options, Progress& progress);

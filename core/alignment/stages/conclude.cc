@@ -149,16 +149,11 @@ void ReportAttempt(const ExtractedFlight& extracted, Attempt& attempt, AlignRepo
   report.pairs_linked = static_cast<int>(attempt.matched.links.size());
   report.rejected_pairs = std::move(attempt.matched.rejected);
   report.pairs_rejected = static_cast<int>(report.rejected_pairs.size());
-  report.pairs_by_direct = attempt.pairs_by_direct;
-  report.matching_s = attempt.matching_s;
-  report.adjustment_s = attempt.adjustment_s;
-  report.corrections = DescribeCorrections(attempt.matched.corrected, names, extracted.lines);
-  report.corrections.insert(report.corrections.begin(), attempt.corrected_records.begin(),
-                            attempt.corrected_records.end());
+  for (Remark& remark : DescribeCorrections(attempt.matched.corrected, names, extracted.lines))
+    report.corrections.push_back(std::move(remark));
   if (auto remark = RemarkOfClock(attempt.problem))
     report.corrections.insert(report.corrections.begin(), *std::move(remark));
   report.pairs = PairsInUse(attempt.problem, names);
-  report.control = std::move(attempt.control);
   ReportControl(attempt.problem, report.control);
   PredictControl(attempt.problem, report.control);
   report.position_bias_m = attempt.problem.position_bias_m;
@@ -167,7 +162,6 @@ void ReportAttempt(const ExtractedFlight& extracted, Attempt& attempt, AlignRepo
   report.observations_dropped = attempt.adjusted.dropped;
   report.residual_rms_px = attempt.adjusted.rms_px;
   report.solver = attempt.adjusted.solver;
-  report.iterations = attempt.iterations;
   ReportLenses(attempt.posed, attempt.problem, report);
 }
 
@@ -196,7 +190,7 @@ Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const Extract
                                Attempt attempt, const AlignOptions& options, AlignReport& report) {
   ForgiveTurnsAtBends(extracted.posed.photos, attempt.matched.corrected);
   const AttemptEvidence evidence = Weigh(extracted, attempt);
-  report.by_images = std::move(attempt.by_images);
+  report = std::move(attempt.report);
   if (!report.by_images.why) {
     report.by_images.outcome = flight::Remark{flight::RemarkCode::kRecordsHold,
                                               {{"photos", evidence.tied}, {"total", evidence.readable}}};

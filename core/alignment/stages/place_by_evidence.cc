@@ -59,12 +59,12 @@ double LeanedShare(const std::vector<CorrectedPose>& corrected, const BundleProb
 }
 
 // The attempt by images, not adjusted; none where the records hold, or where it ties no more photos together.
-// by_records.by_images says which.
+// by_records.report says which.
 std::optional<Attempt> TryByImages(const ExtractedFlight& extracted, double max_lost_share,
                                    const AlignOptions& options, Attempt& by_records, Progress& progress) {
   const AttemptEvidence evidence = Weigh(extracted, by_records);
   const bool is_asked_for = options.by_images == ByImages::kAlways;
-  std::optional<flight::Remark>& why = by_records.by_images.why;
+  std::optional<flight::Remark>& why = by_records.report.by_images.why;
   why = is_asked_for ? flight::Remark(flight::RemarkCode::kImagesAskedFor)
                      : WhyDoubted(evidence, max_lost_share);
   TraceDecision(why ? "records doubted" : "records held",
@@ -91,11 +91,11 @@ bool IsNearlyAll(const ExtractedFlight& extracted, const ByImagesReport& by_imag
 
 Attempt TiedDirectly(Attempt attempt, const AlignOptions& options) {
   {
-    ScopedTimer timer(attempt.matching_s);
+    ScopedTimer timer(attempt.report.matching_s);
     attempt.problem.soft_tracks = DirectTracks(attempt.input, attempt.matched.pairs, attempt.matched.links,
                                                attempt.relief, options.threads);
   }
-  attempt.pairs_by_direct = static_cast<int>(attempt.problem.soft_tracks.size());
+  attempt.report.pairs_by_direct = static_cast<int>(attempt.problem.soft_tracks.size());
   return attempt;
 }
 
@@ -133,16 +133,13 @@ Attempt AdjustedByRecords(const ExtractedFlight& extracted, Attempt attempt, con
   return WithLostTakenIn(extracted, std::move(attempt), MayRematch::kYes, options);
 }
 
+// The attempt by images, adjusted, with what was counted before; where both are compared, the better of both.
 Attempt BetterOf(const ExtractedFlight& extracted, Attempt by_records, Attempt by_images, bool compares,
                  const AlignOptions& options) {
-  by_images.by_images = std::move(by_records.by_images);
-  ByImagesReport& report = by_images.by_images;
+  by_images.report = std::move(by_records.report);
+  ByImagesReport& report = by_images.report.by_images;
   report.is_taken = true;
   by_images.matched.rejected = by_records.matched.rejected;
-  by_images.pairs_by_direct = by_records.pairs_by_direct;
-  by_images.iterations = by_records.iterations;
-  by_images.matching_s = by_records.matching_s;
-  by_images.adjustment_s = by_records.adjustment_s;
   const bool may_keep_records = compares && options.by_images != ByImages::kAlways;
   if (!may_keep_records) by_records = Attempt();  // not both at a time
   by_images = Adjusted(std::move(by_images), SettledAdjustment());
@@ -165,9 +162,7 @@ Attempt BetterOf(const ExtractedFlight& extracted, Attempt by_records, Attempt b
     if (!choice.takes_images) {
       report.is_taken = report.is_placed = false;
       report.outcome = NotTaken(choice.why);
-      by_records.by_images = std::move(report);
-      by_records.iterations = by_images.iterations;
-      by_records.adjustment_s = by_images.adjustment_s;
+      by_records.report = std::move(by_images.report);
       return by_records;
     }
   }
@@ -183,9 +178,9 @@ Attempt Levelled(const ExtractedFlight& extracted, Attempt attempt) {
   Level(*levelling, extracted.records, attempt.problem);
   attempt.input.views = ViewsOf(attempt.problem);
   attempt = Adjusted(std::move(attempt), SettledAdjustment());
-  attempt.corrected_records.push_back({flight::RemarkCode::kHeightsTilted,
-                                       {{"tilt_deg", levelling->tilt_rad * 180.0 / std::numbers::pi},
-                                        {"apart_m", levelling->height_range_m}}});
+  attempt.report.corrections.push_back({flight::RemarkCode::kHeightsTilted,
+                                        {{"tilt_deg", levelling->tilt_rad * 180.0 / std::numbers::pi},
+                                         {"apart_m", levelling->height_range_m}}});
   return attempt;
 }
 
@@ -246,14 +241,15 @@ Attempt WithoutPositionLag(const ExtractedFlight& extracted, Attempt attempt) {
        {"unit", flight::Remark(times.are_seconds ? flight::RemarkCode::kSecondsApart
                                                  : flight::RemarkCode::kPhotosApart)},
        {"apart_m", off_m}}};
-  if (attempt.by_images.is_taken) {
-    attempt.by_images.outcome = flight::Remark{flight::RemarkCode::kImagesPlaced,
-                                               {{"photos", attempt.by_images.registered},
-                                                {"total", records.size()},
-                                                {"place", std::vector<flight::Remark>()},
-                                                {"height", std::vector<flight::Remark>()}}};
+  ByImagesReport& by_images = attempt.report.by_images;
+  if (by_images.is_taken) {
+    by_images.outcome = flight::Remark{flight::RemarkCode::kImagesPlaced,
+                                       {{"photos", by_images.registered},
+                                        {"total", records.size()},
+                                        {"place", std::vector<flight::Remark>()},
+                                        {"height", std::vector<flight::Remark>()}}};
   }
-  attempt.corrected_records.push_back(std::move(late));
+  attempt.report.corrections.push_back(std::move(late));
   return attempt;
 }
 
@@ -266,13 +262,13 @@ Result<Attempt> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_rec
   // Where hardly any photo fits to the others, nothing is worth adjusting.
   if (may_go_by_images)
     by_images = TryByImages(extracted, kMaxLostShareByLinks, options, by_records, progress);
-  const bool compares = !by_images || !IsNearlyAll(extracted, by_records.by_images);
+  const bool compares = !by_images || !IsNearlyAll(extracted, by_records.report.by_images);
   if (compares) by_records = TiedDirectly(std::move(by_records), options);
   if (progress.IsCancelled()) return AlignmentCancelled();
   progress.Report(0.8, "adjusting");
   if (compares) {
     by_records = AdjustedByRecords(extracted, std::move(by_records), options);
-    if (may_go_by_images && !by_records.by_images.why)
+    if (may_go_by_images && !by_records.report.by_images.why)
       by_images = TryByImages(extracted, kMaxLostShare, options, by_records, progress);
   }
   Attempt attempt = by_images
@@ -281,15 +277,15 @@ Result<Attempt> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_rec
   if (may_go_by_images) {
     attempt = WithoutPositionLag(extracted, Levelled(extracted, std::move(attempt)));
   }
-  if (!attempt.by_images.is_taken &&
+  if (!attempt.report.by_images.is_taken &&
       LeanedShare(attempt.matched.corrected, attempt.problem) > kMuchLeanedShare) {
     attempt = Adjusted(Rematched(std::move(attempt), kMiddlePass, options), FirstAdjustment());
   }
   std::vector<ControlPoint> control = options.control;
-  if (attempt.by_images.is_taken && attempt.by_images.ignores_surveyed_heights) {
+  if (attempt.report.by_images.is_taken && attempt.report.by_images.ignores_surveyed_heights) {
     for (ControlPoint& point : control) point.height_m.reset();
   }
-  TieToControl(attempt.posed, control, attempt.problem, attempt.control);
+  TieToControl(attempt.posed, control, attempt.problem, attempt.report.control);
   if (progress.IsCancelled()) return AlignmentCancelled();
   return attempt;
 }
