@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/alignment/estimators/epipolar.h"
+#include "core/alignment/estimators/plane_homography.h"
 #include "core/alignment/estimators/sampler.h"
 #include "core/base/median.h"
 #include "core/geo/solvers/dense_solvers.h"
@@ -110,14 +111,9 @@ std::vector<int> Mapped(const Matrix3d& homography, const std::vector<RayPair>& 
   return mapped;
 }
 
-struct FoundHomography {
-  Matrix3d second_from_first = Matrix3d::Identity();
-  std::vector<int> inliers;
-};
-
-FoundHomography FindHomography(const std::vector<RayPair>& pairs, const std::vector<int>& among,
-                               double tolerance, Sampler& sampler) {
-  FoundHomography best;
+RobustFit FindHomography(const std::vector<RayPair>& pairs, const std::vector<int>& among, double tolerance,
+                         Sampler& sampler) {
+  RobustFit best;
   int samples = kMaxHomographies;
   const auto take = [&](const Matrix3d& homography) {
     std::vector<int> inliers = Mapped(homography, pairs, among, tolerance);
@@ -268,7 +264,7 @@ std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPh
       tolerance_sigmas * std::hypot(first.features->sigma_px / first.lens->MeanFocalPx(),
                                     second.features->sigma_px / second.lens->MeanFocalPx());
   Sampler sampler(seed);
-  const FoundHomography flat = FindHomography(pairs, loose, 2.0 * tolerance, sampler);
+  const RobustFit flat = FindHomography(pairs, loose, 2.0 * tolerance, sampler);
   TwoView view;
   if (static_cast<int>(flat.inliers.size()) >= least) {
     const Eigen::Quaterniond turn = FitTurn(pairs, flat.inliers);
@@ -284,7 +280,7 @@ std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPh
       static_cast<double>(flat.inliers.size()) > kFlatShare * static_cast<double>(loose.size());
   std::vector<geo::Rigid3> starts;
   if (static_cast<int>(flat.inliers.size()) >= least) {
-    starts = PosesOfHomography(flat.second_from_first, pairs, flat.inliers);
+    starts = PosesOfHomography(flat.to_from, pairs, flat.inliers);
   }
   if (!is_flat || starts.empty()) {
     if (const std::optional<geo::Rigid3> found = FindByFive(pairs, loose, tolerance, sampler)) {

@@ -29,25 +29,13 @@ bool IsOnePlace(const PhotoFeatures& features, int a, int b) {
   return std::hypot(x.x_px - y.x_px, x.y_px - y.y_px) <= 1.0F;
 }
 
-// The keypoints of all photos under running numbers, and which of them are one point by the matches so far.
-class KeypointSets {
- public:
-  // By photo; null: it has none.
-  explicit KeypointSets(const std::vector<const PhotoFeatures*>& features) : first_of_{0}, sets_(0) {
-    for (const PhotoFeatures* one : features) {
-      first_of_.push_back(first_of_.back() + (one ? static_cast<int>(one->keypoints.size()) : 0));
-    }
-    sets_ = DisjointSets(first_of_.back());
-  }
-
-  std::size_t size() const { return sets_.size(); }
-  int SetOf(const TrackElement& one) { return sets_.SetOf(first_of_[one.photo] + one.keypoint); }
-  void Join(int a, int b) { sets_.Join(a, b); }
-
- private:
-  std::vector<int> first_of_;
-  DisjointSets sets_;
-};
+// The keypoints of all photos under running numbers: the first of each photo, and at last how many there are.
+std::vector<int> FirstKeypoints(const std::vector<const PhotoFeatures*>& features) {
+  std::vector<int> first_of{0};
+  for (const PhotoFeatures* one : features)
+    first_of.push_back(first_of.back() + (one ? static_cast<int>(one->keypoints.size()) : 0));
+  return first_of;
+}
 
 // Long tracks first, and of each photo only as many as its cells have room for.
 std::vector<Track> Thin(std::vector<Track> tracks, const std::vector<View>& views,
@@ -138,10 +126,12 @@ double ReprojectionErrorPx(const View& view, const Observation& observation,
 std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
                                const std::vector<const PhotoFeatures*>& features,
                                const std::vector<View>& views, const TrackOptions& options) {
-  KeypointSets sets(features);
+  const std::vector<int> first_of = FirstKeypoints(features);
+  DisjointSets sets(first_of.back());
+  const auto set_of = [&](const TrackElement& one) { return sets.SetOf(first_of[one.photo] + one.keypoint); };
   for (const VerifiedPair& pair : pairs) {
     for (const KeypointMatch& match : pair.matches) {
-      sets.Join(sets.SetOf({pair.first, match.first}), sets.SetOf({pair.second, match.second}));
+      sets.Join(set_of({pair.first, match.first}), set_of({pair.second, match.second}));
     }
   }
   const auto is_located = [&](const TrackElement& one) {
@@ -153,7 +143,7 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
     for (int k = 0; k < static_cast<int>(features[i]->keypoints.size()); ++k) {
       const TrackElement one{static_cast<int>(i), k};
       // What is as large as a house has no place to within pixels.
-      if (is_located(one)) members[sets.SetOf(one)].push_back(one);
+      if (is_located(one)) members[set_of(one)].push_back(one);
     }
   }
   std::vector<Track> tracks;
@@ -182,7 +172,7 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
     if (!options.splits_contradictory) break;
     for (const KeypointMatch& match : pair.matches) {
       const TrackElement first{pair.first, match.first}, second{pair.second, match.second};
-      if (!is_contradictory[sets.SetOf(first)] || !is_located(first) || !is_located(second)) continue;
+      if (!is_contradictory[set_of(first)] || !is_located(first) || !is_located(second)) continue;
       Track track;
       track.observations = {observe(first), observe(second)};
       tracks.push_back(std::move(track));
@@ -198,15 +188,17 @@ SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return pairs[a].view.matches.size() > pairs[b].view.matches.size();
   });
-  KeypointSets sets(features);
+  const std::vector<int> first_of = FirstKeypoints(features);
+  DisjointSets sets(first_of.back());
+  const auto set_of = [&](const TrackElement& one) { return sets.SetOf(first_of[one.photo] + one.keypoint); };
   std::vector<std::vector<TrackElement>> members(sets.size());  // by set, each photo at most once
   for (std::size_t i = 0; i < features.size(); ++i) {
     if (!features[i]) continue;
     for (int k = 0; k < static_cast<int>(features[i]->keypoints.size()); ++k)
-      members[sets.SetOf({static_cast<int>(i), k})] = {{static_cast<int>(i), k}};
+      members[set_of({static_cast<int>(i), k})] = {{static_cast<int>(i), k}};
   }
   const auto join = [&](const TrackElement& first, const TrackElement& second) {
-    const int a = sets.SetOf(first), b = sets.SetOf(second);
+    const int a = set_of(first), b = set_of(second);
     if (a == b) return;
     std::vector<TrackElement>& of_a = members[a];
     std::vector<TrackElement>& of_b = members[b];
