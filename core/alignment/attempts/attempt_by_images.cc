@@ -7,7 +7,6 @@
 #include <set>
 
 #include "core/alignment/bundle/control_points.h"
-#include "core/alignment/bundle/judge_control.h"
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/georeference.h"
 #include "core/alignment/from_images/register_photos.h"
@@ -64,10 +63,6 @@ poses::PosedPhoto FallbackPose(const flight::Photo& photo, const geo::LocalFrame
   return posed;
 }
 
-double SigmaHorizontal(const poses::PosedPhoto& photo) {
-  return std::sqrt(std::max(1e-4, 0.5 * (photo.covariance(3, 3) + photo.covariance(4, 4))));
-}
-
 PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo::LocalFrame& frame) {
   PhotoRecord record;
   record.is_unplaced = is_unplaced;
@@ -76,7 +71,7 @@ PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo
     // Where a receiver repeats itself the place is a guess, no record.
     const bool is_guessed = own && own->is_repeated && posed.position_source == own->source;
     if (!is_guessed) record.center_in_enu = posed.cam_from_enu.TargetOriginInSource();
-    const double sigma_m = SigmaHorizontal(posed);
+    const double sigma_m = std::sqrt(std::max(1e-4, 0.5 * (posed.covariance(3, 3) + posed.covariance(4, 4))));
     record.sigma_m = {sigma_m, sigma_m, std::sqrt(std::max(1e-4, posed.covariance(5, 5)))};
     if (posed.attitude_origin == poses::AttitudeOrigin::kRecorded ||
         posed.attitude_origin == poses::AttitudeOrigin::kSmoothed) {

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "core/alignment/bundle/judge_control.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {

@@ -13,6 +13,7 @@
 #include "core/alignment/scene/ground_control.h"
 #include "core/alignment/scene/photo_set.h"
 #include "core/flight/remarks/remark.h"
+#include "core/poses/evidence/records_apart.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
@@ -51,10 +52,25 @@ class MarkedPhotos {
 std::vector<std::optional<double>> HeightsLeftEmpty(const std::vector<std::optional<double>>& surveyed_m,
                                                     const std::vector<double>& shown_m);
 
+// Of so many points that most agree on, the others tell by themselves which is wrong.
+inline constexpr std::size_t kEnoughToVote = 4;
+
+// How far the recorded positions of the photos in `tied` lie from `centers_in_enu`, where a block has them.
+std::optional<poses::RecordsApart> RecordsApartOfBlock(const poses::PosedFlight& posed, const PhotoSet& tied,
+                                                       const std::vector<Eigen::Vector3d>& centers_in_enu);
+
+// What the photos refute of surveyed points before a flight is tied to them leaves `problem.control`, and
+// its reports say why: lists whose marks are pixels of other pictures, lists that lie where the flight was
+// not, and, among points too few to vote, the one that the photos' positions speak against. `marks_tied`: by
+// point of `control`, of its marks in photos that are tied to others; 0 of a point that has too few of them.
+void RefuseControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
+                   const std::vector<std::size_t>& marks_tied, const PhotoSet& tied, BundleProblem& problem,
+                   std::vector<ControlReport>& reports);
+
 // Moves the block to the points, so that the adjustment starts near. `problem` has been adjusted without
 // control. A point needs two sightings in photos that are tied to others.
 // One that lies far off where the others put the block is not used, and its report says so; nor is what the
-// photos or their positions refute (judge_control.h).
+// photos or their positions refute.
 void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
                   BundleProblem& problem, std::vector<ControlReport>& reports);
 

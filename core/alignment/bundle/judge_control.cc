@@ -1,10 +1,9 @@
-#include "core/alignment/bundle/judge_control.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
 
+#include "core/alignment/bundle/control_points.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {

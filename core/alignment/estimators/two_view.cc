@@ -32,11 +32,6 @@ constexpr double kOtherPoseRad = 0.03;
 constexpr double kNearlyAsWell = 0.9;
 constexpr int kRefinements = 8;
 
-Vector2d PlaceOf(const PhotoFeatures& features, int k) {
-  const Keypoint& keypoint = features.keypoints[k];
-  return {keypoint.x_px, keypoint.y_px};
-}
-
 // Inliers of one rough motion of the picture: of the proposed motions, the one with most inliers.
 std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& second,
                                const std::vector<KeypointMatch>& matches) {
@@ -243,7 +238,8 @@ std::vector<Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrin
   const std::size_t count = std::min<std::size_t>(most, features.keypoints.size());
   rays.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
-    rays.emplace_back(lens.Unproject(PlaceOf(features, static_cast<int>(k))).head<2>());
+    const Keypoint& keypoint = features.keypoints[k];
+    rays.emplace_back(lens.Unproject({keypoint.x_px, keypoint.y_px}).head<2>());
   }
   return rays;
 }
