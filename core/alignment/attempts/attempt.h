@@ -11,7 +11,6 @@
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/view.h"
-#include "core/flight/remarks/remark.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
