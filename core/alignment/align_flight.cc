@@ -19,7 +19,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
   SKYQUILT_TRY_ASSIGN(Attempt placed, PlaceByEvidence(extracted, std::move(matched), options, progress));
   SKYQUILT_TRY_ASSIGN(
       AlignedFlight flight,
-      Conclude(recorded, extracted, FinishAttempt(std::move(placed), options, progress), options, report));
+      Conclude(extracted, FinishAttempt(std::move(placed), options, progress), options, report));
   progress.Report(1.0, "aligned");
   return flight;
 }

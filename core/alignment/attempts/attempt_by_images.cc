@@ -397,12 +397,14 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
   return second;
 }
 
-Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& flight, AlignReport& report) {
+Result<void> SettleUnplaced(const ExtractedFlight& extracted, AlignedFlight& flight, AlignReport& report) {
   // Nothing says how the map lies to photos that it does not show.
   const bool is_adrift = report.by_images.is_taken && report.by_images.is_adrift;
-  if (recorded.unplaced.empty() && !is_adrift) return {};
   std::set<std::string> unplaced, found;
-  for (const flight::Photo& photo : recorded.unplaced) unplaced.insert(photo.name);
+  for (std::size_t i = 0; i < extracted.records.size(); ++i) {
+    if (extracted.records[i].is_unplaced) unplaced.insert(extracted.posed.photos[i].photo.name);
+  }
+  if (unplaced.empty() && !is_adrift) return {};
   for (const AlignedPhoto& photo : flight.photos) {
     if (photo.placement == Placement::kAligned)
       found.insert(photo.photo.name);

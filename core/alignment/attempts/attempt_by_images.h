@@ -38,7 +38,7 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
 
 // Photos that nothing placed go back to those left out, and those that were placed leave that list. Errors:
 // kUnprocessable when nothing is left.
-Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& flight, AlignReport& report);
+Result<void> SettleUnplaced(const ExtractedFlight& extracted, AlignedFlight& flight, AlignReport& report);
 
 // What the user must know of it; empty where the records held.
 std::vector<flight::Remark> RemarksOn(const ByImagesReport& report);

@@ -50,7 +50,7 @@ Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& pr
 
 // From an adjusted attempt to the flight that the map is made of, and what is told of it: fills the whole
 // report but its total time. Errors: kUnprocessable where no photo is left to place.
-Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
-                               Attempt attempt, const AlignOptions& options, AlignReport& report);
+Result<AlignedFlight> Conclude(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options,
+                               AlignReport& report);
 
 }  // namespace skyquilt::alignment

@@ -186,8 +186,8 @@ void Warn(const AlignReport& report, const AttemptEvidence& evidence, AlignedFli
 
 }  // namespace
 
-Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
-                               Attempt attempt, const AlignOptions& options, AlignReport& report) {
+Result<AlignedFlight> Conclude(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options,
+                               AlignReport& report) {
   ForgiveTurnsAtBends(extracted.posed.photos, attempt.matched.corrected);
   const AttemptEvidence evidence = Weigh(extracted, attempt);
   report = std::move(attempt.report);
@@ -201,7 +201,7 @@ Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const Extract
   attempt.input.views = ViewsOf(attempt.problem);
   const std::vector<Track> ground_tracks = GroundTracks(attempt, options);
   AlignedFlight flight = PlacePhotos(extracted, attempt, ground_tracks, doubts, report);
-  SKYQUILT_TRY(SettleUnplaced(recorded, flight, report));
+  SKYQUILT_TRY(SettleUnplaced(extracted, flight, report));
   for (const AlignPhotoReport& photo : report.photo_reports) {
     const bool is_far =
         std::find(photo.faults.begin(), photo.faults.end(), PhotoFault::kFarAway) != photo.faults.end();
