@@ -147,11 +147,22 @@ void ReadPosition(const ExifTable& table, ExifRecord& record) {
     record.notes.push_back({RemarkCode::kPositionOfOtherDatum, {{"datum", std::move(datum)}}});
 }
 
+// 0 to 3; some programs write the character of the figure, as text or where a number is due.
+std::optional<int> AltitudeReference(const ExifTable& table) {
+  const ExifValue* value = table.Find(ExifIfd::kGps, tag::kAltitudeRef);
+  if (value == nullptr || value->bytes.empty()) return std::nullopt;
+  constexpr double kCharacterOfZero = '0';
+  const double written = value->Number().value_or(static_cast<double>(value->bytes.front()));
+  const auto figure = Within(written >= kCharacterOfZero ? written - kCharacterOfZero : written, 0.0, 3.0);
+  if (!figure) return std::nullopt;
+  return static_cast<int>(*figure);
+}
+
 void ReadAltitude(const ExifTable& table, ExifRecord& record) {
   auto altitude = table.Number(ExifIfd::kGps, tag::kAltitude);
   if (!altitude) return;
-  const auto reference = table.Number(ExifIfd::kGps, tag::kAltitudeRef);
-  if (reference && (*reference == 1.0 || *reference == 3.0)) altitude = -std::abs(*altitude);
+  const auto reference = AltitudeReference(table);
+  if (reference == 1 || reference == 3) altitude = -std::abs(*altitude);
   constexpr double kLowest = -500.0, kHighest = 10000.0;
   record.altitude_m = Within(altitude, kLowest, kHighest);
   if (!record.altitude_m) {

@@ -357,6 +357,19 @@ TEST(ReadPhotoHeights, ReadsDepthsBelowTheSea) {
   }
 }
 
+TEST(ReadPhotoHeights, ReadsTheReferenceOfAnAltitudeThatIsWrittenAsACharacter) {
+  const std::pair<char, double> height_by_character[] = {{'0', 390.0}, {'1', -390.0}, {'3', -390.0}};
+  for (const auto& [character, height_m] : height_by_character) {
+    const auto tags = [] { return ExifWriter().Position(31.5, 35.5).Rational(ExifIfd::kGps, 6, {{390, 1}}); };
+    const Bytes byte(1, static_cast<std::uint8_t>(character));
+    for (const ExifWriter& written :
+         {tags().Ascii(ExifIfd::kGps, 5, std::string(1, character)), tags().Undefined(ExifIfd::kGps, 5, byte),
+          tags().Short(ExifIfd::kGps, 5, byte.front())}) {
+      EXPECT_EQ(Read(written).position.value().height_amsl_m, height_m) << character;
+    }
+  }
+}
+
 TEST(ReadPhotoTime, TakesTwoSubSecondDigitsAsHundredths) {
   const Photo photo = Read(ExifWriter()
                                .Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:34:56")
