@@ -139,6 +139,8 @@ std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
   const Degrees yuneec =
       FromXmp(xmp, "drone-yuneec:GimbalYaw", "drone-yuneec:GimbalPitch", "drone-yuneec:GimbalRoll");
   if (IsUsable(yuneec, "drone-yuneec", notes)) return Gimbal(yuneec, "drone-yuneec");
+  const Degrees cgo3 = FromXmp(xmp, "xmp:CameraYaw", "xmp:CameraPitch", "xmp:CameraRoll");
+  if (IsUsable(cgo3, "Yuneec CGO3", notes)) return Gimbal(cgo3, "Yuneec CGO3");
   const Degrees teal{Sum(xmp.Number("exif:PlatformYaw"), xmp.Number("exif:CameraYaw")),
                      Sum(xmp.Number("exif:PlatformPitch"), xmp.Number("exif:CameraPitch")),
                      Sum(xmp.Number("exif:PlatformRoll"), xmp.Number("exif:CameraRoll"))};

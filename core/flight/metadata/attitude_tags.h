@@ -6,6 +6,7 @@
 //   Parrot ANAFI                  drone-parrot:Camera*Degree       camera, horizon zero       -> kGimbal
 //   Skydio                        drone-skydio:CameraOrientationNED camera, horizon zero      -> kGimbal
 //   Yuneec (E90, C23)             drone-yuneec:Gimbal*              camera, horizon zero      -> kGimbal
+//   Yuneec (CGO3+)                xmp:CameraYaw/Pitch/Roll         camera, horizon zero      -> kGimbal
 //   Teal                          exif:Platform* + exif:Camera*    summed, horizon zero       -> kGimbal
 //   Autel (old)                   Camera:Yaw/Pitch/Roll            gimbal, nadir zero: pitch - 90 -> kGimbal
 //   Autel (XL715, some firmware)  Camera:Yaw/Pitch/Roll, pitch below -60: horizon zero        -> kGimbal

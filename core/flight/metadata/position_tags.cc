@@ -193,7 +193,7 @@ void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& 
 std::optional<double> HeightAboveTakeoffFromTags(const XmpTags& xmp) {
   for (const std::string_view name :
        {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude", "drone-yuneec:AboveHomeAltitude",
-        "sensefly:Height", "aerialgps:GPSAltitudeAboveTakeOff"}) {
+        "sensefly:Height", "aerialgps:GPSAltitudeAboveTakeOff", "xmp:GPSAltitude"}) {
     if (const auto height_m = Height(xmp, name)) return height_m;
   }
   return std::nullopt;

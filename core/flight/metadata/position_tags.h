@@ -1,9 +1,10 @@
 // Position and heights out of EXIF and XMP, each height under its own zero. Any thread.
 // The position is EXIF's (it is what other programs correct); XMP fills in where EXIF has none, lacks a
 // hemisphere, or is written in coarser steps. Heights: drone-dji AbsoluteAltitude is above sea level, with
-// RTK above the ellipsoid; RelativeAltitude is above take-off; EXIF's GPSAltitude counts only when nothing
-// contradicts it, from the ellipsoid where Camera:VertCS says so or the maker does (senseFly, Skydio X10,
-// ANAFI Ai), else from the sea. drone-skydio:GpsMslHeight is above the sea.
+// RTK above the ellipsoid; RelativeAltitude is above take-off, and so is xmp:GPSAltitude of Yuneec's CGO3+;
+// EXIF's GPSAltitude counts only when nothing contradicts it, from the ellipsoid where Camera:VertCS says so
+// or the maker does (senseFly, Skydio X10, ANAFI Ai), else from the sea. drone-skydio:GpsMslHeight is above
+// the sea.
 #pragma once
 
 #include <optional>

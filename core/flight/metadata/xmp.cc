@@ -96,15 +96,23 @@ class PropertyWalker {
  public:
   explicit PropertyWalker(std::map<std::string, std::string, std::less<>>& values) : values_(values) {}
 
-  // The children of rdf:Description are properties; everything above is wrapping.
+  // The children of rdf:Description are properties; everything above is wrapping. Yuneec's CGO3+ leaves
+  // rdf:Description out.
   void WalkWrapping(const tinyxml2::XMLElement& element, int depth) {
     if (depth > kMaxDepth) return;
     const std::size_t scope = PushNamespaces(element);
-    if (NormalName(element.Name()) == "rdf:Description") {
+    const std::string name = NormalName(element.Name());
+    if (name == "rdf:Description") {
       WalkDescription(element, "", depth);
     } else {
       for (auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
-        WalkWrapping(*child, depth + 1);
+        const bool is_property = name == "rdf:RDF" && child->FirstChildElement() == nullptr &&
+                                 !IsBookkeeping(NormalName(child->Name()));
+        if (is_property) {
+          WalkProperty(*child, "", depth + 1);
+        } else {
+          WalkWrapping(*child, depth + 1);
+        }
       }
     }
     declared_.resize(scope);

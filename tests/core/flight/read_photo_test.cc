@@ -89,6 +89,25 @@ TEST(ReadPhoto, ReadsPositionAndSizeOfATiff) {
   EXPECT_NEAR(photo.position->position.lat_deg, -12.25, 1e-8);
 }
 
+// As Yuneec's CGO3+ writes them.
+TEST(ReadPhoto, ReadsPropertiesThatStandInNoDescription) {
+  const std::string packet =
+      "<?xpacket begin=\"?\" id=\"W5M0MpCehiHzreSzNTczkc9d\"?>\n"
+      "  <rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n"
+      "    <xmp:GPSAltitude>31</xmp:GPSAltitude>\n    <xmp:CameraYaw>-85.5</xmp:CameraYaw>\n"
+      "    <xmp:CameraPitch>-90</xmp:CameraPitch>\n    <xmp:CameraRoll>0.002856</xmp:CameraRoll>\n"
+      "  </rdf:RDF>\n<?xpacket end=\"w\"?>\n";
+  const ExifWriter exif = ExifWriter().Position(43.780863, 23.743606).Rational(ExifIfd::kGps, 6, {{314, 10}});
+  const Photo photo = ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(), .xmp = packet})));
+  ASSERT_TRUE(photo.attitude);
+  EXPECT_EQ(photo.attitude->kind, AttitudeKind::kGimbal);
+  EXPECT_NEAR(photo.attitude->yaw_rad, geo::DegToRad(-85.5), 1e-12);
+  EXPECT_NEAR(photo.attitude->pitch_rad, geo::DegToRad(-90.0), 1e-12);
+  ASSERT_TRUE(photo.position);
+  EXPECT_EQ(photo.position->height_above_takeoff_m, 31.0);
+  EXPECT_FALSE(photo.position->height_amsl_m) << "EXIF repeats the height above take-off";
+}
+
 TEST(ReadPhoto, TakesTheHeightAboveTakeOff) {
   const auto photo = ValueOf(ReadPhotoFromBytes("a.jpg", RichPhoto()));
   EXPECT_EQ(photo.position->height_above_takeoff_m, 40.0);
