@@ -107,8 +107,10 @@ std::optional<Intrinsics> FromSkydioCalibration(int width_px, int height_px, con
   return camera;
 }
 
-std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifRecord& exif,
-                                        const XmpTags& xmp, std::vector<Remark>& notes) {
+// `by_mm`: what a focal length in millimetres is worth, by where the size of the sensor is from.
+std::optional<ChosenIntrinsics> FromXmpCamera(int width_px, int height_px, const ExifRecord& exif,
+                                              FocalSource by_mm, const XmpTags& xmp,
+                                              std::vector<Remark>& notes) {
   const auto focal = xmp.Number("Camera:PerspectiveFocalLength");
   if (!focal) return std::nullopt;
   const std::string unit = xmp.Text("Camera:PerspectiveFocalLengthUnits");
@@ -119,10 +121,11 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
   const double px_per_unit = is_in_pixels ? 1.0 : *exif.focal_plane_x_px_per_mm;
   const double focal_px = *focal * px_per_unit;
   if (!IsPlausible(focal_px, width_px, height_px)) return std::nullopt;
+  const FocalSource source = is_in_pixels ? FocalSource::kXmpCamera : by_mm;
   Intrinsics camera = Intrinsics::Centered(width_px, height_px, focal_px);
   if (xmp.Text("Camera:ModelType").starts_with("fish")) {
     notes.push_back(RemarkCode::kFisheyeAsPlain);
-    return camera;
+    return ChosenIntrinsics{camera, source};
   }
   if (const auto center = AllXmpNumbers(xmp.Text("Camera:PrincipalPoint"), 2)) {
     const auto take = [&](double px_per_x, double px_per_y) {
@@ -144,7 +147,7 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
     const std::array terms{&camera.k1, &camera.k2, &camera.k3, &camera.p1, &camera.p2};
     for (std::size_t i = 0; i < terms.size(); ++i) *terms[i] = (*bend)[i];
   }
-  return camera;
+  return ChosenIntrinsics{camera, source};
 }
 
 // Pix4D's fisheye: the affine matrix is in pixels a right angle, the principal point in mm.
@@ -206,6 +209,31 @@ bool IsNearer(double ratio, double wanted, double other) {
 std::optional<double> FromEquivalent(int width_px, int height_px, const ExifRecord& exif) {
   if (!exif.focal_length_35mm_mm) return std::nullopt;
   return FocalPxFrom35mm(*exif.focal_length_35mm_mm, width_px, height_px);
+}
+
+// Pixels of the picture in a millimetre of its sensor, as the table of sensors has it.
+std::optional<double> PxPerMmByTable(int width_px, int height_px, const ExifRecord& exif) {
+  const auto sensor = camera::FindSensor(exif.model);
+  if (!sensor) return std::nullopt;
+  return sensor->native_width_px / sensor->width_mm *
+         camera::ScaleFromNative(width_px, height_px, sensor->native_width_px, sensor->native_height_px);
+}
+
+// As the 35 mm equivalent has it.
+std::optional<double> PxPerMmByEquivalent(int width_px, int height_px, const ExifRecord& exif) {
+  const auto equivalent_px = FromEquivalent(width_px, height_px, exif);
+  if (!equivalent_px || !exif.focal_length_mm || exif.digital_zoom > 1.0) return std::nullopt;
+  return *equivalent_px / *exif.focal_length_mm;
+}
+
+// Where no tag says it: the table's, else the equivalent's. Nothing where the two contradict each other (a
+// picture of a part of its sensor) or a zoom comes between.
+std::optional<double> PxPerMmUntagged(int width_px, int height_px, const ExifRecord& exif) {
+  if (exif.digital_zoom > 1.0) return std::nullopt;
+  const auto by_table = PxPerMmByTable(width_px, height_px, exif);
+  const auto by_equivalent = PxPerMmByEquivalent(width_px, height_px, exif);
+  if (by_table && by_equivalent && !IsNear(*by_table / *by_equivalent, 1.0)) return std::nullopt;
+  return by_table ? by_table : by_equivalent;
 }
 
 // Whether a zoom is recorded that is more than what nominal focal lengths differ by.
@@ -286,15 +314,8 @@ std::optional<Remark> WhyPlaneIsWrong(int width_px, int height_px, const ExifRec
     RemarkCode name;
   };
   const auto sensor = camera::FindSensor(exif.model);
-  std::optional<double> of_table, of_equivalent;
-  if (sensor) {
-    of_table =
-        sensor->native_width_px / sensor->width_mm *
-        camera::ScaleFromNative(width_px, height_px, sensor->native_width_px, sensor->native_height_px);
-  }
-  if (const auto equivalent_px = FromEquivalent(width_px, height_px, exif);
-      equivalent_px && exif.focal_length_mm && exif.digital_zoom <= 1.0)
-    of_equivalent = *equivalent_px / *exif.focal_length_mm;
+  const auto of_table = PxPerMmByTable(width_px, height_px, exif);
+  const auto of_equivalent = PxPerMmByEquivalent(width_px, height_px, exif);
   std::optional<Remark> why;
   for (const Other& other :
        {Other{of_table, RemarkCode::kSensorAsKnown}, Other{of_equivalent, RemarkCode::kSensorByEquivalent}}) {
@@ -346,10 +367,13 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
     exif.focal_plane_x_px_per_mm.reset();
     exif.focal_plane_y_px_per_mm.reset();
   }
-  if (const auto camera = FromXmpCamera(width_px, height_px, exif, xmp, notes)) {
-    return {*camera, FocalSource::kXmpCamera};
-  }
-  if (const auto camera = FromFisheye(width_px, height_px, exif, xmp, notes)) {
+  ExifRecord measured = exif;  // with the sensor's size, wherever it is known from
+  if (!measured.focal_plane_x_px_per_mm)
+    measured.focal_plane_x_px_per_mm = PxPerMmUntagged(width_px, height_px, exif);
+  const bool is_by_equivalent = !exif.focal_plane_x_px_per_mm && !camera::FindSensor(exif.model);
+  const FocalSource by_mm = is_by_equivalent ? FocalSource::k35mmEquivalent : FocalSource::kXmpCamera;
+  if (const auto found = FromXmpCamera(width_px, height_px, measured, by_mm, xmp, notes)) return *found;
+  if (const auto camera = FromFisheye(width_px, height_px, measured, xmp, notes)) {
     return {*camera, FocalSource::kXmpCamera};
   }
   const auto chosen = [&](std::optional<double> focal_px,

@@ -130,6 +130,35 @@ TEST(ChooseIntrinsics, ReadsThePix4dSchemesLens) {
   EXPECT_EQ(chosen.intrinsics.p1, 0.0002);
 }
 
+TEST(ChooseIntrinsics, ReadsThePix4dSchemesLensOfASensorThatNoTagMeasures) {
+  const std::string lens =
+      "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" Camera:PerspectiveFocalLength=\"8.6\" "
+      "Camera:PerspectiveFocalLengthUnits=\"mm\" Camera:PrincipalPoint=\"6.55,4.45\" "
+      "Camera:PerspectiveDistortion=\"-0.1,0.15,-0.07,0.0002,-0.0003\"";
+  ExifRecord listed;
+  listed.model = "FC6310";
+  const auto by_table = Choose(5472, 3648, listed, lens);
+  EXPECT_EQ(by_table.source, FocalSource::kXmpCamera);
+  EXPECT_NEAR(by_table.intrinsics.focal_x_px, 8.6 * 5472 / 13.2, 1e-9);
+  EXPECT_NEAR(by_table.intrinsics.center_x_px, 6.55 * 5472 / 13.2 - 0.5, 1e-9);
+  EXPECT_NEAR(by_table.intrinsics.center_y_px, 4.45 * 5472 / 13.2 - 0.5, 1e-9);
+  EXPECT_EQ(by_table.intrinsics.k1, -0.1);
+  ExifRecord compared;
+  compared.focal_length_mm = 8.8;
+  compared.focal_length_35mm_mm = 24.0;
+  const auto by_equivalent = Choose(5472, 3648, compared, lens);
+  EXPECT_EQ(by_equivalent.source, FocalSource::k35mmEquivalent) << "no more exact than that";
+  EXPECT_NEAR(by_equivalent.intrinsics.focal_x_px, 8.6 / 8.8 * FocalPxFrom35mm(24.0, 5472, 3648), 1e-9);
+  EXPECT_EQ(by_equivalent.intrinsics.k1, -0.1);
+  // A part of the sensor, and a zoom, of which the lens is not that of the picture.
+  compared.model = "FC6310";
+  compared.focal_length_35mm_mm = 40.0;
+  EXPECT_FALSE(Choose(5472, 3648, compared, lens).intrinsics.HasDistortion());
+  listed.digital_zoom = 2.0;
+  EXPECT_FALSE(Choose(5472, 3648, listed, lens).intrinsics.HasDistortion());
+  EXPECT_EQ(Choose(5472, 3648, {}, lens).source, FocalSource::kAssumed) << "of unknown size";
+}
+
 // As MicaSense's cameras did before they named the unit: the centre is in millimetres all the same.
 TEST(ChooseIntrinsics, ReadsAFocalLengthInPixelsThatNamesNoUnit) {
   ExifRecord exif;
