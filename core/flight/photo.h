@@ -33,6 +33,15 @@ struct RecordedPosition {
   std::string source;        // "xmp", "exif", "geo.txt", ...
 };
 
+// EXIF where it places a photo elsewhere, and at another altitude, than the maker's XMP beside it does: of a
+// program that corrects EXIF alone, if it is so of a flight (correct_heights.h).
+struct ExifBesideXmp {
+  double apart_m = 0.0;               // the two places
+  double altitude_m = 0.0;            // EXIF's, from a zero that is not known yet
+  double altitudes_apart_m = 0.0;     // as they are written, of whatever zeros
+  bool is_altitude_from_sea = false;  // as EXIF itself says
+};
+
 // One sigma of a horizontal axis, assumed: of a receiver by itself (DJI and u-blox state it), and with fixed
 // corrections: base and antenna, and the moment of the exposure.
 inline constexpr double kPlainSigmaM = 1.5, kFixedSigmaM = 0.03;
@@ -137,6 +146,7 @@ struct Photo {
   std::optional<std::chrono::minutes> clock_minus_utc;  // the zone of the camera's clock, where it is known
   std::optional<UtcTime> receiver_time;  // as a receiver of GNSS told it, whatever the camera's clock
   std::optional<RecordedPosition> position;
+  std::optional<ExifBesideXmp> exif_beside_xmp;
   std::optional<double> lone_height_above_takeoff_m;  // recorded without a position, which has its own
   std::optional<RecordedAttitude> attitude;
   std::optional<RecordedDirection> direction;

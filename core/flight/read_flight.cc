@@ -15,6 +15,7 @@
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/metadata/capture_time.h"
+#include "core/flight/photos/correct_heights.h"
 #include "core/flight/photos/retagged.h"
 #include "core/flight/photos/sidecars.h"
 #include "core/flight/remarks/because.h"
@@ -197,6 +198,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Prog
   const int timed_by_name = TakeTimesFromNames(flight.photos);
   std::sort(flight.photos.begin(), flight.photos.end(), ComesBefore);
   KeepOneCamera(flight);
+  TakeCorrectedHeights(flight.photos, flight.warnings);
   std::sort(flight.left_out.begin(), flight.left_out.end(),
             [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
   WarnAboutFlight(timed_by_name, flight);

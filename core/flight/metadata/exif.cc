@@ -163,6 +163,7 @@ void ReadAltitude(const ExifTable& table, ExifRecord& record) {
   if (!altitude) return;
   const auto reference = AltitudeReference(table);
   if (reference == 1 || reference == 3) altitude = -std::abs(*altitude);
+  record.is_altitude_from_sea = reference == 2 || reference == 3;
   constexpr double kLowest = -500.0, kHighest = 10000.0;
   record.altitude_m = Within(altitude, kLowest, kHighest);
   if (!record.altitude_m) {

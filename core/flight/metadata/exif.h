@@ -35,6 +35,7 @@ struct ExifRecord {
   bool is_hemisphere_known = true;     // false: a reference was missing, north or east was taken
   double position_resolution_m = 0.0;  // the step in which the position is written
   std::optional<double> altitude_m;    // above whatever the camera meant; only the plausible
+  bool is_altitude_from_sea = false;   // as its reference says; most are used for either zero
   std::optional<double> position_error_m;
   std::optional<double> image_direction_deg;  // [0, 360), of the picture as viewers show it
   bool is_direction_from_true_north = false;  // false: from magnetic north, or it is not said

@@ -54,7 +54,8 @@ std::optional<geo::LatLon> Position(std::optional<double> lat_deg, std::optional
   return *position;
 }
 
-std::optional<geo::LatLon> XmpPosition(const XmpTags& xmp) {
+// As the maker writes it, in XMP of its own.
+std::optional<geo::LatLon> MakersPosition(const XmpTags& xmp) {
   constexpr std::pair<std::string_view, std::string_view> kPairs[] = {
       {"drone-dji:GpsLatitude", "drone-dji:GpsLongitude"},
       {"drone-dji:GpsLatitude", "drone-dji:GpsLongtitude"},  // the maker's spelling
@@ -64,6 +65,11 @@ std::optional<geo::LatLon> XmpPosition(const XmpTags& xmp) {
   for (const auto& [lat, lon] : kPairs) {
     if (const auto position = Position(xmp.Number(lat), xmp.Number(lon))) return position;
   }
+  return std::nullopt;
+}
+
+std::optional<geo::LatLon> XmpPosition(const XmpTags& xmp) {
+  if (const auto position = MakersPosition(xmp)) return position;
   return Position(ParseXmpExifAngle(xmp.Text("exif:GPSLatitude")),
                   ParseXmpExifAngle(xmp.Text("exif:GPSLongitude")));
 }
@@ -99,6 +105,11 @@ std::optional<RecordedPosition> ChoosePosition(const ExifRecord& exif, const Xmp
   return recorded;
 }
 
+std::optional<double> MakersAltitude(const XmpTags& xmp) {
+  const auto altitude_m = Height(xmp, "drone-dji:AbsoluteAltitude");
+  return altitude_m ? altitude_m : Height(xmp, "drone-skydio:AbsoluteAltitude");
+}
+
 // XMP's own exif:GPSAltitude, as files beside photos have it.
 std::optional<double> XmpExifAltitude(const XmpTags& xmp) {
   const auto altitude_m = Height(xmp, "exif:GPSAltitude");
@@ -127,6 +138,8 @@ bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
   return make == "sensefly" || HoldsOneOf(exif.model, {"ANAFI Ai", "AnafiAi"});
 }
 
+constexpr double kSameM = 0.6;  // of an altitude in EXIF that repeats the height above take-off
+
 void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& recorded,
                    std::vector<Remark>& notes) {
   recorded.height_above_takeoff_m = HeightAboveTakeoffFromTags(xmp);
@@ -138,11 +151,9 @@ void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition&
   recorded.height_ellipsoid_m = Height(xmp, "sensefly:AltitudeWGS84");
   if (recorded.height_amsl_m || recorded.height_ellipsoid_m) return;
 
-  auto absolute = Height(xmp, "drone-dji:AbsoluteAltitude");
-  if (!absolute) absolute = Height(xmp, "drone-skydio:AbsoluteAltitude");
+  auto absolute = MakersAltitude(xmp);
   const bool is_ellipsoidal = IsAbsoluteAltitudeEllipsoidal(exif, xmp);
   const auto& relative = recorded.height_above_takeoff_m;
-  constexpr double kSameM = 0.6;
   constexpr double kContradictionM = 50.0;
   if (absolute) {
     if (exif.altitude_m && relative && std::abs(*exif.altitude_m - *relative) < kSameM &&
@@ -206,6 +217,27 @@ std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const X
   ChooseHeights(exif, xmp, *recorded, notes);
   ChooseSigmas(exif, xmp, *recorded);
   return recorded;
+}
+
+std::optional<ExifBesideXmp> ExifBesideXmpFromTags(const ExifRecord& exif, const XmpTags& xmp) {
+  const auto from_xmp = MakersPosition(xmp);
+  const auto altitude_m = MakersAltitude(xmp);
+  if (!from_xmp || !altitude_m || !exif.position || !exif.is_hemisphere_known || !exif.altitude_m)
+    return std::nullopt;
+  constexpr double kStepsOfXmpM = 0.2;  // of six decimals of a degree
+  constexpr double kStepsOfHeightM = 0.3;
+  ExifBesideXmp beside;
+  beside.apart_m = geo::MetresApart(*exif.position, *from_xmp);
+  beside.altitude_m = *exif.altitude_m;
+  beside.altitudes_apart_m = std::abs(*exif.altitude_m - *altitude_m);
+  beside.is_altitude_from_sea = exif.is_altitude_from_sea;
+  const auto relative_m = HeightAboveTakeoffFromTags(xmp);
+  const bool is_no_altitude =
+      *exif.altitude_m == 0.0 || (relative_m && std::abs(*exif.altitude_m - *relative_m) < kSameM);
+  if (is_no_altitude || beside.apart_m < kStepsOfXmpM + 2.0 * exif.position_resolution_m ||
+      beside.altitudes_apart_m < kStepsOfHeightM)
+    return std::nullopt;
+  return beside;
 }
 
 }  // namespace skyquilt::flight

@@ -200,6 +200,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.clock_minus_utc = time.clock_minus_utc;
   photo.receiver_time = time.by_receiver;
   photo.position = PositionFromTags(exif, xmp, photo.notes);
+  photo.exif_beside_xmp = ExifBesideXmpFromTags(exif, xmp);
   if (!photo.position) photo.lone_height_above_takeoff_m = HeightAboveTakeoffFromTags(xmp);
   photo.attitude = AttitudeFromTags(xmp, ReadMakerNote(header.exif), photo.make, photo.notes);
   photo.direction = DirectionFromTags(exif);

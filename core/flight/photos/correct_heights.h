@@ -1,0 +1,20 @@
+// TakeCorrectedHeights: programs of post-processing (exiftool with their lists, Emlid Studio, REDtoolbox,
+// Klau) write the corrected place into EXIF and leave the maker's XMP, which has the old one. The place of
+// such a photo is EXIF's, and so is its altitude then: the old one may be tens of metres off, or count from
+// another zero. That it is so is told by a flight, not by one photo: EXIF and XMP differ in place and in
+// altitude, by more than the steps in which they are written. What EXIF's altitude counts from: what its
+// reference names (Exif 3); else what brings it near to the altitudes in XMP, where the geoid tells the two
+// zeros apart; else the ellipsoid is assumed, as these programs write it. Which it was is said. Metres. Any
+// thread; never fails.
+#pragma once
+
+#include <vector>
+
+#include "core/flight/photo.h"
+
+namespace skyquilt::flight {
+
+// Changes the absolute heights of the photos whose EXIF was corrected, and says so in `warnings`.
+void TakeCorrectedHeights(std::vector<Photo>& photos, std::vector<Remark>& warnings);
+
+}  // namespace skyquilt::flight
