@@ -14,6 +14,7 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::int64_t kMicrosPerSecond = 1000000;
+constexpr std::chrono::seconds kClocksAgreeWithin(5);  // of two clocks, but for their zones
 
 UtcTime InUtc(const ExifTime& time) {
   return time.clock_minus_utc ? UtcTime(time.as_written - *time.clock_minus_utc) : time.as_written;
@@ -53,20 +54,39 @@ std::optional<UtcTime> UtcInXmp(const XmpTags& xmp) {
   return std::nullopt;
 }
 
-CaptureTime TimeOfClocks(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes) {
+// Where EXIF names no day for it, that on which the camera's clock shows the time of a zone, or of its own:
+// from 11 hours behind UTC to 13 ahead, where all but some islands lie. Nothing where it shows none.
+std::optional<UtcTime> GpsTimeOf(const ExifRecord& exif) {
+  if (exif.gps_time || !exif.gps_time_of_day || !exif.taken_at) return exif.gps_time;
+  using namespace std::chrono_literals;
+  const std::chrono::minutes known = exif.clock_minus_utc.value_or(0min);
+  const UtcTime clock = *exif.taken_at - known;
+  const std::chrono::seconds most_ahead = exif.clock_minus_utc ? std::chrono::seconds(12h) : 13h + 450s;
+  UtcTime time = UtcTime(std::chrono::floor<std::chrono::days>(clock)) + *exif.gps_time_of_day;
+  while (clock - time > most_ahead) time += 24h;
+  while (clock - time <= most_ahead - 24h) time -= 24h;
+  const std::optional<ClockStep> step = StepBetween(clock, time);
+  const bool shows_zone = step && std::chrono::abs(step->left_over) <= kClocksAgreeWithin &&
+                          (!exif.clock_minus_utc || step->zone == 0min);
+  if (!shows_zone) return std::nullopt;
+  return time;
+}
+
+CaptureTime TimeOfClocks(const ExifRecord& exif, const std::optional<UtcTime>& gps_time, const XmpTags& xmp,
+                         std::vector<Remark>& notes) {
   if (const auto utc = UtcInXmp(xmp)) return {utc, false, ZoneOf(exif, *utc)};
   if (exif.taken_at && exif.clock_minus_utc) {
     return {UtcTime(*exif.taken_at - *exif.clock_minus_utc), false, exif.clock_minus_utc};
   }
-  if (exif.taken_at && exif.gps_time) {
-    const std::optional<ClockStep> step = StepBetween(*exif.taken_at, *exif.gps_time);
-    if (step && std::chrono::abs(step->left_over) <= std::chrono::seconds(5)) {
+  if (exif.taken_at && gps_time) {
+    const std::optional<ClockStep> step = StepBetween(*exif.taken_at, *gps_time);
+    if (step && std::chrono::abs(step->left_over) <= kClocksAgreeWithin) {
       return {UtcTime(*exif.taken_at - step->zone), false, step->zone};
     }
     notes.push_back(RemarkCode::kClocksDisagree);
-    return {exif.gps_time, false, std::nullopt};
+    return {gps_time, false, std::nullopt};
   }
-  if (exif.gps_time) return {exif.gps_time, false, std::nullopt};
+  if (gps_time) return {gps_time, false, std::nullopt};
   if (exif.taken_at) return {exif.taken_at, true, std::nullopt};
   for (const std::string_view name : {"exif:DateTimeOriginal", "xmp:CreateDate"}) {
     if (const auto time = ParseExifTime(xmp.Text(name))) {
@@ -79,9 +99,10 @@ CaptureTime TimeOfClocks(const ExifRecord& exif, const XmpTags& xmp, std::vector
 }  // namespace
 
 CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes) {
-  CaptureTime time = TimeOfClocks(exif, xmp, notes);
+  const std::optional<UtcTime> gps_time = GpsTimeOf(exif);
+  CaptureTime time = TimeOfClocks(exif, gps_time, xmp, notes);
   time.by_receiver = UtcInXmp(xmp);
-  if (!time.by_receiver) time.by_receiver = exif.gps_time;
+  if (!time.by_receiver) time.by_receiver = gps_time;
   return time;
 }
 

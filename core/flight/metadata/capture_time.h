@@ -23,8 +23,8 @@ struct CaptureTime {
 // The instant of exposure in UTC from the clocks a photo carries, in this order: UTC in XMP
 // (drone-dji:UTCAtExposure, sensefly:UTCTime), the camera's clock with its zone, the camera's clock with the
 // zone that the GPS time shows (the clock's finer steps are kept where both agree), the GPS time, the local
-// clock. Beside it what a receiver told, and the zone of the camera's clock, where that is written or two
-// clocks show it.
+// clock. A GPS time that names no day is of the one on which the camera's clock shows a zone's. Beside it
+// what a receiver told, and the zone of the camera's clock, where that is written or two clocks show it.
 CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes);
 
 // A time in a file's name: DJI_20230918115823_0001.JPG,

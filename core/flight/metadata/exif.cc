@@ -246,13 +246,17 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
   const auto hours = Within(table.Number(ExifIfd::kGps, tag::kTimeStamp, 0), 0.0, 23.0);
   const auto minutes = Within(table.Number(ExifIfd::kGps, tag::kTimeStamp, 1), 0.0, 59.0);
   const auto seconds = Within(table.Number(ExifIfd::kGps, tag::kTimeStamp, 2), 0.0, 60.999999);
-  if (date.empty() || !hours || !minutes || !seconds) return;
+  if (!hours || !minutes || !seconds) return;
+  const std::chrono::microseconds of_day(std::llround((*hours * 3600.0 + *minutes * 60.0 + *seconds) * 1e6));
+  if (date.empty()) {
+    if (of_day.count() > 0) record.gps_time_of_day = of_day;  // zeros stand there without a fix
+    return;
+  }
   const auto midnight = ParseExifTime(date + " 00:00:00");
   // Without a fix a receiver counts from where its clock (1980) or its weeks (1999) begin.
   constexpr std::chrono::sys_days kFirstFix = std::chrono::year(2000) / 1 / 1;
   if (!midnight || midnight->as_written < kFirstFix) return;
-  const double of_day_s = *hours * 3600.0 + *minutes * 60.0 + *seconds;
-  record.gps_time = midnight->as_written + std::chrono::microseconds(std::llround(of_day_s * 1e6));
+  record.gps_time = midnight->as_written + of_day;
 }
 
 }  // namespace

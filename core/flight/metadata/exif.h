@@ -43,6 +43,7 @@ struct ExifRecord {
   std::optional<UtcTime> taken_at;  // the camera's clock as if it were UTC
   std::optional<std::chrono::minutes> clock_minus_utc;
   std::optional<UtcTime> gps_time;
+  std::optional<std::chrono::microseconds> gps_time_of_day;  // where its day is not written
 
   std::vector<Remark> notes;
 };

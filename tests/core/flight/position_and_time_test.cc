@@ -413,6 +413,20 @@ TEST(ReadPhotoTime, FindsTheZoneFromTheGpsTimeAndKeepsTheClocksSteps) {
   EXPECT_EQ(photo.clock_minus_utc, 5h + 30min);
 }
 
+TEST(ReadPhotoTime, FindsTheDayOfAGpsTimeThatNamesNone) {
+  using namespace std::chrono;
+  const auto at_34_56 = [](const char* clock, std::uint32_t hour) {
+    return Read(ExifWriter()
+                    .Ascii(ExifIfd::kExif, 0x9003, clock)
+                    .Rational(ExifIfd::kGps, 7, {{hour, 1}, {34, 1}, {56, 1}}));
+  };
+  const Photo india = at_34_56("2021:06:04 02:04:57", 20), hawaii = at_34_56("2021:06:03 15:34:56", 1);
+  EXPECT_EQ(india.receiver_time, sys_days(2021y / 6 / 3) + 20h + 34min + 56s);
+  EXPECT_EQ(india.clock_minus_utc, 5h + 30min);
+  EXPECT_EQ(hawaii.captured_at, sys_days(2021y / 6 / 4) + 1h + 34min + 56s);
+  EXPECT_TRUE(at_34_56("2021:06:03 15:41:00", 1).captured_at_is_local) << "the time of no zone";
+}
+
 TEST(ReadPhotoTime, BelievesTheGpsWhereTheClockIsFarOff) {
   using namespace std::chrono;
   const ExifWriter exif = ExifWriter()
