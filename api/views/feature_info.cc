@@ -27,7 +27,7 @@ NamedValues ValuesOf(const MapPoint& point) {
     values.emplace_back("photo", point.photo->photo);
     values.emplace_back("photo_x", point.photo->pixel_in_image.x());
     values.emplace_back("photo_y", point.photo->pixel_in_image.y());
-    values.emplace_back("sigma_m", point.photo->sigma_m);
+    if (point.photo->sigma_m) values.emplace_back("sigma_m", *point.photo->sigma_m);
   }
   return values;
 }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/tiles/recode_tile.h"
+#include "api/views/feature_info.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 
@@ -125,6 +126,19 @@ TEST_F(AllMapsTest, FeatureInfoSaysWhatIsUnderAPixel) {
   EXPECT_EQ(json::parse(Body(tile + "&I=3&J=4"))["features"][0]["properties"]["red"], 200);
   EXPECT_EQ(sample_.Get(tile + "&I=256&J=4").status, 400);
   EXPECT_EQ(sample_.Get(tile).status, 400);
+}
+
+TEST(FeatureInfo, SaysNoErrorOfAPhotoInAMapWhosePlaceNothingSupports) {
+  MapPoint point;
+  point.photo.emplace().photo = "a.jpg";
+  for (const char* type : kInfoFormats) {
+    point.photo->sigma_m.reset();
+    const std::string unsupported = InfoResponse({point}, type).body;
+    EXPECT_NE(unsupported.find("a.jpg"), std::string::npos) << type;
+    EXPECT_EQ(unsupported.find("sigma_m"), std::string::npos) << type;
+    point.photo->sigma_m = 2.5;
+    EXPECT_NE(InfoResponse({point}, type).body.find("sigma_m"), std::string::npos) << type;
+  }
 }
 
 TEST_F(AllMapsTest, PointsTellTheColour) {
