@@ -38,6 +38,13 @@ bool AreSameButForNumbers(const Remark& a, const Remark& b) {
                     });
 }
 
+// Was it said of one photo what is said of several now?
+bool IsOfOneAmong(const Remark& said, const Remark& now) {
+  if (said.code != RemarkCode::kOfPhoto || now.code != RemarkCode::kOfPhotos) return false;
+  const auto was = said.values.find("said"), is = now.values.find("said");
+  return was != said.values.end() && is != now.values.end() && was->second == is->second;
+}
+
 // Of reading these lists, not of what became of their points.
 bool IsOfLists(const Remark& said, const std::set<std::string>& lists) {
   const auto file = said.values.find("file");
@@ -152,8 +159,9 @@ void TellReading(const flight::Flight& read, alignment::AlignedFlight& flight) {
     if (HasRemark(read.warnings, said)) return false;
     return said.code == RemarkCode::kOfPhotos || said.code == RemarkCode::kMoreOfPhotos ||
            IsOfLists(said, lists) ||
-           std::any_of(read.warnings.begin(), read.warnings.end(),
-                       [&](const Remark& now) { return AreSameButForNumbers(said, now); });
+           std::any_of(read.warnings.begin(), read.warnings.end(), [&](const Remark& now) {
+             return AreSameButForNumbers(said, now) || IsOfOneAmong(said, now);
+           });
   });
   for (const Remark& now : read.warnings) {
     if (!HasRemark(flight.warnings, now)) flight.warnings.push_back(now);

@@ -77,6 +77,23 @@ TEST(TellReading, SaysWhatIsSoOfTheFilesNowAndLeavesWhatBecameOfThem) {
   }
 }
 
+TEST(TellReading, SaysOnceOfSeveralPhotosWhatWasSaidOfTheFirst) {
+  using flight::Remark;
+  using flight::RemarkCode;
+  const auto of_one = [](const char* photo, const char* note) {
+    return Remark{RemarkCode::kOfPhoto, {{"photo", photo}, {"said", Remark(note)}}};
+  };
+  const Remark of_both{RemarkCode::kOfPhotos,
+                       {{"photos", 2}, {"total", 21}, {"photo", "a.jpg"}, {"said", Remark("Zoomed.")}}};
+  alignment::AlignedFlight known;
+  known.warnings = {of_one("c.jpg", "Zoomed."), of_one("c.jpg", "Blurred.")};
+  flight::Flight read;
+  read.warnings = {of_both};
+  TellReading(read, known);
+  const std::vector<Remark> told = {of_one("c.jpg", "Blurred."), of_both};
+  EXPECT_TRUE(known.warnings == told);
+}
+
 TEST(HasAllPhotosOf, MissesOneThatIsReadFromAnotherFileNow) {
   alignment::AlignedFlight known;
   known.photos.resize(1);
