@@ -17,6 +17,12 @@ test('a gcp_list.txt is read with its marks', () => {
   assert.deepEqual(list.bad_lines, [5]);
 });
 
+test('names of photos in a gcp_list.txt may hold blanks and stand in quotes', () => {
+  const { points, bad_lines } = parseControlList('EPSG:4326\n8.1 46.8 400 10.5 20.5 DJI  0001.JPG corner\n8.2 46.8 400 30.5 40.5 "IMG 2 (3).jpg" pole\n8.2 46.8 400 50.5 60.5 DJI_7 pole\n');
+  assert.deepEqual(bad_lines, []);
+  assert.deepEqual(points.map(({ name, marks }) => [name, ...marks.map(({ photo }) => photo)]), [['corner', 'DJI  0001.JPG'], ['pole', 'IMG 2 (3).jpg', 'DJI_7']]);
+});
+
 test('tables are read with commas, semicolons, tabs or blanks, with and without a header', () => {
   const wanted = [point('A', 323456.12, 4005678.34, 12.5), point('B 2', 323460, 4005680, null)];
   for (const text of [

@@ -19,6 +19,7 @@ const kUnmarked = '-';
 // A pixel counts from its middle here and from the corner of the first one in gcp_list.txt.
 const kMiddleOfPixel = 0.5;
 
+const kPicture = /.\.(jpe?g|tiff?|png|dng)"?$/i;
 const kSystem = /^\s*(EPSG:\d{3,6}\b.*|WGS ?84\b[^,;]*|\+proj=.*)\s*$/i;
 
 /** @type {[keyof Columns, RegExp][]} */
@@ -38,10 +39,30 @@ function numberOf(text, has_comma) {
   return Number.isFinite(number) ? number : NaN;
 }
 
+/**
+ * A photo's name that blanks cut is one field, as the stitcher reads it: up to its ending, from the quote that opens it or
+ * else from behind the last number.
+ * @param {string} line
+ * @returns {string[]}
+ */
+function splitAtBlanks(line) {
+  /** @type {{text: string, at: number}[]} */
+  const words = [];
+  for (const { 0: text, index } of line.matchAll(/\S+/g)) words.push({ text, at: index ?? 0 });
+  const fields = words.map(({ text }) => text);
+  const last = fields.findIndex((field) => kPicture.test(field));
+  if (last < 0) return fields;
+  const is_quoted = fields[last].endsWith('"') && fields.slice(0, last + 1).some((field) => field.startsWith('"'));
+  const isFirst = (/** @type {number} */ i) => i === 0 || (is_quoted ? fields[i].startsWith('"') : !Number.isNaN(numberOf(fields[i - 1], true)));
+  let first = last;
+  while (!isFirst(first)) first -= 1;
+  return [...fields.slice(0, first), line.slice(words[first].at, words[last].at + words[last].text.length), ...fields.slice(last + 1)];
+}
+
 /** @param {string} line @returns {string[]} */
 function split(line) {
   const separator = [';', '\t', ','].find((one) => line.split(one).length > 2);
-  return (separator ? line.split(separator) : line.trim().split(/\s+/)).map((field) => field.trim().replace(/^"(.*)"$/, '$1'));
+  return (separator ? line.split(separator) : splitAtBlanks(line)).map((field) => field.trim().replace(/^"(.*)"$/, '$1'));
 }
 
 /** @param {string[]} fields @returns {Columns|null} where the row names x and y */
