@@ -107,6 +107,12 @@ std::optional<FlightFacts> MovedToControl(const FlightFacts& known,
     told.residual_px = std::abs(residual) / gsd_m;
   }
   Predict(tied, ExtentM(known), reports);
+  if (tied.size() > 1) {  // they say where it lies, no longer whoever placed it by hand
+    moved.is_by_hand = false;
+    std::erase_if(moved.flight.warnings, [](const flight::Remark& said) {
+      return said.code == flight::RemarkCode::kControlOverruled;
+    });
+  }
   const std::vector<flight::Remark> on_points = alignment::RemarksOn(reports);
   moved.flight.warnings.insert(moved.flight.warnings.end(), on_points.begin(), on_points.end());
   const Complex middle =

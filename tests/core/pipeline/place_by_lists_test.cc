@@ -19,6 +19,7 @@ using test::ErrorOf;
 using test::ValueOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 flight::GcpList Read(std::string_view text) {
@@ -177,6 +178,18 @@ TEST(MoveToControl, ASinglePointMakesNoOneSurer) {
   const auto moved = MoveToControl(flight.known, flight.Survey(1));
   ASSERT_TRUE(moved.has_value());
   EXPECT_EQ(moved->flight.photos.front().error_radius_m, 1.5);
+}
+
+TEST(MoveToControl, TwoPointsSayWhereAMapLiesThatWasPlacedByHand) {
+  Displaced flight({0.0, 1.0, {1.0, 0.0}});
+  flight.known.is_by_hand = true;
+  flight.known.flight.warnings.push_back({flight::RemarkCode::kControlOverruled, {{"points", 4}}});
+  const auto by_one = ValueOf(MoveToControl(flight.known, flight.Survey(1)));
+  EXPECT_TRUE(by_one.is_by_hand) << "it has nothing to be checked against";
+  EXPECT_THAT(InWords(by_one.flight.warnings), Contains(HasSubstr("placed by hand now")));
+  const auto by_two = ValueOf(MoveToControl(flight.known, flight.Survey(2)));
+  EXPECT_FALSE(by_two.is_by_hand);
+  EXPECT_THAT(InWords(by_two.flight.warnings), Not(Contains(HasSubstr("placed by hand now"))));
 }
 
 struct Shifted : Displaced {
