@@ -33,13 +33,14 @@ struct RecordedPosition {
   std::string source;        // "xmp", "exif", "geo.txt", ...
 };
 
-// EXIF where it places a photo elsewhere, and at another altitude, than the maker's XMP beside it does: of a
-// program that corrects EXIF alone, if it is so of a flight (correct_heights.h).
+// What EXIF says beside the maker's XMP, where both say place and altitude: programs of post-processing
+// correct EXIF alone (correct_heights.h).
 struct ExifBesideXmp {
-  double apart_m = 0.0;               // the two places
+  geo::LatLon place, makers_place;
+  double step_m = 0.0;                // in which EXIF's place is written
   double altitude_m = 0.0;            // EXIF's, from a zero that is not known yet
-  double altitudes_apart_m = 0.0;     // as they are written, of whatever zeros
-  bool is_altitude_from_sea = false;  // as EXIF itself says
+  double makers_altitude_m = 0.0;     // from whatever zero
+  bool is_altitude_from_sea = false;  // EXIF's, as it says itself
 };
 
 // One sigma of a horizontal axis, assumed: of a receiver by itself (DJI and u-blox state it), and with fixed

@@ -138,8 +138,6 @@ bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
   return make == "sensefly" || HoldsOneOf(exif.model, {"ANAFI Ai", "AnafiAi"});
 }
 
-constexpr double kSameM = 0.6;  // of an altitude in EXIF that repeats the height above take-off
-
 void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& recorded,
                    std::vector<Remark>& notes) {
   recorded.height_above_takeoff_m = HeightAboveTakeoffFromTags(xmp);
@@ -154,6 +152,7 @@ void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition&
   auto absolute = MakersAltitude(xmp);
   const bool is_ellipsoidal = IsAbsoluteAltitudeEllipsoidal(exif, xmp);
   const auto& relative = recorded.height_above_takeoff_m;
+  constexpr double kSameM = 0.6;
   constexpr double kContradictionM = 50.0;
   if (absolute) {
     if (exif.altitude_m && relative && std::abs(*exif.altitude_m - *relative) < kSameM &&
@@ -220,24 +219,12 @@ std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const X
 }
 
 std::optional<ExifBesideXmp> ExifBesideXmpFromTags(const ExifRecord& exif, const XmpTags& xmp) {
-  const auto from_xmp = MakersPosition(xmp);
-  const auto altitude_m = MakersAltitude(xmp);
-  if (!from_xmp || !altitude_m || !exif.position || !exif.is_hemisphere_known || !exif.altitude_m)
-    return std::nullopt;
-  constexpr double kStepsOfXmpM = 0.2;  // of six decimals of a degree
-  constexpr double kStepsOfHeightM = 0.3;
-  ExifBesideXmp beside;
-  beside.apart_m = geo::MetresApart(*exif.position, *from_xmp);
-  beside.altitude_m = *exif.altitude_m;
-  beside.altitudes_apart_m = std::abs(*exif.altitude_m - *altitude_m);
-  beside.is_altitude_from_sea = exif.is_altitude_from_sea;
-  const auto relative_m = HeightAboveTakeoffFromTags(xmp);
-  const bool is_no_altitude =
-      *exif.altitude_m == 0.0 || (relative_m && std::abs(*exif.altitude_m - *relative_m) < kSameM);
-  if (is_no_altitude || beside.apart_m < kStepsOfXmpM + 2.0 * exif.position_resolution_m ||
-      beside.altitudes_apart_m < kStepsOfHeightM)
-    return std::nullopt;
-  return beside;
+  const auto makers_place = MakersPosition(xmp);
+  const auto makers_altitude_m = MakersAltitude(xmp);
+  if (!makers_place || !makers_altitude_m || !exif.position || !exif.is_hemisphere_known) return std::nullopt;
+  if (!exif.altitude_m || *exif.altitude_m == 0.0) return std::nullopt;
+  return ExifBesideXmp{*exif.position,   *makers_place,      exif.position_resolution_m,
+                       *exif.altitude_m, *makers_altitude_m, exif.is_altitude_from_sea};
 }
 
 }  // namespace skyquilt::flight

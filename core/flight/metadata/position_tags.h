@@ -21,8 +21,7 @@ std::optional<double> HeightAboveTakeoffFromTags(const XmpTags& xmp);
 std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const XmpTags& xmp,
                                                  std::vector<Remark>& notes);
 
-// Nothing where EXIF and XMP agree on the place or the altitude, but for what the steps lose in which they
-// are written, or where one of them does not say both.
+// Nothing where one of them does not say both place and altitude (0 is none).
 std::optional<ExifBesideXmp> ExifBesideXmpFromTags(const ExifRecord& exif, const XmpTags& xmp);
 
 }  // namespace skyquilt::flight

@@ -27,35 +27,43 @@ namespace {
 struct TwiceTagged {
   double exif_altitude_m = 560.0;
   double moved_deg = 1.5e-5;  // EXIF's latitude, by 1.7 m
+  double along_deg = 0.0;     // EXIF's place, as far ahead on the way of flight
+  double beside_deg = 0.0;    // and as far to its right
   std::uint16_t reference = 0;
   std::string more{};  // in XMP
 };
 
+// Of ten photos, the first five on the way north, the others on the way back beside it.
 Bytes BytesOfTwiceTagged(int number, const TwiceTagged& tags) {
-  const double lat_deg = 46.0 + 1e-4 * number;
+  const bool is_back = number >= 5;
+  const double sign = is_back ? -1.0 : 1.0;
+  const double lat_deg = 46.0 + 1e-4 * (is_back ? 9 - number : number);
+  const double lon_deg = is_back ? 7.0001 : 7.0;
   const auto altitude_mm = static_cast<std::uint32_t>(std::llround(1000.0 * tags.exif_altitude_m));
-  const ExifWriter exif = ExifWriter()
-                              .Position(lat_deg + tags.moved_deg, 7.0)
-                              .Short(ExifIfd::kGps, 5, tags.reference)
-                              .Rational(ExifIfd::kGps, 6, {{altitude_mm, 1000}});
+  const ExifWriter exif =
+      ExifWriter()
+          .Position(lat_deg + tags.moved_deg + sign * tags.along_deg, lon_deg + sign * tags.beside_deg)
+          .Short(ExifIfd::kGps, 5, tags.reference)
+          .Rational(ExifIfd::kGps, 6, {{altitude_mm, 1000}});
   const std::string xmp = fmt::format(
-      "{}drone-dji:GpsLatitude=\"{:.8f}\" drone-dji:GpsLongitude=\"7.00000000\" "
+      "{}drone-dji:GpsLatitude=\"{:.8f}\" drone-dji:GpsLongitude=\"{:.8f}\" "
       "drone-dji:AbsoluteAltitude=\"+560.00\" drone-dji:RelativeAltitude=\"+60.00\" {}",
-      kDjiNamespace, lat_deg, tags.more);
+      kDjiNamespace, lat_deg, lon_deg, tags.more);
   return JpegHeader({.exif = exif.Write(), .xmp = XmpPacket(xmp)});
 }
 
-// The first `tagged` of five photos, the others as the camera wrote them.
+// The first `tagged` of the photos, the others up to `end` as the camera wrote them.
 struct CorrectedFlight {
-  explicit CorrectedFlight(const TwiceTagged& tags, int tagged = 5) {
-    TwiceTagged untouched = tags;
-    untouched.exif_altitude_m = 560.0;
+  explicit CorrectedFlight(const TwiceTagged& tags, int tagged = 10, int end = 10) {
+    TwiceTagged untouched;
     untouched.moved_deg = 0.0;
-    for (int i = 0; i < 5; ++i) {
-      photos.push_back(
-          test::ValueOf(ReadPhotoFromBytes("a.jpg", BytesOfTwiceTagged(i, i < tagged ? tags : untouched))));
-    }
+    untouched.more = tags.more;
+    for (int i = 0; i < end; ++i) Add(i, i < tagged ? tags : untouched);
     TakeCorrectedHeights(photos, warnings);
+  }
+
+  void Add(int number, const TwiceTagged& tags) {
+    photos.push_back(test::ValueOf(ReadPhotoFromBytes("a.jpg", BytesOfTwiceTagged(number, tags))));
   }
 
   const RecordedPosition& first() const { return photos.front().position.value(); }
@@ -79,8 +87,8 @@ TEST(TakeCorrectedHeights, FindsTheZeroThatFitsTheAltitudesInXmp) {
   const auto geoid_m = geo::GeoidHeightM({46.0, 7.0});
   if (!geoid_m) GTEST_SKIP() << "PROJ has no EGM96 grid here (Debian: proj-data)";
   const std::string by_rtk = "drone-dji:RtkFlag=\"16\"";  // counts from the ellipsoid
-  for (const auto& [more, ellipsoid_m] :
-       {std::pair<std::string, double>{"", 560.0 + *geoid_m}, {by_rtk, 560.0}}) {
+  for (const auto& [more, ellipsoid_m] : {std::pair<std::string, double>{"", 560.0 + *geoid_m},
+                                          std::pair<std::string, double>{by_rtk, 560.0}}) {
     SCOPED_TRACE(more);
     const double corrected_m = ellipsoid_m + 3.0;
     const CorrectedFlight ellipsoidal(TwiceTagged{.exif_altitude_m = corrected_m, .more = more});
@@ -108,40 +116,57 @@ TEST(TakeCorrectedHeights, CountsFromTheSeaWhereExifSaysSo) {
 }
 
 TEST(TakeCorrectedHeights, CorrectsOnlyThePhotosThatWereChanged) {
-  const CorrectedFlight part(TwiceTagged{.exif_altitude_m = 640.0, .reference = 2}, 3);
+  const CorrectedFlight part(TwiceTagged{.exif_altitude_m = 640.0, .reference = 2}, 7);
   EXPECT_EQ(part.first().height_amsl_m, 640.0);
   EXPECT_EQ(part.photos.back().position.value().height_amsl_m, 560.0);
+}
+
+// Heights of two zeros in one flight would bend it.
+TEST(TakeCorrectedHeights, TakesTheAltitudeOfAPhotoWhosePlaceWasMovedByLittle) {
+  std::vector<Photo> photos;
+  for (int i = 0; i < 10; ++i) {
+    const TwiceTagged tags{.exif_altitude_m = 640.0, .moved_deg = i == 3 ? 0.0 : 1.5e-5, .reference = 2};
+    photos.push_back(test::ValueOf(ReadPhotoFromBytes("a.jpg", BytesOfTwiceTagged(i, tags))));
+  }
+  std::vector<Remark> warnings;
+  TakeCorrectedHeights(photos, warnings);
+  for (const Photo& photo : photos) EXPECT_EQ(photo.position.value().height_amsl_m, 640.0);
 }
 
 TEST(TakeCorrectedHeights, LeavesXmpsHeightsWhereOneOfThePlacesIsNoCorrection) {
   const std::pair<const char*, TwiceTagged> cases[] = {
       {"one place", TwiceTagged{.exif_altitude_m = 600.0, .moved_deg = 0.0}},
       {"a place in other steps", TwiceTagged{.exif_altitude_m = 600.0, .moved_deg = 1e-6}},
+      {"another moment", TwiceTagged{.exif_altitude_m = 600.0, .moved_deg = 0.0, .along_deg = 1.5e-5}},
+      {"another antenna", TwiceTagged{.exif_altitude_m = 600.0, .moved_deg = 0.0, .beside_deg = 2e-5}},
       {"one altitude", TwiceTagged{.exif_altitude_m = 560.1}},
       {"no altitude", TwiceTagged{.exif_altitude_m = 0.0}},
-      {"the height above take-off", TwiceTagged{.exif_altitude_m = 60.3}}};
+      {"the height above take-off", TwiceTagged{.exif_altitude_m = 61.5}}};
   for (const auto& [what, tags] : cases) {
     SCOPED_TRACE(what);
     const CorrectedFlight left(tags);
     EXPECT_FALSE(left.zero());
     EXPECT_EQ(left.first().height_amsl_m, 560.0);
   }
-  const CorrectedFlight two(TwiceTagged{.exif_altitude_m = 640.0}, 2);
-  EXPECT_FALSE(two.zero()) << "of two photos it is no evidence";
-  EXPECT_EQ(two.first().height_amsl_m, 560.0);
-  EXPECT_TRUE(two.doubts_altitudes());
+  const CorrectedFlight four(TwiceTagged{.exif_altitude_m = 640.0}, 4);
+  EXPECT_FALSE(four.zero()) << "of four photos it is no evidence";
+  EXPECT_EQ(four.first().height_amsl_m, 560.0);
+  EXPECT_TRUE(four.doubts_altitudes());
+  const CorrectedFlight one_way(TwiceTagged{.exif_altitude_m = 640.0}, 5, 5);
+  EXPECT_FALSE(one_way.zero()) << "of another moment, or moved alike";
+  EXPECT_EQ(one_way.first().height_amsl_m, 560.0);
 }
 
 TEST(TakeCorrectedHeights, HoldsForAFlightThatIsRead) {
   const test::TemporaryFolder folder;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 10; ++i) {
     folder.Write(fmt::format("DJI_000{}.JPG", i),
                  BytesOfTwiceTagged(i, TwiceTagged{.exif_altitude_m = 600.0, .reference = 2}));
   }
   SilentProgress progress;
   const Flight flight =
       test::ValueOf(ReadFlight(test::ValueOf(ListInputFiles({folder.path()})), 1, progress));
-  ASSERT_EQ(flight.photos.size(), 4U);
+  ASSERT_EQ(flight.photos.size(), 10U);
   for (const Photo& photo : flight.photos) EXPECT_EQ(photo.position.value().height_amsl_m, 600.0);
   EXPECT_EQ(std::count_if(flight.warnings.begin(), flight.warnings.end(),
                           [](const Remark& said) { return said.code == RemarkCode::kExifCorrected; }),
