@@ -107,9 +107,19 @@ std::optional<Intrinsics> FromSkydioCalibration(int width_px, int height_px, con
   return camera;
 }
 
-// `by_mm`: what a focal length in millimetres is worth, by where the size of the sensor is from.
+// What tells how large the sensor is, and so what a lens in millimetres is worth.
+struct SensorSource {
+  FocalSource focal;
+  double centre_within;  // of a side: a centre further from the middle is not believed, but is the middle
+};
+constexpr double kCentreWithin = 0.1;
+constexpr SensorSource kSensorByTag{FocalSource::kXmpCamera, kCentreWithin};
+// A sensor that is given another size than its maker gave it moves a centre by half of the difference.
+constexpr SensorSource kSensorByTable{FocalSource::kXmpCamera, 0.01};
+constexpr SensorSource kSensorByRoundedNumber{FocalSource::k35mmEquivalent, 0.0};
+
 std::optional<ChosenIntrinsics> FromXmpCamera(int width_px, int height_px, const ExifRecord& exif,
-                                              FocalSource by_mm, const XmpTags& xmp,
+                                              const SensorSource& sensor, const XmpTags& xmp,
                                               std::vector<Remark>& notes) {
   const auto focal = xmp.Number("Camera:PerspectiveFocalLength");
   if (!focal) return std::nullopt;
@@ -121,25 +131,27 @@ std::optional<ChosenIntrinsics> FromXmpCamera(int width_px, int height_px, const
   const double px_per_unit = is_in_pixels ? 1.0 : *exif.focal_plane_x_px_per_mm;
   const double focal_px = *focal * px_per_unit;
   if (!IsPlausible(focal_px, width_px, height_px)) return std::nullopt;
-  const FocalSource source = is_in_pixels ? FocalSource::kXmpCamera : by_mm;
+  const FocalSource source = is_in_pixels ? FocalSource::kXmpCamera : sensor.focal;
   Intrinsics camera = Intrinsics::Centered(width_px, height_px, focal_px);
   if (xmp.Text("Camera:ModelType").starts_with("fish")) {
     notes.push_back(RemarkCode::kFisheyeAsPlain);
     return ChosenIntrinsics{camera, source};
   }
   if (const auto center = AllXmpNumbers(xmp.Text("Camera:PrincipalPoint"), 2)) {
-    const auto take = [&](double px_per_x, double px_per_y) {
+    const auto take = [&](double px_per_x, double px_per_y, double within) {
       const double x_px = (*center)[0] * px_per_x - 0.5;
       const double y_px = (*center)[1] * px_per_y - 0.5;
-      if (!(std::abs(x_px / width_px - 0.5) < 0.1) || !(std::abs(y_px / height_px - 0.5) < 0.1)) return false;
+      if (!(std::abs(x_px / width_px - 0.5) < within) || !(std::abs(y_px / height_px - 0.5) < within))
+        return false;
       camera.center_x_px = x_px;
       camera.center_y_px = y_px;
       return true;
     };
     // Beside a focal length in pixels it is in millimetres too, as MicaSense has it.
     const std::optional<double>& per_mm = exif.focal_plane_x_px_per_mm;
-    const bool is_taken = is_in_pixels && take(1.0, 1.0);
-    if (!is_taken && per_mm) take(*per_mm, exif.focal_plane_y_px_per_mm.value_or(*per_mm));
+    const bool is_taken = is_in_pixels && take(1.0, 1.0, kCentreWithin);
+    if (!is_taken && per_mm)
+      take(*per_mm, exif.focal_plane_y_px_per_mm.value_or(*per_mm), sensor.centre_within);
   }
   // R1, R2, R3, T1, T2.
   if (const auto bend = AllXmpNumbers(xmp.Text("Camera:PerspectiveDistortion"), 5);
@@ -151,7 +163,8 @@ std::optional<ChosenIntrinsics> FromXmpCamera(int width_px, int height_px, const
 }
 
 // Pix4D's fisheye: the affine matrix is in pixels a right angle, the principal point in mm.
-std::optional<Intrinsics> FromFisheye(int width_px, int height_px, const ExifRecord& exif, const XmpTags& xmp,
+std::optional<Intrinsics> FromFisheye(int width_px, int height_px, const ExifRecord& exif,
+                                      const SensorSource& sensor, const XmpTags& xmp,
                                       std::vector<Remark>& notes) {
   constexpr std::size_t kAffineNumbers = 4, kPolynomialNumbers = 4;
   const auto affine = AllXmpNumbers(xmp.Text("Camera:FisheyeAffineMatrix"), kAffineNumbers);
@@ -162,9 +175,16 @@ std::optional<Intrinsics> FromFisheye(int width_px, int height_px, const ExifRec
   fisheye.px_per_right_angle_x = (*affine)[0];
   fisheye.px_per_right_angle_y = (*affine)[3];
   std::copy(bend->begin(), bend->end(), fisheye.polynomial.begin());
-  fisheye.center_x_px = (*middle_mm)[0] * *exif.focal_plane_x_px_per_mm - 0.5;
+  const auto centre_px = [&](double mm, double px_per_mm, int side_px) {
+    const double px = mm * px_per_mm - 0.5;
+    const bool is_believed =
+        sensor.centre_within >= kCentreWithin || std::abs(px / side_px - 0.5) < sensor.centre_within;
+    return is_believed ? px : 0.5 * (side_px - 1);
+  };
+  const double x_px_per_mm = *exif.focal_plane_x_px_per_mm;
+  fisheye.center_x_px = centre_px((*middle_mm)[0], x_px_per_mm, width_px);
   fisheye.center_y_px =
-      (*middle_mm)[1] * exif.focal_plane_y_px_per_mm.value_or(*exif.focal_plane_x_px_per_mm) - 0.5;
+      centre_px((*middle_mm)[1], exif.focal_plane_y_px_per_mm.value_or(x_px_per_mm), height_px);
   const auto fitted = camera::FitFisheye(fisheye, width_px, height_px);
   if (!fitted || !IsPlausible(fitted->lens.focal_x_px, width_px, height_px)) return std::nullopt;
   constexpr double kWorthSayingPx = 1.0;
@@ -227,13 +247,20 @@ std::optional<double> PxPerMmByEquivalent(int width_px, int height_px, const Exi
 }
 
 // Where no tag says it: the table's, else the equivalent's. Nothing where the two contradict each other (a
-// picture of a part of its sensor) or a zoom comes between.
-std::optional<double> PxPerMmUntagged(int width_px, int height_px, const ExifRecord& exif) {
+// picture of a part of its sensor), or the lens in XMP what EXIF says of it, or a zoom comes between.
+std::optional<double> PxPerMmUntagged(int width_px, int height_px, const ExifRecord& exif,
+                                      const XmpTags& xmp) {
   if (exif.digital_zoom > 1.0) return std::nullopt;
   const auto by_table = PxPerMmByTable(width_px, height_px, exif);
   const auto by_equivalent = PxPerMmByEquivalent(width_px, height_px, exif);
   if (by_table && by_equivalent && !IsNear(*by_table / *by_equivalent, 1.0)) return std::nullopt;
-  return by_table ? by_table : by_equivalent;
+  const auto px_per_mm = by_table ? by_table : by_equivalent;
+  const auto lens_mm = xmp.Number("Camera:PerspectiveFocalLength");
+  if (!px_per_mm || !lens_mm) return px_per_mm;
+  if (exif.focal_length_mm && !IsNear(*lens_mm / *exif.focal_length_mm, 1.0)) return std::nullopt;
+  const auto equivalent_px = FromEquivalent(width_px, height_px, exif);
+  if (equivalent_px && !IsNear(*lens_mm * *px_per_mm / *equivalent_px, 1.0)) return std::nullopt;
+  return px_per_mm;
 }
 
 // Whether a zoom is recorded that is more than what nominal focal lengths differ by.
@@ -369,11 +396,12 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
   }
   ExifRecord measured = exif;  // with the sensor's size, wherever it is known from
   if (!measured.focal_plane_x_px_per_mm)
-    measured.focal_plane_x_px_per_mm = PxPerMmUntagged(width_px, height_px, exif);
-  const bool is_by_equivalent = !exif.focal_plane_x_px_per_mm && !camera::FindSensor(exif.model);
-  const FocalSource by_mm = is_by_equivalent ? FocalSource::k35mmEquivalent : FocalSource::kXmpCamera;
-  if (const auto found = FromXmpCamera(width_px, height_px, measured, by_mm, xmp, notes)) return *found;
-  if (const auto camera = FromFisheye(width_px, height_px, measured, xmp, notes)) {
+    measured.focal_plane_x_px_per_mm = PxPerMmUntagged(width_px, height_px, exif, xmp);
+  const SensorSource sensor = exif.focal_plane_x_px_per_mm     ? kSensorByTag
+                              : camera::FindSensor(exif.model) ? kSensorByTable
+                                                               : kSensorByRoundedNumber;
+  if (const auto found = FromXmpCamera(width_px, height_px, measured, sensor, xmp, notes)) return *found;
+  if (const auto camera = FromFisheye(width_px, height_px, measured, sensor, xmp, notes)) {
     return {*camera, FocalSource::kXmpCamera};
   }
   const auto chosen = [&](std::optional<double> focal_px,

@@ -2,7 +2,8 @@
 //   drone-dji:DewarpData               calibrated at the factory: focal lengths, centre, distortion
 //   drone-dji:CalibratedFocalLength    pixels, often only nominal
 //   Camera:PerspectiveFocalLength      mm (or pixels), with the focal plane resolution, or the sensor's size
-//     by the table of sensors or the 35 mm equivalent
+//     by the table of sensors or the 35 mm equivalent, where these do not contradict it: its centre then
+//     counts by the table alone, and near the middle
 //   Camera:FisheyePolynomial           our lens model fitted to the calibrated fisheye
 //   EXIF focal length and FocalPlaneXResolution, unless it is wrong: its unit, by 2.54, 10 or 25.4 off from
 //     all that the next two say, or its picture's size, clearly off by another factor, or a sensor's size

@@ -150,6 +150,19 @@ TEST(ChooseIntrinsics, ReadsThePix4dSchemesLensOfASensorThatNoTagMeasures) {
   EXPECT_EQ(by_equivalent.source, FocalSource::k35mmEquivalent) << "no more exact than that";
   EXPECT_NEAR(by_equivalent.intrinsics.focal_x_px, 8.6 / 8.8 * FocalPxFrom35mm(24.0, 5472, 3648), 1e-9);
   EXPECT_EQ(by_equivalent.intrinsics.k1, -0.1);
+  EXPECT_EQ(by_equivalent.intrinsics.center_x_px, 2735.5) << "of a rounded number a centre is worth nothing";
+  // A sensor that is given another size here would move the centre.
+  std::string aside = lens;
+  aside.replace(aside.find("6.55"), 4, "6.40");
+  EXPECT_EQ(Choose(5472, 3648, listed, aside).intrinsics.center_x_px, 2735.5);
+  EXPECT_EQ(Choose(5472, 3648, listed, aside).intrinsics.k1, -0.1);
+  // Another lens than that of the picture.
+  ExifRecord other = listed;
+  other.focal_length_mm = 4.5;
+  EXPECT_FALSE(Choose(5472, 3648, other, lens).intrinsics.HasDistortion());
+  other.focal_length_mm.reset();
+  other.focal_length_35mm_mm = 48.0;
+  EXPECT_EQ(Choose(5472, 3648, other, lens).source, FocalSource::k35mmEquivalent);
   // A part of the sensor, and a zoom, of which the lens is not that of the picture.
   compared.model = "FC6310";
   compared.focal_length_35mm_mm = 40.0;
