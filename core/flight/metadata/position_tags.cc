@@ -203,10 +203,11 @@ void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& 
 std::optional<double> HeightAboveTakeoffFromTags(const XmpTags& xmp) {
   for (const std::string_view name :
        {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude", "drone-yuneec:AboveHomeAltitude",
-        "sensefly:Height", "aerialgps:GPSAltitudeAboveTakeOff", "xmp:GPSAltitude"}) {
+        "sensefly:Height", "aerialgps:GPSAltitudeAboveTakeOff"}) {
     if (const auto height_m = Height(xmp, name)) return height_m;
   }
-  return std::nullopt;
+  // Other programs mean another altitude by that name.
+  return xmp.Find("xmp:CameraPitch") != nullptr ? Height(xmp, "xmp:GPSAltitude") : std::nullopt;
 }
 
 std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const XmpTags& xmp,

@@ -106,6 +106,9 @@ TEST(ReadPhoto, ReadsPropertiesThatStandInNoDescription) {
   ASSERT_TRUE(photo.position);
   EXPECT_EQ(photo.position->height_above_takeoff_m, 31.0);
   EXPECT_FALSE(photo.position->height_amsl_m) << "EXIF repeats the height above take-off";
+  const std::string alone = XmpPacket("xmlns:xmp=\"http://ns.adobe.com/xap/1.0/\" xmp:GPSAltitude=\"31\"");
+  const Photo other = ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(), .xmp = alone})));
+  EXPECT_FALSE(other.position.value().height_above_takeoff_m) << "of whichever program";
 }
 
 TEST(ReadPhoto, TakesTheHeightAboveTakeOff) {
