@@ -55,7 +55,7 @@ std::optional<UtcTime> UtcInXmp(const XmpTags& xmp) {
 }
 
 // Where EXIF names no day for it, that on which the camera's clock shows the time of a zone, or of its own:
-// from 11 hours behind UTC to 13 ahead, where all but some islands lie. Nothing where it shows none.
+// from 10 hours behind UTC to 13 ahead, where all but some islands lie. Nothing where it shows none.
 std::optional<UtcTime> GpsTimeOf(const ExifRecord& exif) {
   if (exif.gps_time || !exif.gps_time_of_day || !exif.taken_at) return exif.gps_time;
   using namespace std::chrono_literals;
