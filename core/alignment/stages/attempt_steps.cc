@@ -1,12 +1,10 @@
 #include "core/alignment/stages/attempt_steps.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/alignment/attempts/attempt_by_images.h"
-#include "core/alignment/attempts/attempt_evidence.h"
 #include "core/alignment/bundle/control_points.h"
 #include "core/alignment/bundle/find_readout.h"
 #include "core/alignment/bundle/readout_motion.h"

@@ -1,7 +1,5 @@
 #include "core/alignment/stages/doubt_photos.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
