@@ -199,9 +199,11 @@ double ShareWithin(double radius_m, double stated_m) {
 // Of a map of two parts: within the radius lie as many of its places as within that of each of its own.
 AbsoluteAccuracy OfTwoParts(const AbsoluteAccuracy& one, const AbsoluteAccuracy& other,
                             double share_of_other) {
-  constexpr double kUnknownM = 1e7;
   constexpr int kHalvings = 60;
-  const auto radius_m = [](const AbsoluteAccuracy& part) { return part.sigma_m.value_or(kUnknownM); };
+  const auto radius_m = [](const AbsoluteAccuracy& part) {
+    constexpr double kUnknownM = 1e7;
+    return part.sigma_m.value_or(kUnknownM);
+  };
   const bool is_other_worse = radius_m(other) > radius_m(one);
   const AbsoluteAccuracy& better = is_other_worse ? one : other;
   const AbsoluteAccuracy& worse = is_other_worse ? other : one;
