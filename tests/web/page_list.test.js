@@ -40,6 +40,20 @@ test('a long list is searched and sorted', options, async () => {
   await assertAccessible(page, 'searched list');
 });
 
+test('a click that begins before a flight changes in the list and ends after it opens the flight', options, async () => {
+  const { page, mock } = await setUp();
+  const flight = mock.seedReady('Before');
+  await page.reload();
+  await page.hover('.flight-name');
+  await page.mouse.down();
+  flight.name = 'After';
+  await page.evaluate(() => document.dispatchEvent(new Event('visibilitychange')));
+  await page.waitForSelector('.flight-name:has-text("After")');
+  await page.mouse.up();
+  await mapIdle(page);
+  assert.equal(await page.textContent('#flight-title'), 'After');
+});
+
 test('a flight is renamed by keyboard', options, async () => {
   const { page, flight } = await setUpReady('Old name');
   await page.focus('#flight-rename');

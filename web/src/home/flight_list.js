@@ -58,7 +58,8 @@ const kFilteredFrom = 6;
  *            tags: () => string[], known_tags: () => string[], choose: (tags: string[]) => void}}
  */
 export function flightList(actions) {
-  /** @type {Map<string, {row: HTMLLIElement, shown: string, picture: HTMLElement, drawn: string}>} */
+  // The link of a row stays: a click on it that begins before a change and ends after it opens the flight.
+  /** @type {Map<string, {row: HTMLLIElement, link: HTMLAnchorElement, shown: string, picture: HTMLElement, drawn: string}>} */
   const rows = new Map();
   const list = h('ul', { class: 'flights', id: 'flights' });
   const message = h('p', { class: 'muted', id: 'flights-message' });
@@ -124,29 +125,23 @@ export function flightList(actions) {
     if (!entry) {
       const [point, leave] = [() => actions.on_point(flight), () => actions.on_point(null)];
       const row = h('li', { on: { pointerenter: point, focusin: point, pointerleave: leave, focusout: leave } });
-      entry = { row, shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }, icon('photo')), drawn: '' };
+      const link = h('a', { class: 'flight-link', href: routeHash({ view: 'flight', id: flight.id }) });
+      entry = { row, link, shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }, icon('photo')), drawn: '' };
       rows.set(flight.id, entry);
     }
     if (entry.shown !== picture) {
       entry.shown = picture;
       const had_focus = entry.row.contains(document.activeElement);
-      put(
-        entry.row,
-        h(
-          'a',
-          { class: 'flight-link', href: routeHash({ view: 'flight', id: flight.id }) },
-          entry.picture,
-          h('span', { class: 'flight-text' }, h('span', { class: 'flight-name' }, flight.name),
-            ...shortFacts(flight).map((line) => h('span', { class: 'flight-facts' }, line)), chip, rowTags(flight)),
-        ),
-        h(
-          'span',
-          { class: 'row-actions' },
-          mayChange(flight) && iconButton('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
-          mayChange(flight) && iconButton('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
-        ),
-      );
-      if (had_focus) entry.row.querySelector('a')?.focus();
+      put(entry.link, entry.picture,
+        h('span', { class: 'flight-text' }, h('span', { class: 'flight-name' }, flight.name),
+          ...shortFacts(flight).map((line) => h('span', { class: 'flight-facts' }, line)), chip, rowTags(flight)));
+      arrange(entry.row, [entry.link, h(
+        'span',
+        { class: 'row-actions' },
+        mayChange(flight) && iconButton('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
+        mayChange(flight) && iconButton('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
+      )]);
+      if (had_focus) entry.link.focus();
     }
     const address = flight.tilejson ? thumbnailPath(flight) : '';
     if (entry.drawn !== address) {
