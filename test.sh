@@ -20,23 +20,25 @@ echo "== long tests"
 need_packages long
 python3 tests/e2e/npm_clients.py build/release/test_clients --native
 cmake --preset release >/dev/null  # looks again for what was installed
-ctest --preset long -j $((jobs + 1))
+failed=()  # what is said at the end: a test that fails does not hide what comes after it
 
 timed() {  # says how long a command took
   local begun=$SECONDS
-  "$@"
+  "$@" || failed+=("$*")
   echo "== $((SECONDS - begun)) s: $*"
 }
 
+timed ctest --preset long -j $((jobs + 1))
+
 echo "== AddressSanitizer and UndefinedBehaviorSanitizer: the units, and the server from end to end with its sandboxed processes"
 cmake --preset asan >/dev/null
-timed cmake --build --preset asan -j "$jobs"
+cmake --build --preset asan -j "$jobs"
 timed ctest --preset asan -j "$jobs" -LE "long|web|e2e" -E "^Architecture"
 timed ctest --preset asan -j "$jobs" -L "^server$" -LE cluster
 
 echo "== ThreadSanitizer: what has threads, and a flight from its upload to its tiles"
 cmake --preset tsan >/dev/null
-timed cmake --build --preset tsan -j "$jobs" --target skyquilt_concurrency_tests
+cmake --build --preset tsan -j "$jobs" --target skyquilt_concurrency_tests
 timed ctest --preset tsan -j "$jobs" -L concurrency -LE long
 
 echo "== fuzz targets"
@@ -51,4 +53,9 @@ fuzz() {  # one target for a minute; what it says where it finds something, a li
   fi
 }
 export -f fuzz
-printf '%s\0' build/fuzz/bin/*_fuzz | timed xargs -0 -n 1 -P "$jobs" bash -c 'fuzz "$1"' _
+timed xargs -0 -n 1 -P "$jobs" bash -c 'fuzz "$1"' _ < <(printf '%s\0' build/fuzz/bin/*_fuzz)
+
+if [ ${#failed[@]} -gt 0 ]; then
+  printf '== failed: %s\n' "${failed[@]}" >&2
+  exit 1
+fi
