@@ -52,6 +52,11 @@ std::optional<Rgb> ColourAt(const test::MemorySink& layer, int zoom, const Eigen
   return Rgb{pixel[2], pixel[1], pixel[0]};
 }
 
+geo::Wgs84 GroundBelow(const test::SimulatedMap& map, std::size_t photo) {
+  const Eigen::Vector3d below = map.flight.photos[photo].cam_from_enu.TargetOriginInSource();
+  return map.flight.frame.Wgs84FromEnu({below.x(), below.y(), map.ground.HeightAt(below.head<2>())});
+}
+
 TEST(RenderLayers, NamesThePhotoItsErrorAndTheGroundsHeightAtEveryZoom) {
   const test::SimulatedMap map = HillyMap();
   SeamOptions as_seen;
@@ -65,9 +70,7 @@ TEST(RenderLayers, NamesThePhotoItsErrorAndTheGroundsHeightAtEveryZoom) {
   int seen = 0;
   for (std::size_t i = 0; i < map.flight.photos.size(); ++i) {
     // Straight below a camera nobody sees better than that camera.
-    const Eigen::Vector3d below = map.flight.photos[i].cam_from_enu.TargetOriginInSource();
-    const geo::Wgs84 place =
-        map.flight.frame.Wgs84FromEnu({below.x(), below.y(), map.ground.HeightAt(below.head<2>())});
+    const geo::Wgs84 place = GroundBelow(map, i);
     const Eigen::Vector2d in_merc = geo::MercFromLatLon({place.lat_deg, place.lon_deg});
     const auto photo = ColourAt(layers.photo, zooms.max_zoom, in_merc);
     ASSERT_TRUE(photo.has_value());
@@ -132,9 +135,7 @@ TEST(RenderLayers, ColourNoErrorOfAlignedPhotosThatNothingSupports) {
   const int zoom = ZoomsOfLayers(map.plan).max_zoom;
   int seen = 0;
   for (std::size_t i = 0; i < map.flight.photos.size(); ++i) {
-    const Eigen::Vector3d below = map.flight.photos[i].cam_from_enu.TargetOriginInSource();
-    const geo::Wgs84 place =
-        map.flight.frame.Wgs84FromEnu({below.x(), below.y(), map.ground.HeightAt(below.head<2>())});
+    const geo::Wgs84 place = GroundBelow(map, i);
     const Eigen::Vector2d in_merc = geo::MercFromLatLon({place.lat_deg, place.lon_deg});
     if (ColourAt(photos, zoom, in_merc) != colours[i]) continue;
     ++seen;
