@@ -328,6 +328,21 @@ bool HasShapeOfWhole(int width_px, int height_px, const std::optional<camera::Se
   return is(4.0 / 3.0) || is(3.0 / 2.0) || is(16.0 / 9.0);
 }
 
+// The size of APS-C on record and decoded, and the pixels of the whole sensor in a millimetre: a crop mode of
+// a full-frame camera. Copies are seldom made just as much smaller.
+bool HasSizeOfCropMode(int width_px, int height_px, const ExifRecord& exif,
+                       const std::optional<camera::SensorSize>& sensor) {
+  constexpr double kFullFrameMm = 35.0, kMinCrop = 1.515, kMaxCrop = 1.55, kPitchWithin = 0.03;
+  const int side_px = std::max(width_px, height_px);
+  if (!sensor || !exif.focal_plane_x_px_per_mm || sensor->width_mm < kFullFrameMm ||
+      exif.recorded_width_px != side_px)
+    return false;
+  const double native_px_per_mm = sensor->native_width_px / sensor->width_mm;
+  const double crop = static_cast<double>(sensor->native_width_px) / side_px;
+  return crop > kMinCrop && crop < kMaxCrop &&
+         std::abs(*exif.focal_plane_x_px_per_mm / native_px_per_mm - 1.0) < kPitchWithin;
+}
+
 // Inches for centimetres and the like, or the pixels of a picture of another size: why the focal plane's
 // resolution is not what it says, by the sensor and the lens that the other tags tell of, or by a sensor that
 // no camera has.
@@ -341,7 +356,9 @@ std::optional<Remark> WhyPlaneIsWrong(int width_px, int height_px, const ExifRec
     RemarkCode name;
   };
   const auto sensor = camera::FindSensor(exif.model);
-  const auto of_table = PxPerMmByTable(width_px, height_px, exif);
+  auto of_table = PxPerMmByTable(width_px, height_px, exif);
+  // The table knows whole pictures: of this one the equivalent alone tells.
+  if (HasSizeOfCropMode(width_px, height_px, exif, sensor)) of_table.reset();
   const auto of_equivalent = PxPerMmByEquivalent(width_px, height_px, exif);
   std::optional<Remark> why;
   for (const Other& other :

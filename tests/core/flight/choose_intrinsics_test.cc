@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -306,6 +307,30 @@ TEST(ChooseIntrinsics, LeavesAFocalPlaneOfAnotherPictureAside) {
   part.recorded_width_px = 2000;
   part.focal_length_35mm_mm = 20.0;
   EXPECT_EQ(Choose(2000, 2000, part).source, FocalSource::kFocalPlane);
+}
+
+// A full-frame camera that keeps to APS-C writes the size of the part, and the pixels of the whole in a
+// millimetre.
+TEST(ChooseIntrinsics, KeepsTheFocalPlaneOfACropMode) {
+  ExifRecord exif;
+  exif.model = "ILCE-7R";
+  exif.focal_length_mm = 35.0;
+  exif.focal_plane_x_px_per_mm = exif.focal_plane_y_px_per_mm = 7360.0 / 35.9;
+  exif.recorded_width_px = 4800;
+  for (const std::optional<double> equivalent_mm : {std::optional<double>(), std::optional(52.0)}) {
+    exif.focal_length_35mm_mm = equivalent_mm;
+    const auto crop = Choose(4800, 3200, exif);
+    EXPECT_EQ(crop.source, FocalSource::kFocalPlane) << equivalent_mm.value_or(0.0);
+    EXPECT_NEAR(crop.intrinsics.focal_x_px, 35.0 * 7360.0 / 35.9, 1e-6);
+  }
+  // By its equivalent, or by a size that is no crop's, a smaller copy of the whole.
+  exif.focal_length_35mm_mm = 35.0;
+  EXPECT_EQ(Choose(4800, 3200, exif).source, FocalSource::kSensorTable);
+  exif.focal_length_35mm_mm.reset();
+  exif.recorded_width_px = 3680;
+  const auto copy = Choose(3680, 2456, exif);
+  EXPECT_EQ(copy.source, FocalSource::kSensorTable);
+  EXPECT_NEAR(copy.intrinsics.focal_x_px, 35.0 / 35.9 * 3680, 1e-6);
 }
 
 TEST(ChooseIntrinsics, LeavesASensorThatNoCameraHasAside) {
