@@ -174,14 +174,15 @@ bool SaysDegrees(std::string words) {
 // "Time (UTC)", "timestamp [local]", "time (hh:mm:ss)": the cells say how they count.
 bool SaysClock(std::string_view words) { return HoldsOneOf(words, {"utc", "gmt", "local", "iso", "hh:mm"}); }
 
-// "Time (UTC)" and "UTC+0", but not "Time (UTC+2)": that is a local clock, whose zone the photos tell.
+// "Time (UTC)" and "UTC+0", but not "Time (UTC+2)" and "UTC + 2": that is a local clock, whose zone the
+// photos tell.
 bool SaysUtc(std::string_view lower) {
   for (const std::string_view word : {"utc", "gmt"}) {
     const std::size_t at = lower.find(word);
     if (at == std::string_view::npos) continue;
     const std::string_view behind = Trim(lower.substr(at + word.size()));
     const std::size_t sign = behind.starts_with('+') ? 1 : LengthOfMinus(behind);
-    const std::string_view offset = behind.substr(sign);
+    const std::string_view offset = Trim(behind.substr(sign));
     const std::string_view digits = offset.substr(0, offset.find_first_not_of("0123456789:"));
     if (sign == 0 || digits.find_first_of("123456789") == std::string_view::npos) return true;
   }
