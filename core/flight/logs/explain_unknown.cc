@@ -172,6 +172,11 @@ Remark Explained(RemarkCode list, std::string_view name, std::size_t line_number
   return {list, {{"file", name}, {"column", bad.column}, {"line", line_number}, {"what", std::move(what)}}};
 }
 
+// The name of a row that is one of several words only if they are no prose: quotes would tell.
+bool WantsQuotes(std::string_view line, std::string_view name) {
+  return name.find(' ') != std::string_view::npos && line.find_first_of("\",;\t") == std::string_view::npos;
+}
+
 }  // namespace
 
 std::optional<Remark> ExplainUnknownList(LogBytes head, std::string_view name) {
@@ -192,7 +197,12 @@ std::optional<Remark> ExplainUnknownList(LogBytes head, std::string_view name) {
     } else if (static_cast<std::size_t>(photo - cells.begin()) <= kCellsOfPoint) {
       const auto bad = FirstBadCell(cells, 0, kCellsOfPoint);
       if (bad) return Explained(RemarkCode::kLikeListOfPoints, name, lines.line_number(), *bad);
+    } else {
+      continue;
     }
+    if (WantsQuotes(line, *photo))
+      return Remark{RemarkCode::kNameWantsQuotes,
+                    {{"file", name}, {"line", lines.line_number()}, {"name", Quoted(*photo)}}};
   }
   return std::nullopt;
 }

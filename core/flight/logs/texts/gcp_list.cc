@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/text/file_names.h"
 #include "core/base/try.h"
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
@@ -29,6 +30,7 @@ constexpr std::size_t kMaxGcpWarnings = 100;
 constexpr std::string_view kCheckEnding = "check";
 constexpr std::string_view kMarkOfCheck = "_check";
 constexpr std::string_view kNoImage = "-";  // of a point that is surveyed and not marked yet
+constexpr std::size_t kImageColumn = 5;
 
 // x y z px py image: five numbers, then a name.
 bool IsSighting(const std::vector<std::string_view>& words) {
@@ -37,7 +39,17 @@ bool IsSighting(const std::vector<std::string_view>& words) {
     const auto number = i < 2 ? ParseListCoordinate(words[i]) : ReadBareNumber(words[i]);
     if (!number && !(i == 2 && LowerCase(words[i]) == "nan")) return false;
   }
-  return !words[5].empty() && !ReadBareNumber(words[5]);
+  return !words[kImageColumn].empty() && !ReadBareNumber(words[kImageColumn]);
+}
+
+// "IMG 1 (2).jpg" that blanks have cut is one name: behind the five numbers of a row others belong to it.
+void JoinImage(std::string_view line, std::vector<std::string_view>& words) {
+  const auto image = words.begin() + kImageColumn;
+  const auto last = std::find_if(image, words.end(), IsNamedAsPicture);
+  const bool is_cut_at_blanks = line.find_first_of(",;\t") == std::string_view::npos;
+  if (!is_cut_at_blanks || *image == kNoImage || last == image || last == words.end()) return;
+  *image = {image->data(), static_cast<std::size_t>(last->data() + last->size() - image->data())};
+  words.erase(image + 1, last + 1);
 }
 
 // Columns of pixels: what tells surveyed points from a log without a line that names a system.
@@ -95,10 +107,11 @@ bool IsCheckPoint(std::string_view point_name) { return LowerCase(point_name).en
 bool LooksLikeGcpList(LogBytes head) {
   const std::optional<ListTop> top = ReadListTop(TextOf(head), IsSighting);
   if (!top) return false;
-  const bool names_photo = LooksLikeImageName(top->row[5]);
-  if (top->system.empty()) return names_photo && (top->columns.empty() || HasPixelColumns(top->columns));
-  if (names_photo && (top->columns.empty() || HasPixelColumns(top->columns))) return true;
-  return geo::ReferenceSystem::Parse(top->system).ok();
+  const bool has_pixels = HasPixelColumns(top->columns);
+  // Prose that names a picture has several words too.
+  const bool names_photo = LooksLikeImageName(top->row[kImageColumn]) && (has_pixels || !top->name_is_joined);
+  if (names_photo && (has_pixels || top->columns.empty())) return true;
+  return !top->system.empty() && geo::ReferenceSystem::Parse(top->system).ok();
 }
 
 Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
@@ -132,6 +145,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
       }
       continue;
     }
+    JoinImage(line, words);
     const double x = *ParseListCoordinate(words[is_north_first ? 1 : 0]);
     const double y = *ParseListCoordinate(words[is_north_first ? 0 : 1]);
     const auto z = ReadBareNumber(words[2]);
@@ -148,8 +162,9 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
       if (z) point.height_m = *z * (srs ? srs->metres_per_height_unit() : 1.0);
       list.points.push_back(std::move(point));
     }
-    if (words[5] == kNoImage) continue;
-    list.sightings.push_back({std::string(words[5].substr(0, kMaxNameLength)), *ReadBareNumber(words[3]),
+    const std::string_view image = words[kImageColumn];
+    if (image == kNoImage) continue;
+    list.sightings.push_back({std::string(image.substr(0, kMaxNameLength)), *ReadBareNumber(words[3]),
                               *ReadBareNumber(words[4]), entry->second});
   }
   if (has_more && (list.sightings.size() == kMaxSightings || list.points.size() == kMaxGcpPoints))

@@ -39,14 +39,14 @@ void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, CameraEvent
 }  // namespace
 
 // Below names of columns rows are read by these. Without a line that names the system the rows must be cut at
-// blanks: others are read as CSV. Above names without endings the line must name one, else it is the title of
-// some other table.
+// blanks: others are read as CSV. Above names without endings, or of several words, the line must name one,
+// else it is the title of some other table, and the words are prose.
 bool LooksLikeGeoTxt(LogBytes head) {
   const std::optional<ListTop> top = ReadListTop(TextOf(head), IsGeoRow);
   if (!top || AreNamesOfColumns(top->columns)) return false;
-  const bool names_file = LooksLikeImageName(top->row[0]);
-  if (top->system.empty()) return names_file && IsCutAtBlanks(top->row_line);
+  const bool names_file = LooksLikeImageName(top->row[0]) && !top->name_is_joined;
   if (names_file && IsCutAtBlanks(top->row_line)) return true;
+  if (top->system.empty() || (top->name_is_joined && !top->skipped_lines.empty())) return false;
   return geo::ReferenceSystem::Parse(top->system).ok();
 }
 

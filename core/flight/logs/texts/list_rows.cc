@@ -55,23 +55,54 @@ std::string_view WithoutQuotes(std::string_view cell) {
   return is_quoted ? Trim(cell.substr(1, cell.size() - 2)) : cell;
 }
 
+enum class NameBegins { kBehindNumber, kWithRow };
+
 // A photo's name that blanks have cut is one cell again: up to its ending, from the quote that opens it or
-// else from behind the last number ("20 DJI 0001.JPG", "\"IMG 1 (2).jpg\"").
-void JoinPictureName(std::vector<std::string_view>& words) {
+// else from behind the last number ("20 DJI 0001.JPG", "\"IMG 1 (2).jpg\""), or from where the row begins.
+// Whether that made one of several words without quotes.
+bool JoinPictureName(NameBegins begins, std::vector<std::string_view>& words) {
   const auto last = std::find_if(words.begin(), words.end(), [](std::string_view word) {
     if (word.ends_with(kQuote)) word.remove_suffix(1);
     return IsNamedAsPicture(word);
   });
-  if (last == words.end()) return;
+  if (last == words.end()) return false;
+  const bool is_quoted = last->ends_with(kQuote);
   auto first = last;
-  if (last->ends_with(kQuote)) {
+  if (is_quoted) {
     while (first != words.begin() && !first->starts_with(kQuote)) --first;
+  } else if (begins == NameBegins::kWithRow) {
+    first = words.begin();
   } else {
     while (first != words.begin() && !ReadBareNumber(*std::prev(first))) --first;
   }
+  const bool is_joined = !is_quoted && first != last;
   const auto length = static_cast<std::size_t>(last->data() + last->size() - first->data());
   *first = WithoutQuotes({first->data(), length});
   words.erase(std::next(first), std::next(last));
+  return is_joined;
+}
+
+enum class RowCut { kNone, kAsWritten, kNameJoined };
+
+RowCut CutRow(std::string_view line, const IsListRow& is_row, std::vector<std::string_view>& cells) {
+  for (const char separator : {'\t', ';', ','}) {
+    if (line.find(separator) == std::string_view::npos) continue;
+    SplitFields(line, separator, cells);
+    const bool has_gaps =
+        std::any_of(cells.begin(), cells.end(), [](std::string_view c) { return c.empty(); });
+    if (separator == '\t' && has_gaps) continue;  // they only align columns
+    if (is_row(cells)) return RowCut::kAsWritten;
+  }
+  SplitBlanks(line, cells);
+  const auto joined = [&](NameBegins begins) {
+    std::vector<std::string_view> named = cells;
+    const bool is_joined = JoinPictureName(begins, named);
+    if (!is_row(named)) return RowCut::kNone;
+    cells = std::move(named);
+    return is_joined ? RowCut::kNameJoined : RowCut::kAsWritten;
+  };
+  if (const RowCut cut = joined(NameBegins::kBehindNumber); cut != RowCut::kNone) return cut;
+  return is_row(cells) ? RowCut::kAsWritten : joined(NameBegins::kWithRow);
 }
 
 }  // namespace
@@ -111,22 +142,7 @@ bool LooksLikeImageName(std::string_view word) {
 }
 
 bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<std::string_view>& cells) {
-  for (const char separator : {'\t', ';', ','}) {
-    if (line.find(separator) == std::string_view::npos) continue;
-    SplitFields(line, separator, cells);
-    const bool has_gaps =
-        std::any_of(cells.begin(), cells.end(), [](std::string_view c) { return c.empty(); });
-    if (separator == '\t' && has_gaps) continue;  // they only align columns
-    if (is_row(cells)) return true;
-  }
-  SplitBlanks(line, cells);
-  std::vector<std::string_view> named = cells;
-  JoinPictureName(named);
-  if (is_row(named)) {
-    cells = std::move(named);
-    return true;
-  }
-  return is_row(cells);
+  return CutRow(line, is_row, cells) != RowCut::kNone;
 }
 
 std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_row) {
@@ -137,7 +153,9 @@ std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_ro
   for (int i = 0; i < kLinesAboveRows && lines.Next(line); ++i) {
     if (Trim(line).empty()) continue;
     const bool is_comment = line.front() == '#';
-    if (!is_comment && SplitListRow(line, is_row, top.row)) {
+    const RowCut cut = is_comment ? RowCut::kNone : CutRow(line, is_row, top.row);
+    if (cut != RowCut::kNone) {
+      top.name_is_joined = cut == RowCut::kNameJoined;
       top.row_line = line;
       top.row_number = lines.line_number();
       top.row_offset = lines.offset();

@@ -22,7 +22,7 @@ bool LooksLikeImageName(std::string_view word);
 using IsListRow = std::function<bool(const std::vector<std::string_view>& cells)>;
 
 // Cuts the line so that it is a row; at blanks, and false, where no way of cutting makes it one. A picture's
-// name in it may hold blanks, in quotes or between numbers.
+// name in it may hold blanks, in quotes, between numbers or where the row begins.
 bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<std::string_view>& cells);
 
 struct ListTop {
@@ -30,6 +30,7 @@ struct ListTop {
   std::vector<std::string_view> columns;  // their names; empty: none are named
   std::vector<std::string_view> row;      // the first
   std::string_view row_line;
+  bool name_is_joined = false;  // a picture's, of words without quotes: prose that names one reads so too
   std::vector<std::size_t> skipped_lines;  // above the first row, that are none of these
   std::size_t row_number = 0;              // of the line, from 1
   std::size_t row_offset = 0;              // of the text behind that line

@@ -245,13 +245,27 @@ TEST(ParseGeoTxt, TakesNamesThatHoldBlanksAndQuotes) {
   ASSERT_TRUE(log.events[1].position);
   EXPECT_DOUBLE_EQ(log.events[1].position->lat_deg, 46.9);
   EXPECT_EQ(log.events[1].height_ellipsoid_m, 500.0);
+  const auto numbered = ValueOf(ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\nIMG 1 (2).jpg 8.1 46.8\n")));
+  EXPECT_EQ(numbered.events.at(0).image_name, "IMG 1 (2).jpg");
+}
+
+TEST(ParseGeoTxt, IsNoProseThatNamesAPicture) {
+  for (const char* prose : {"Saved picture a.jpg 46.8 -91.9\n", "12:00:01 saved /DCIM/a.jpg 46.8 -91.9\n",
+                            "Log of the day\nat 12 saved a.jpg 46.8 -91.9\n",
+                            "uses EPSG:4326\nstarted\nSaved a.jpg 46.8 -91.9\n"})
+    EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(prose))) << prose;
+  EXPECT_FALSE(LooksLikeGcpList(BytesOf("1.0 47.5 8.5 500 5 saved picture a.jpg\n")));
+  EXPECT_TRUE(LooksLikeGeoTxt(BytesOf("\"DJI 1.jpg\" 8.1 46.8\n")));
+  EXPECT_TRUE(LooksLikeGeoTxt(BytesOf("EPSG:4326\nDJI 1.jpg 8.1 46.8\n")));
 }
 
 TEST(ParseGcpList, TakesNamesThatHoldBlanks) {
   const auto list = ValueOf(ParseGcpList(
       "gcp_list.txt", BytesOf("EPSG:4326\n8.1 46.8 400 10 20 DJI 0001.JPG corner\n"
-                              "8.2 46.8 400 30 40 \"IMG 2 (3).jpg\" pole\n8.2 46.8 400 50 60 DJI_7 pole\n")));
-  ASSERT_EQ(list.sightings.size(), 3u);
+                              "8.2 46.8 400 30 40 \"IMG 2 (3).jpg\" pole\n8.2 46.8 400 50 60 DJI_7 pole\n"
+                              "8.2 46.8 400 70 80 IMG 1 (2).jpg pole\n")));
+  ASSERT_EQ(list.sightings.size(), 4u);
+  EXPECT_EQ(list.sightings[3].image_name, "IMG 1 (2).jpg");
   EXPECT_EQ(list.sightings[0].image_name, "DJI 0001.JPG");
   EXPECT_EQ(list.sightings[1].image_name, "IMG 2 (3).jpg");
   EXPECT_EQ(list.sightings[2].image_name, "DJI_7");
@@ -343,6 +357,8 @@ TEST(ExplainUnknownList, NamesTheCellThatIsNoNumber) {
   EXPECT_NE(why("EPSG:32632\n1 2 3 4 five a.jpg\n").find("column 5 of line 2"), std::string::npos);
   EXPECT_NE(why("a.jpg,46.8\n").find("column 3 of line 1 is missing"), std::string::npos);
   EXPECT_EQ(why("notes of the day\nwind from the west\n"), "");
+  EXPECT_NE(why("DJI 0001.JPG 8.1 46.8\n").find("\"DJI 0001.JPG\" in line 1 holds blanks"),
+            std::string::npos);
 }
 
 TEST(ParseGcpList, KeepsPointsThatNoPhotoIsMarkedWithAndNamesWithBlanks) {

@@ -130,6 +130,7 @@ export const failure_words = {
   and_column_shown: (v) => `, ${v.column} (${v.cell} in Zeile ${v.line})`,
   like_list_of_places: (v) => `${v.file} sieht wie eine Positionsliste aus, wird aber nicht verwendet: Spalte ${v.column} von Zeile ${v.line} ${v.what}. Zeilen lauten „image x y z“ unter einer Zeile wie EPSG:4326, oder image,latitude,longitude,height.`,
   like_list_of_points: (v) => `${v.file} sieht wie eine Liste von Passpunkten aus, wird aber nicht verwendet: Spalte ${v.column} von Zeile ${v.line} ${v.what}. Zeilen lauten „x y z pixel_x pixel_y image“ unter einer Zeile wie EPSG:32632.`,
+  name_wants_quotes: (v) => `${v.file} sieht wie eine Liste von Fotos aus, wird aber nicht verwendet: Der Name ${v.name} in Zeile ${v.line} enthält Leerzeichen und kann ein Satz sein. Solche Namen gehören in doppelte Anführungszeichen, oder eine Zeile wie EPSG:4326 darüber nennt das Koordinatensystem.`,
   cell_missing: () => 'fehlt',
   cell_no_number: (v) => `ist keine Zahl: ${v.cell}`,
   file_names_no_photo: (v) => `${v.file} nennt in den Zeilen kein Foto.`,

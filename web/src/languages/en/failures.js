@@ -133,6 +133,7 @@ export const failure_words = {
   and_column_shown: (v) => `, ${v.column} (${v.cell} in line ${v.line})`,
   like_list_of_places: (v) => `${v.file} looks like a list of positions, but is not used: column ${v.column} of line ${v.line} ${v.what}. Its rows are “image x y z” below a line such as EPSG:4326, or image,latitude,longitude,height.`,
   like_list_of_points: (v) => `${v.file} looks like a list of surveyed points, but is not used: column ${v.column} of line ${v.line} ${v.what}. Its rows are “x y z pixel_x pixel_y image” below a line such as EPSG:32632.`,
+  name_wants_quotes: (v) => `${v.file} looks like a list of photos, but is not used: the name ${v.name} in line ${v.line} holds blanks, and may be a sentence. Put such names in double quotes, or name the system in a line above, such as EPSG:4326.`,
   cell_missing: () => 'is missing',
   cell_no_number: (v) => `is no number: ${v.cell}`,
   file_names_no_photo: (v) => `${v.file} names no photo in its rows.`,
