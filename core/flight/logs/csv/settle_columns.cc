@@ -8,6 +8,7 @@
 #include <optional>
 #include <tuple>
 
+#include "core/base/text/file_names.h"
 #include "core/flight/logs/csv/csv_rows.h"
 #include "core/flight/logs/csv/list_columns.h"
 #include "core/flight/logs/csv/settle_dates.h"
@@ -25,6 +26,7 @@ constexpr std::array kAllOrders = {DateOrder::kYearFirst, DateOrder::kDayFirst, 
                                    DateOrder::kShortYearFirst};
 
 bool IsClock(M meaning) { return meaning >= M::kTime && meaning <= M::kTimeOfDay; }
+bool MayNamePhoto(M meaning) { return meaning == M::kImage || meaning == M::kIsPhoto; }
 
 // What the cells of one column are.
 struct CellCounts {
@@ -33,6 +35,7 @@ struct CellCounts {
   std::array<std::uint64_t, 5> marks{};  // by MarkEvidence
   std::uint64_t changes = 0;             // cells unlike the one above
   std::uint64_t names = 0;               // neither numbers nor flags
+  std::uint64_t pictures = 0;            // names with the ending of one
   std::uint64_t level_pitches = 0;
   std::string_view last;
   // Of the first ones of a column of times:
@@ -46,6 +49,8 @@ struct CellCounts {
 
   std::uint64_t Marks(MarkEvidence evidence) const { return marks[static_cast<std::size_t>(evidence)]; }
   bool AreMostly(std::uint64_t kind) const { return clocks > 0 && 2 * kind >= clocks; }
+  bool ArePictures() const { return filled > 0 && 2 * pictures >= filled; }
+  bool Differ() const { return filled > 0 && 10 * changes >= 9 * filled; }
 };
 
 void CountClock(std::string_view cell, CellCounts& counts) {
@@ -72,6 +77,7 @@ void CountCell(const CsvColumn& column, std::string_view cell, CellCounts& count
     const std::string lower = LowerCase(cell.substr(0, 8));
     counts.names +=
         !ParseNumber(cell) && lower != "true" && lower != "false" && lower != "yes" && lower != "no";
+    counts.pictures += MayNamePhoto(column.meaning) && IsNamedAsPicture(cell);
     return;
   }
   const auto number = ReadCsvNumber(column, cell);
@@ -168,12 +174,20 @@ bool IsReadable(const CsvColumn& column, const CellCounts& counts) {
   return counts.filled > 0 && 2 * counts.numbers >= counts.filled;
 }
 
-// Of columns with one meaning the first that can be read counts; of clocks one that says UTC before others.
+// How well the cells name photos: files of pictures, else each its own, and not the mission.
+int WorthAsName(M meaning, const CellCounts& counts) {
+  if (MayNamePhoto(meaning) && counts.ArePictures()) return 2;
+  return meaning == M::kImage && counts.Differ() ? 1 : 0;
+}
+
+// Of columns with one meaning the first that can be read counts; of clocks one that says UTC before others,
+// of names those of pictures.
 void ChooseAmongRepeated(const TableCounts& table, std::vector<CsvColumn>& columns) {
   std::array<std::optional<std::size_t>, static_cast<std::size_t>(M::kCount)> best{};
   const auto worth = [&](std::size_t i) {
     const bool is_date = IsClock(columns[i].meaning) && columns[i].meaning != M::kTime;
-    return std::tuple(IsReadable(columns[i], table.columns[i]), is_date && columns[i].says_utc);
+    return std::tuple(IsReadable(columns[i], table.columns[i]), is_date && columns[i].says_utc,
+                      WorthAsName(columns[i].meaning, table.columns[i]));
   };
   for (std::size_t i = 0; i < columns.size(); ++i) {
     auto& kept = best[static_cast<std::size_t>(columns[i].meaning)];
@@ -183,6 +197,11 @@ void ChooseAmongRepeated(const TableCounts& table, std::vector<CsvColumn>& colum
     const auto& column = best[static_cast<std::size_t>(meaning)];
     return column && IsReadable(columns[*column], table.columns[*column]);
   };
+  const auto names_pictures = [&](M meaning) {
+    const auto& column = best[static_cast<std::size_t>(meaning)];
+    return column && table.columns[*column].ArePictures();
+  };
+  const bool photos_are_named_elsewhere = names_pictures(M::kIsPhoto) && !names_pictures(M::kImage);
   // A whole stamp does better than its halves, and half a stamp is none.
   const bool has_halves = !has(M::kUtc) && has(M::kDate) && has(M::kTimeOfDay);
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -190,7 +209,7 @@ void ChooseAmongRepeated(const TableCounts& table, std::vector<CsvColumn>& colum
     const bool is_half = meaning == M::kDate || meaning == M::kTimeOfDay;
     if (best[static_cast<std::size_t>(meaning)] != i || (is_half && has(M::kUtc)))
       columns[i].meaning = M::kIgnored;
-    else if (meaning == M::kUtc && has_halves)
+    else if ((meaning == M::kUtc && has_halves) || (meaning == M::kImage && photos_are_named_elsewhere))
       columns[i].meaning = M::kIgnored;
   }
 }

@@ -231,6 +231,19 @@ TEST(NamedLists, TakesRowsThatAreCutOtherwiseThanTheirNames) {
   }
 }
 
+// "Name" is the mission's in some tables.
+TEST(NamedLists, TakesPhotosFromTheColumnThatNamesPictures) {
+  const auto first = [](const std::string& names, const std::string& ending) {
+    const std::string rows =
+        "Mission 7,DJI_1" + ending + ",46.8,8.1,500\nMission 7,DJI_2" + ending + ",46.9,8.1,501\n";
+    return FirstRow(names + ",lat,lon,alt\n" + rows).image_name.value_or("");
+  };
+  EXPECT_EQ(first("Name,Filename", ".JPG"), "DJI_1.JPG");
+  EXPECT_EQ(first("Name,Filename", ""), "DJI_1");
+  EXPECT_EQ(first("Name,Photo", ".JPG"), "DJI_1.JPG");
+  EXPECT_EQ(FirstRow("image,name,lat,lon,alt\na.jpg,b.jpg,46.8,8.1,500\n").image_name, "a.jpg");
+}
+
 TEST(NamedLists, KeepsUnitsBehindBlanksWithTheirNames) {
   const CameraEvent event = FirstRow(
       "EPSG:4326\nimage_name geo_x geo_y geo_z yaw (degrees) pitch (decimal degrees) roll (degrees) sh (m)\n"
