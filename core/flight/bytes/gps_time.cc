@@ -33,6 +33,11 @@ int LeapSecondsAtGps(std::int64_t gps_us) {
   return leap;
 }
 
+UtcTime UtcFromGpsCalendar(UtcTime as_written) {
+  const std::int64_t gps_us = as_written.time_since_epoch().count() - kGpsEpochUnixUs;
+  return as_written - std::chrono::seconds(LeapSecondsAtGps(gps_us));
+}
+
 std::optional<UtcTime> UtcFromGpsWeek(std::int64_t week, std::int64_t time_of_week_us) {
   if (week < 1 || week > 10'000 || time_of_week_us < 0 || time_of_week_us > kWeekUs) return std::nullopt;
   const std::int64_t gps_us = week * kWeekUs + time_of_week_us;

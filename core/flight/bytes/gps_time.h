@@ -19,6 +19,9 @@ inline constexpr double kGpsWeeksRunOverS = 1024.0 * 7.0 * 86'400.0;
 // GPS time minus UTC at an instant given on the GPS clock (microseconds since 1980-01-06 00:00:00 GPS).
 int LeapSecondsAtGps(std::int64_t gps_us);
 
+// Of a date and time of day that count GPS time: a calendar without leap seconds.
+UtcTime UtcFromGpsCalendar(UtcTime as_written);
+
 // Nothing for weeks outside 1..10000 or a time of week outside 0..604800 s.
 std::optional<UtcTime> UtcFromGpsWeek(std::int64_t week, std::int64_t time_of_week_us);
 

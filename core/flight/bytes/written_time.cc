@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
@@ -159,12 +160,22 @@ struct TimeOfDay {
   std::chrono::microseconds since_midnight{};
   std::chrono::minutes zone{};
   bool names_zone = false;
+  bool counts_gps = false;  // without the leap seconds of UTC
   double resolution_s = 1.0;
 };
+
+constexpr std::string_view kGpsScale = "gpst";
 
 bool TakeZone(std::string_view text, std::size_t& at, TimeOfDay& time) {
   if (TakeOneOf(text, at, "Zz")) {
     time.names_zone = true;
+    return true;
+  }
+  const std::size_t behind = at + kGpsScale.size();
+  if (StartsWithIgnoringCase(text.substr(at), kGpsScale) &&
+      (behind == text.size() || !IsAsciiLetter(text[behind]))) {
+    at = behind;
+    time.names_zone = time.counts_gps = true;
     return true;
   }
   if (StartsWithIgnoringCase(text.substr(at), "utc") || StartsWithIgnoringCase(text.substr(at), "gmt")) {
@@ -227,6 +238,7 @@ WrittenTime Together(std::chrono::sys_days date, const TimeOfDay& time) {
   WrittenTime written;
   written.time = UtcTime(std::chrono::duration_cast<microseconds>(date.time_since_epoch())) +
                  time.since_midnight - time.zone;
+  if (time.counts_gps) written.time = UtcFromGpsCalendar(written.time);
   written.names_zone = time.names_zone;
   written.resolution_s = time.resolution_s;
   return written;

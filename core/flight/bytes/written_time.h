@@ -15,7 +15,7 @@ std::optional<UtcTime> UtcFromCivil(int year, int month, int day, int hour, int 
 
 struct WrittenTime {
   UtcTime time;               // as written; moved to UTC when the text names its zone
-  bool names_zone = false;    // "Z" or "+02:00" follows
+  bool names_zone = false;    // "Z", "+02:00" or "GPST" follows
   double resolution_s = 1.0;  // one unit of the last digit written
 };
 
@@ -23,8 +23,8 @@ struct WrittenTime {
 enum class DateOrder { kYearFirst, kDayFirst, kMonthFirst, kShortYearFirst };
 
 // "2022-05-01T15:01:58.531Z", "2022-05-01 15:01:58,531,716", "2017.8.5 14:11:51", "2005/04/02 00:00:00.000",
-// "2022:05:01 15:01:58", "+02:00", "UTC" or "PM" at the end. In other orders than kYearFirst also "1/5/2022,
-// 3:01:58 PM", "1.5.22 15:01:58", "1 May 2022 15:01:58", "20220501T150158".
+// "2022:05:01 15:01:58", "+02:00", "UTC", "GPST" or "PM" at the end. In other orders than kYearFirst also
+// "1/5/2022, 3:01:58 PM", "1.5.22 15:01:58", "1 May 2022 15:01:58", "20220501T150158".
 std::optional<WrittenTime> ParseWrittenTime(std::string_view text, DateOrder order = DateOrder::kYearFirst);
 // The same with the date and the time of day in two texts.
 std::optional<WrittenTime> ParseWrittenTime(std::string_view date, std::string_view time_of_day,

@@ -172,7 +172,9 @@ bool SaysDegrees(std::string words) {
 }
 
 // "Time (UTC)", "timestamp [local]", "time (hh:mm:ss)": the cells say how they count.
-bool SaysClock(std::string_view words) { return HoldsOneOf(words, {"utc", "gmt", "local", "iso", "hh:mm"}); }
+bool SaysClock(std::string_view words) {
+  return HoldsOneOf(words, {"utc", "gmt", "gpst", "local", "iso", "hh:mm"});
+}
 
 // "Time (UTC)" and "UTC+0", but not "Time (UTC+2)" and "UTC + 2": that is a local clock, whose zone the
 // photos tell.
@@ -189,12 +191,22 @@ bool SaysUtc(std::string_view lower) {
   return false;
 }
 
+// "Time (GPST)", but not "GPSTime", as programs call UTC too.
+bool SaysGpsScale(std::string_view lower) {
+  constexpr std::string_view kScale = "gpst";
+  const std::size_t at = lower.find(kScale);
+  if (at == std::string_view::npos) return false;
+  const std::string_view behind = lower.substr(at + kScale.size());
+  return behind.empty() || behind.front() < 'a' || behind.front() > 'z';
+}
+
 CsvColumn MapTolerantColumn(std::string_view header) {
   CsvColumn column;
   column.header = Trim(header);
   const std::string lower = LowerCase(column.header);
   auto [base, unit] = CutBrackets(lower);
-  column.says_utc = SaysUtc(lower);
+  column.counts_gps = SaysGpsScale(lower);
+  column.says_utc = column.counts_gps || SaysUtc(lower);
   column.meaning = FindCsvSynonym(LettersAndDigits(base));
   if (column.meaning == M::kIgnored && unit.empty()) {
     MeaningAndUnit found = CutUnit(WordsOf(column.header));

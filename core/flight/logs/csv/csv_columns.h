@@ -21,6 +21,7 @@ struct CsvColumn {
   std::string unit;    // as understood, for the user
   bool unit_is_written = false;
   bool says_utc = false;
+  bool counts_gps = false;      // GPS time; it says UTC then, as the leap seconds are taken off
   bool is_bare_height = false;  // "altitude", "z": the name does not say above what
   // Of a column that is ignored only because of words in its name: what it would be, and the words.
   CsvMeaning meant = CsvMeaning::kIgnored;

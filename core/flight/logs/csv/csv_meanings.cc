@@ -28,7 +28,7 @@ constexpr MeaningFacts kFacts[] = {
     {M::kUtc, "date and time", Dimension::kNone,
      "utc datetime gpsdatetime utctime datetimeoriginal createdate gpsdatetimeutc dateandtime datetimeutc "
      "captured capturetime capturedat datetaken phototime timeutc gpstimestamp zeitstempel datumuhrzeit "
-     "datumzeit fechahora fechayhora dateheure horodatage customdatetime"},
+     "datumzeit fechahora fechayhora dateheure horodatage customdatetime gpst timegpst datetimegpst"},
     {M::kDate, "date", Dimension::kNone,
      "date datum fecha customdate gpsdate gpsdatestamp dateutc localdate dateofflight"},
     {M::kTimeOfDay, "time of day", Dimension::kNone, "timeofday uhrzeit hora heure customupdatetime"},

@@ -100,11 +100,14 @@ CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::
   std::string_view date, time_of_day;
   std::array<char, 2> letters{};  // of latitude and longitude
   DateOrder date_order = DateOrder::kYearFirst;
+  bool counts_gps = false;
   const std::size_t count = std::min(columns.size(), cells.size());
   for (std::size_t i = 0; i < count; ++i) {
     const CsvColumn& column = columns[i];
     if (column.meaning == M::kIgnored || cells[i].empty()) continue;
     bool is_read = true;
+    const bool is_date = column.meaning >= M::kUtc && column.meaning <= M::kTimeOfDay;
+    counts_gps = counts_gps || (is_date && column.counts_gps);
     switch (column.meaning) {
       case M::kUtc:
         row.written = ParseWrittenTime(cells[i], column.date_order);
@@ -149,6 +152,8 @@ CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::
   }
   if (!row.written && !date.empty() && !time_of_day.empty())
     row.written = ParseWrittenTime(date, time_of_day, date_order);
+  if (counts_gps && row.written && !row.written->names_zone)
+    row.written->time = UtcFromGpsCalendar(row.written->time);
   TurnByLetter(letters[0], 'S', row.number[static_cast<std::size_t>(M::kLat)]);
   TurnByLetter(letters[1], 'W', row.number[static_cast<std::size_t>(M::kLon)]);
   return row;

@@ -92,12 +92,8 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
     const auto written = ParseWrittenTime(
         fmt::format("{} {}", std::string(words[0].substr(0, 16)), std::string(words[1].substr(0, 24))));
     if (!written) return std::nullopt;
-    solution.time = written->time - header.ahead_of_utc;
-    if (!header.is_utc) {
-      // The calendar of GPS time: the civil date counted without leap seconds.
-      const std::int64_t gps_us = written->time.time_since_epoch().count() - kGpsEpochUnixUs;
-      solution.time -= std::chrono::seconds(LeapSecondsAtGps(gps_us));
-    }
+    const UtcTime time = header.is_utc ? written->time : UtcFromGpsCalendar(written->time);
+    solution.time = time - header.ahead_of_utc;
   } else {
     const auto week = ParseInteger(words[0]);
     const auto tow_s = ParseNumber(words[1]);

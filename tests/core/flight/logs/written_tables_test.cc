@@ -322,6 +322,18 @@ TEST(WrittenTables, ReadsClocksInAllTheirColumns) {
   ExpectTrack(Track("datetime,lat,lon,alt", {"1466717469", "1466717470", "1466717471", "1466717472"}), true);
 }
 
+TEST(WrittenTables, TakesTheLeapSecondsOffGpsTime) {
+  const auto ahead = [](const std::string& before, const std::string& after) {  // by 17 s in that year
+    return std::vector<std::string>{before + "26" + after, before + "27" + after, before + "28" + after,
+                                    before + "29" + after};
+  };
+  ExpectTrack(Track("time,lat,lon,alt", ahead("2016-06-23 21:31:", " GPST")), true);
+  ExpectTrack(Track("date,time,lat,lon,alt", ahead("2016-06-23,21:31:", " GPST")), true);
+  for (const char* name : {"Time (GPST)", "GPST", "datetime [GPST]"})
+    ExpectTrack(Track(std::string(name) + ",lat,lon,alt", ahead("2016-06-23 21:31:", "")), true);
+  ExpectTrack(Track("date,time (GPST),lat,lon,alt", ahead("2016-06-23,21:31:", "")), true);
+}
+
 TEST(WrittenTables, TellsDayFromMonthByAllRows) {
   std::vector<std::string> late = Times("6/3/2016 23:59:", "");
   late.emplace_back("6/4/2016 00:00:01");
