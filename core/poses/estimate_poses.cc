@@ -140,7 +140,10 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
                                                .ground_z_in_enu_m = takeoff.ground_above_takeoff_m}));
   // The log's heights agree with each other; where they all hang is what was given.
   const double takeoff_m = given_takeoff_m.value_or(takeoff.height_ellipsoid_m);
-  if (given_takeoff_m) takeoff.hangs_on_cameras = false;
+  if (given_takeoff_m) {
+    takeoff.hangs_on_cameras = false;
+    takeoff.is_above_ellipsoid = true;
+  }
   return LoggedPart{std::move(placed), geo::LocalFrame({middle.lat_deg, middle.lon_deg, takeoff_m}),
                     std::move(takeoff)};
 }
@@ -153,6 +156,7 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
   posed.is_placed = part.placed.is_placed || has_origin;
   posed.photos = std::move(part.placed.photos);
   report.height_rule = part.takeoff.rule;
+  report.heights_above_ellipsoid = part.takeoff.is_above_ellipsoid;
   report.series = std::move(part.placed.series);
   report.knots = part.placed.knots;
   report.iterations = part.placed.iterations;
@@ -184,6 +188,7 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
     const geo::LatLon middle = *MedianPosition(positions);
     posed.frame = geo::LocalFrame({middle.lat_deg, middle.lon_deg, heights.takeoff_ellipsoid_m});
     posed.hangs_on_cameras = heights.hangs_on_cameras;
+    report.heights_above_ellipsoid = heights.is_above_ellipsoid;
   }
   PlacedByRecords placed = PlaceByRecords(rest, heights, posed.frame);
   if (placed.without_angles > 0) {

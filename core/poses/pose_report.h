@@ -19,7 +19,10 @@ struct PoseReport {
   std::string convention;  // which reading of the recorded angles was taken, and why
   std::string height_rule;
   std::optional<bool> is_height_guessed;  // of photos without one, by their spacing
-  bool is_placed = true;                  // false: nothing says where on Earth the flight was
+  // What the flight's heights count from; false: take-off. Nothing: no record says any, or an earlier version
+  // did not tell.
+  std::optional<bool> heights_above_ellipsoid;
+  bool is_placed = true;  // false: nothing says where on Earth the flight was
   // How far lists that name part of the photos lie from the photos' own positions, by no shift in common and
   // by more than any receiver errs: where the map lies is not known better. Nothing: they do not contradict.
   std::optional<double> lists_contradict_m;

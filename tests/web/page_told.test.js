@@ -175,4 +175,5 @@ test('heights can be downloaded where the map has them', options, async () => {
   await page.click('#flight-download');
   await page.waitForSelector('.download[href*="contours.dxf"] small:has-text("7")');
   assert.deepEqual((await page.locator('.download span').allTextContents()).slice(8), ['Surface model (DSM)', 'Terrain model (DTM)', 'Contours', 'Contours']);
+  assert.match((await page.locator('#heights-zero').textContent()) ?? '', /count from take-off/);
 });

@@ -178,6 +178,9 @@ std::string ReportJson(const MosaicReport& report) {
     json["surface"] = {{"cell_m", Rounded(report.surface->cell_m, 6)},
                        {"measured_share", Rounded(report.surface->measured_share, 4)},
                        {"heights_from", CountsAsSurvey(report) ? "survey" : "records"}};
+    if (!CountsAsSurvey(report) && report.poses_report.heights_above_ellipsoid)
+      json["surface"]["records_from"] =
+          *report.poses_report.heights_above_ellipsoid ? "ellipsoid" : "take_off";
     if (report.surface->contour_interval_m)
       json["surface"]["contour_interval_m"] = *report.surface->contour_interval_m;
   }

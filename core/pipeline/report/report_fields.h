@@ -35,6 +35,7 @@ void VisitFields(Report& report, Visit& visit) {
   visit("convention", report.convention);
   visit("height_rule", report.height_rule);
   visit.IfKnown("is_height_guessed", report.is_height_guessed);
+  visit.IfKnown("heights_above_ellipsoid", report.heights_above_ellipsoid);
   visit.IfKnown("lists_contradict_m", report.lists_contradict_m);
   visit("photos_by_log", report.photos_by_log);
   visit("photos_by_records", report.photos_by_records);

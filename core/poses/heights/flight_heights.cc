@@ -73,6 +73,7 @@ bool ByElevationModel(const std::vector<Photo>& photos, const geo::DemSource& de
     if (ellipsoid_m[i]) heights.above_ground_m[i] = *ellipsoid_m[i] - *ground_m;
   }
   heights.takeoff_ellipsoid_m = *ground_m;
+  heights.is_above_ellipsoid = true;
   heights.sigma_m = 5.0;
   heights.rule = HeightRule::kElevationModel;
   heights.rule_in_words = "absolute height above the elevation model";
@@ -95,6 +96,7 @@ bool ByGivenTakeoff(const std::vector<Photo>& photos, double takeoff_ellipsoid_m
   if (!typical_m || *typical_m < kLowestFlightM) return false;
   heights.above_ground_m = std::move(above_m);
   heights.takeoff_ellipsoid_m = takeoff_ellipsoid_m;
+  heights.is_above_ellipsoid = true;
   heights.sigma_m = 5.0;
   heights.rule_in_words = "absolute height above the take-off as given, flat ground at take-off height";
   return true;
@@ -169,6 +171,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
   if (known > 0) {
     heights.takeoff_ellipsoid_m = takeoff_ellipsoid_m.value_or(takeoff_m.value_or(0.0));
     heights.hangs_on_cameras = takeoff_m && !takeoff_ellipsoid_m;
+    heights.is_above_ellipsoid = takeoff_m || takeoff_ellipsoid_m;
     heights.rule_in_words = "height above take-off as recorded, flat ground at take-off height";
     heights.sigma_m = 0.7;
   } else if (takeoff_ellipsoid_m && ByGivenTakeoff(photos, *takeoff_ellipsoid_m, heights)) {
@@ -184,6 +187,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
     const double above_ground_m = GuessHeightFromSpacing(photos);
     guessed_above_ground_m = above_ground_m;
     heights.hangs_on_cameras = !ellipsoid_heights.empty();
+    heights.is_above_ellipsoid = heights.hangs_on_cameras || takeoff_ellipsoid_m;
     heights.takeoff_ellipsoid_m = MedianIfAny(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
     if (takeoff_ellipsoid_m && ellipsoid_heights.empty()) heights.takeoff_ellipsoid_m = *takeoff_ellipsoid_m;
     heights.rule = HeightRule::kSpacing;

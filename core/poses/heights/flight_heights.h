@@ -22,6 +22,7 @@ struct FlightHeights {
   std::vector<std::optional<double>>
       above_ground_m;                    // one per photo; empty where the photo has no height at all
   double takeoff_ellipsoid_m = 0.0;      // of the flat ground, best knowledge
+  bool is_above_ellipsoid = false;       // that is known; else all heights count from the take-off
   bool hangs_on_cameras = false;         // that height follows from the cameras' own absolute ones
   double sigma_m = 0.5;                  // of the heights above ground, common part
   std::string rule_in_words;             // for the report

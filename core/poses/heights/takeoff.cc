@@ -89,7 +89,7 @@ class TakeoffSearch {
       const auto baro_m = BaroAt(t_s);
       if (height_m && baro_m) zeros.push_back(*height_m - *baro_m);
     }
-    out_.hangs_on_cameras = !zeros.empty();
+    out_.hangs_on_cameras = out_.is_above_ellipsoid = !zeros.empty();
     out_.height_ellipsoid_m = MedianIfAny(std::move(zeros)).value_or(0.0);
     out_.rule = "height above take-off by the log's barometer, flat ground at take-off height";
     return true;
@@ -103,6 +103,7 @@ class TakeoffSearch {
       if (height_m && std::isfinite(*height_m)) grounds.push_back(*height_m - echo.distance_m);
     }
     if (grounds.empty() && !log_.gnss.empty()) return false;
+    out_.is_above_ellipsoid = !grounds.empty();
     out_.height_ellipsoid_m = MedianIfAny(std::move(grounds)).value_or(0.0);
     out_.rule = "height above flat ground by the log's range finder";
     return true;
@@ -120,7 +121,7 @@ class TakeoffSearch {
     }
     const auto zero_m = MedianIfAny(std::move(zeros));
     if (!zero_m) return false;
-    out_.hangs_on_cameras = true;
+    out_.hangs_on_cameras = out_.is_above_ellipsoid = true;
     out_.height_ellipsoid_m = *zero_m;
     out_.rule = "height above take-off as the photos record it, flat ground at take-off height";
     return true;
@@ -140,7 +141,7 @@ class TakeoffSearch {
     const auto ground_m = MedianIfAny(std::move(first));
     const auto photo_m = MedianIfAny(std::move(over_photos));
     if (!ground_m || !photo_m || *photo_m - *ground_m < 8.0) return false;
-    out_.hangs_on_cameras = true;
+    out_.hangs_on_cameras = out_.is_above_ellipsoid = true;
     out_.height_ellipsoid_m = *ground_m;
     out_.rule = "GNSS height above the place where the log begins, taken for the ground";
     return true;
@@ -160,6 +161,7 @@ class TakeoffSearch {
     }
     const FlightHeights heights = ChooseHeights(photos, nullptr, given_ellipsoid_m_);
     out_.hangs_on_cameras = heights.hangs_on_cameras;
+    out_.is_above_ellipsoid = heights.is_above_ellipsoid;
     out_.height_ellipsoid_m = heights.takeoff_ellipsoid_m;
     out_.rule = heights.rule_in_words;
     out_.assumption = heights.assumption;

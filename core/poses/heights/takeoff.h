@@ -20,6 +20,7 @@ struct Takeoff {
   std::optional<geo::LatLon> middle;    // of the photos, for the frame's origin; nothing without any position
   std::optional<geo::LatLon> position;  // where it took off, where the log begins there
   double height_ellipsoid_m = 0.0;      // of the frame's z = 0
+  bool is_above_ellipsoid = false;      // that is known; else all heights count from the take-off
   bool hangs_on_cameras = false;  // that height follows from where the cameras are recorded to have been
   double ground_above_takeoff_m = 0.0;   // by the range finder, else zero
   std::string rule;                      // in words

@@ -233,6 +233,24 @@ TEST(RemarkJson, IsReadAgainAsItWas) {
   EXPECT_EQ(flight::RemarksOfJson(nlohmann::json::from_cbor(cbor)), remarks);
 }
 
+TEST(ReportJson, SaysWhatTheHeightsOfTheSurfaceCountFrom) {
+  MosaicReport report;
+  report.surface.emplace();
+  const auto told = [&report](const char* name) {
+    return Json::parse(ReportJson(report)).at("surface").value(name, std::string("nothing"));
+  };
+  EXPECT_EQ(told("heights_from"), "records");
+  EXPECT_EQ(told("records_from"), "nothing");
+  report.poses_report.heights_above_ellipsoid = true;
+  EXPECT_EQ(told("records_from"), "ellipsoid");
+  EXPECT_EQ(ReportOf<poses::PoseReport>(JsonOf<Json>(report.poses_report)), report.poses_report);
+  report.poses_report.heights_above_ellipsoid = false;
+  EXPECT_EQ(told("records_from"), "take_off");
+  report.align_report.emplace().survey_above_records_m = -47.25;
+  EXPECT_EQ(told("heights_from"), "survey");
+  EXPECT_EQ(told("records_from"), "nothing") << "they count as the surveyed points";
+}
+
 TEST(RemarkJson, OfAnotherKindIsRefused) {
   for (const char* damaged :
        {R"({})", R"({"code":"no_ties"})", R"({"code":"no_such_code","values":{}})",

@@ -43,7 +43,11 @@ TEST(ChooseHeights, TakesHeightsAboveTakeoffAsRecorded) {
   EXPECT_EQ(heights.rule, HeightRule::kAboveTakeoff);
   for (const auto& height_m : heights.above_ground_m) EXPECT_EQ(height_m, 60.0);
   EXPECT_DOUBLE_EQ(heights.takeoff_ellipsoid_m, 85.0);
+  EXPECT_TRUE(heights.is_above_ellipsoid);
   EXPECT_FALSE(heights.assumption.has_value());
+  for (flight::Photo& photo : photos) photo.position->height_ellipsoid_m.reset();
+  EXPECT_FALSE(ChooseHeights(photos, nullptr).is_above_ellipsoid) << "nothing but heights above take-off";
+  EXPECT_TRUE(ChooseHeights(photos, nullptr, 85.0).is_above_ellipsoid) << "as given";
 }
 
 TEST(ChooseHeights, TiesAPhotoWithoutRelativeHeightToTheOthersThroughItsAbsoluteOne) {

@@ -46,6 +46,9 @@ TEST_F(FindTakeoffTest, TrustsTheBarometerFirst) {
   EXPECT_NEAR(takeoff.height_ellipsoid_m, 100.0, 1e-6);
   EXPECT_NE(takeoff.rule.find("barometer"), std::string::npos) << takeoff.rule;
   EXPECT_EQ(takeoff.ground_above_takeoff_m, 0.0);
+  EXPECT_TRUE(takeoff.is_above_ellipsoid);
+  for (flight::GnssSample& fix : log_.gnss) fix.height_ellipsoid_m.reset();
+  EXPECT_FALSE(Find().is_above_ellipsoid) << "the barometer alone counts from take-off";
   ASSERT_TRUE(takeoff.position.has_value());
   EXPECT_DOUBLE_EQ(takeoff.position->lat_deg, 50.8);
   ASSERT_TRUE(takeoff.middle.has_value());

@@ -74,6 +74,11 @@ export function showDownloads(flight, outlines, { cut_to = -1, wish: wanted = nu
       if (await has_size) downloads.append(made);
     }
   };
+  const addHeights = async (/** @type {NonNullable<import('../shared/types.js').Report['surface']>} */ { heights_from, records_from }) => {
+    await addFiles(words.height_files);
+    const zero = heights_from === 'survey' ? heights_from : records_from;
+    if (zero) downloads.append(h('p', { class: 'fine muted', id: 'heights-zero' }, words.heights_zero[zero]));
+  };
   const addIndices = async () => {
     for (const { id, title } of (await getBands(flight.id)).indices) {
       if (id) downloads.append(wishRow(id, title, words.index_values, { format: 'geotiff', crs: 'utm', index: id }));
@@ -82,7 +87,7 @@ export function showDownloads(flight, outlines, { cut_to = -1, wish: wanted = nu
   getReport(flight.id).then(({ surface, bands }) => {
     if (bands) void addFiles(words.band_files);
     if (bands) addIndices().catch(showError);
-    if (surface) void addFiles(words.height_files);
+    if (surface) addHeights(surface).catch(showError);
   }, (error) => console.debug('a map without a report has neither bands nor heights', error));
   put(exports, open);
   const dialog = showDialog('download-dialog', words.download, h('div', {}, downloads, exports));

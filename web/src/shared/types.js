@@ -214,7 +214,7 @@
  * @property {MapQuality} [quality]
  * @property {{placed_by?: 'images'|'records', ground_control?: ControlFigures[]}|null} [alignment]
  * @property {{bands: ReportedBand[]}} [bands] of a camera with several
- * @property {{cell_m: number, measured_share: number, heights_from?: 'survey'|'records', contour_interval_m?: number}} [surface] of heights that were matched
+ * @property {{cell_m: number, measured_share: number, heights_from?: 'survey'|'records', records_from?: 'ellipsoid'|'take_off', contour_interval_m?: number}} [surface] of heights that were matched
  */
 
 /**

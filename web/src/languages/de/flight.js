@@ -357,6 +357,11 @@ export const flight_words = {
       'contours.gpkg': ['Höhenlinien', 'GeoPackage, für GIS'],
       'contours.dxf': ['Höhenlinien', 'DXF, für CAD'],
     },
+    heights_zero: {
+      survey: 'Die Höhen zählen wie die der Passpunkte.',
+      ellipsoid: 'Die Höhen zählen vom Ellipsoid WGS 84 an, wie sie aufgezeichnet wurden.',
+      take_off: 'Die Höhen zählen vom Startort an: Keine Höhe über dem Ellipsoid oder dem Meer wurde aufgezeichnet.',
+    },
     qgis: 'In QGIS öffnen',
     qgis_file: 'Layerdatei herunterladen',
     qgis_steps: [

@@ -356,6 +356,11 @@ export const flight_words = {
       'contours.gpkg': ['Contours', 'GeoPackage, for GIS'],
       'contours.dxf': ['Contours', 'DXF, for CAD'],
     },
+    heights_zero: {
+      survey: 'The heights count as those of the control points do.',
+      ellipsoid: 'The heights count from the WGS 84 ellipsoid, as they were recorded.',
+      take_off: 'The heights count from take-off: no height above the ellipsoid or the sea was recorded.',
+    },
     qgis: 'Open in QGIS',
     qgis_file: 'Download the layer file',
     qgis_steps: ['Download the layer file below.', 'Drag it from your file manager onto the QGIS map, or choose Layer → Add from Layer Definition File.', 'The map is added as a layer. To see it, zoom to the layer.'],
