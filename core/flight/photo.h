@@ -146,6 +146,8 @@ struct Photo {
   bool captured_at_is_local = false;                    // the clock was local and the zone is unknown
   std::optional<std::chrono::minutes> clock_minus_utc;  // the zone of the camera's clock, where it is known
   std::optional<UtcTime> receiver_time;  // as a receiver of GNSS told it, whatever the camera's clock
+  // Without its day, which the flight tells (TakeZoneOfFlight), beside a camera's clock of unknown zone.
+  std::optional<std::chrono::microseconds> receiver_time_of_day;
   std::optional<RecordedPosition> position;
   std::optional<ExifBesideXmp> exif_beside_xmp;
   std::optional<double> lone_height_above_takeoff_m;  // recorded without a position, which has its own

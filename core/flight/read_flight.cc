@@ -188,6 +188,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Prog
       flight.photos.push_back(std::move(*photo));
     }
   }
+  TakeZoneOfFlight(flight.photos);
   TakePositionsFromSidecars(sorted.sidecars, flight.photos, flight.warnings);
   LeaveOutRetagged(flight.photos, flight.left_out);
   LeaveOutCopies(flight.photos, flight.left_out);

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr std::int64_t kMicrosPerSecond = 1000000;
 constexpr std::chrono::seconds kClocksAgreeWithin(5);  // of two clocks, but for their zones
+constexpr std::chrono::minutes kSetByHandWithin(5);
 
 UtcTime InUtc(const ExifTime& time) {
   return time.clock_minus_utc ? UtcTime(time.as_written - *time.clock_minus_utc) : time.as_written;
@@ -42,7 +44,7 @@ std::optional<std::chrono::minutes> ZoneOf(const ExifRecord& exif, UtcTime utc) 
   if (exif.clock_minus_utc) return exif.clock_minus_utc;
   if (!exif.taken_at) return std::nullopt;
   const std::optional<ClockStep> step = StepBetween(*exif.taken_at, utc);
-  if (!step || std::chrono::abs(step->left_over) > std::chrono::minutes(5)) return std::nullopt;
+  if (!step || std::chrono::abs(step->left_over) > kSetByHandWithin) return std::nullopt;
   return step->zone;
 }
 
@@ -54,21 +56,22 @@ std::optional<UtcTime> UtcInXmp(const XmpTags& xmp) {
   return std::nullopt;
 }
 
-// Where EXIF names no day for it, that on which the camera's clock shows the time of a zone, or of its own:
-// from 10 hours behind UTC to 13 ahead, where all but some islands lie. Nothing where it shows none.
-std::optional<UtcTime> GpsTimeOf(const ExifRecord& exif) {
-  if (exif.gps_time || !exif.gps_time_of_day || !exif.taken_at) return exif.gps_time;
+// On the day on which the clock is at most so far ahead of it, and less than a day less.
+UtcTime OnDayOf(UtcTime clock, std::chrono::microseconds time_of_day, std::chrono::seconds most_ahead) {
   using namespace std::chrono_literals;
-  const std::chrono::minutes known = exif.clock_minus_utc.value_or(0min);
-  const UtcTime clock = *exif.taken_at - known;
-  const std::chrono::seconds most_ahead = exif.clock_minus_utc ? std::chrono::seconds(12h) : 13h + 450s;
-  UtcTime time = UtcTime(std::chrono::floor<std::chrono::days>(clock)) + *exif.gps_time_of_day;
+  UtcTime time = UtcTime(std::chrono::floor<std::chrono::days>(clock)) + time_of_day;
   while (clock - time > most_ahead) time += 24h;
   while (clock - time <= most_ahead - 24h) time -= 24h;
-  const std::optional<ClockStep> step = StepBetween(clock, time);
-  const bool shows_zone = step && std::chrono::abs(step->left_over) <= kClocksAgreeWithin &&
-                          (!exif.clock_minus_utc || step->zone == 0min);
-  if (!shows_zone) return std::nullopt;
+  return time;
+}
+
+// Where EXIF names no day for it, that on which a clock whose zone is written shows it too; of a clock of
+// unknown zone the flight tells it (TakeZoneOfFlight).
+std::optional<UtcTime> GpsTimeOf(const ExifRecord& exif) {
+  if (exif.gps_time || !exif.gps_time_of_day || !exif.taken_at || !exif.clock_minus_utc) return exif.gps_time;
+  const UtcTime clock = *exif.taken_at - *exif.clock_minus_utc;
+  const UtcTime time = OnDayOf(clock, *exif.gps_time_of_day, std::chrono::hours(12));
+  if (std::chrono::abs(clock - time) > kClocksAgreeWithin) return std::nullopt;
   return time;
 }
 
@@ -103,7 +106,38 @@ CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::v
   CaptureTime time = TimeOfClocks(exif, gps_time, xmp, notes);
   time.by_receiver = UtcInXmp(xmp);
   if (!time.by_receiver) time.by_receiver = gps_time;
+  if (exif.taken_at && time.is_local) time.receiver_time_of_day = exif.gps_time_of_day;
   return time;
+}
+
+void TakeZoneOfFlight(std::vector<Photo>& photos) {
+  using namespace std::chrono_literals;
+  constexpr std::chrono::seconds kMaxAhead = 13h + 450s;
+  struct TwoClocks {
+    Photo* photo = nullptr;
+    UtcTime by_receiver;
+    ClockStep step;
+  };
+  std::vector<TwoClocks> told;
+  std::map<std::chrono::minutes, std::size_t> shown;  // by how many photos
+  for (Photo& photo : photos) {
+    if (!photo.captured_at || !photo.captured_at_is_local || !photo.receiver_time_of_day) continue;
+    const UtcTime by_receiver = OnDayOf(*photo.captured_at, *photo.receiver_time_of_day, kMaxAhead);
+    const std::optional<ClockStep> step = StepBetween(*photo.captured_at, by_receiver);
+    if (!step) continue;
+    told.push_back({&photo, by_receiver, *step});
+    if (std::chrono::abs(step->left_over) <= kClocksAgreeWithin) ++shown[step->zone];
+  }
+  const auto zone =
+      std::find_if(shown.begin(), shown.end(), [&](const auto& one) { return 2 * one.second > told.size(); });
+  if (zone == shown.end()) return;
+  for (const TwoClocks& one : told) {
+    if (one.step.zone != zone->first || std::chrono::abs(one.step.left_over) > kSetByHandWithin) continue;
+    one.photo->captured_at = *one.photo->captured_at - zone->first;
+    one.photo->captured_at_is_local = false;
+    one.photo->clock_minus_utc = zone->first;
+    one.photo->receiver_time = one.by_receiver;
+  }
 }
 
 namespace {

@@ -18,14 +18,23 @@ struct CaptureTime {
   bool is_local = false;
   std::optional<std::chrono::minutes> clock_minus_utc;  // a time zone's; absent where nothing tells it
   std::optional<UtcTime> by_receiver = std::nullopt;    // what a receiver of GNSS told, used or not
+  // As it told it without a day, beside a clock of unknown zone: used by nobody yet.
+  std::optional<std::chrono::microseconds> receiver_time_of_day = std::nullopt;
 };
 
 // The instant of exposure in UTC from the clocks a photo carries, in this order: UTC in XMP
 // (drone-dji:UTCAtExposure, sensefly:UTCTime), the camera's clock with its zone, the camera's clock with the
 // zone that the GPS time shows (the clock's finer steps are kept where both agree), the GPS time, the local
-// clock. A GPS time that names no day is of the one on which the camera's clock shows a zone's. Beside it
-// what a receiver told, and the zone of the camera's clock, where that is written or two clocks show it.
+// clock. A GPS time that names no day counts beside a clock whose zone is written; else the flight tells its
+// day. Beside it what a receiver told, and the zone of the camera's clock, where that is written or two
+// clocks show it.
 CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes);
+
+// Of photos whose receiver told a time without its day, beside a clock of unknown zone: that clock's zone is
+// the one which most of them show to within seconds (from 10 hours behind UTC to 13 ahead, where all but some
+// islands lie), and they are in UTC by it. Those whose clock is minutes off it keep the camera's time as it
+// is, and so do all where no zone is shown by most: a clock some seconds off would show it to part of them.
+void TakeZoneOfFlight(std::vector<Photo>& photos);
 
 // A time in a file's name: DJI_20230918115823_0001.JPG,
 // IMG_20190102_030405.jpg, 2019-01-02T03-04-05.250Z.png, 2018080501004480Z.jpg, and seconds, milliseconds or

@@ -199,6 +199,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.captured_at_is_local = time.is_local;
   photo.clock_minus_utc = time.clock_minus_utc;
   photo.receiver_time = time.by_receiver;
+  photo.receiver_time_of_day = time.receiver_time_of_day;
   photo.position = PositionFromTags(exif, xmp, photo.notes);
   photo.exif_beside_xmp = ExifBesideXmpFromTags(exif, xmp);
   if (!photo.position) photo.lone_height_above_takeoff_m = HeightAboveTakeoffFromTags(xmp);
