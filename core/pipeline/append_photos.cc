@@ -1,12 +1,10 @@
 #include "core/pipeline/append_photos.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
-#include <variant>
 
 #include "core/alignment/align_flight.h"
 #include "core/alignment/baselines/align_by_pose.h"
@@ -17,6 +15,7 @@
 #include "core/camera/footprint.h"
 #include "core/ground/extend_ground.h"
 #include "core/ground/model_ground.h"
+#include "core/pipeline/placing/tell_added.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -221,44 +220,6 @@ geo::Bounds2 SeenBy(const std::vector<AlignedPhoto>& photos, double ground_z_m) 
   return bounds;
 }
 
-// The figures of the new photos beside those of the finished flight. One that it left out has some there,
-// even as aligned, where its pose was one that no map is drawn with.
-void AddFigures(const alignment::AlignReport& report, const std::set<std::string>& added,
-                alignment::AlignReport& known) {
-  std::erase_if(known.photo_reports, [&](const alignment::AlignPhotoReport& photo) {
-    if (!added.contains(photo.name)) return false;
-    --known.photos;
-    if (photo.placement == alignment::Placement::kAligned) --known.aligned;
-    return true;
-  });
-  std::erase_if(known.pairs, [&](const alignment::AlignPairReport& pair) {
-    return added.contains(pair.first) || added.contains(pair.second);
-  });
-  for (const alignment::AlignPhotoReport& photo : report.photo_reports) {
-    if (!added.contains(photo.name)) continue;
-    ++known.photos;
-    if (photo.placement == alignment::Placement::kAligned) ++known.aligned;
-    known.photo_reports.push_back(photo);
-  }
-  for (const alignment::AlignPairReport& pair : report.pairs) {
-    if (added.contains(pair.first) || added.contains(pair.second)) known.pairs.push_back(pair);
-  }
-}
-
-// Photos that came at several times are told of together.
-void TellAdded(std::size_t photos, std::vector<flight::Remark>& warnings) {
-  auto all = static_cast<std::int64_t>(photos);
-  std::erase_if(warnings, [&](const flight::Remark& said) {
-    if (said.code != flight::RemarkCode::kPhotosAdded) return false;
-    const auto before = said.values.find("photos");
-    const std::int64_t* count =
-        before == said.values.end() ? nullptr : std::get_if<std::int64_t>(&before->second.is);
-    if (count != nullptr) all += *count;
-    return true;
-  });
-  warnings.push_back({flight::RemarkCode::kPhotosAdded, {{"photos", all}}});
-}
-
 }  // namespace
 
 AlignedFlight AddedAndAround(const AlignedFlight& flight, std::size_t finished) {
@@ -324,6 +285,12 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   align_options.fixed = FixedOf(part, finished);
 
   FlightFacts grown = known;
+  std::vector<flight::Remark>& warnings = grown.flight.warnings;
+  TellPosed(posed.warnings, known.is_placed, warnings);
+  // What is assumed of the new ones alone; the map's own assumptions were told with what became of them.
+  part.assumptions = posed.assumptions;
+  std::erase_if(part.assumptions,
+                [&](const poses::Assumption& one) { return SayAnew(one.missing, warnings); });
   alignment::AlignReport report;
   SKYQUILT_TRY_ASSIGN(AlignedFlight aligned,
                       is_compared ? alignment::AlignFlight(part, source, align_options, report, progress)
@@ -354,14 +321,18 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   ground::ModelGroundReport ground_report;
   const ground::GroundSurface beyond = ground::ModelGround(aligned, ground_report);
   grown.ground = ground::ExtendGround(known.ground, beyond, SeenBy(placed, known.ground.MeanHeight()));
-  if (grown.align_report) AddFigures(report, names, *grown.align_report);
   for (AlignedPhoto& photo : placed) grown.flight.photos.push_back(std::move(photo));
+  TellAligned(aligned.warnings, names, warnings);
+  if (grown.align_report) {
+    AddFigures(report, names, grown.flight.photos, *grown.align_report);
+    TellGroups(grown.align_report->components, grown.flight.photos.size(), warnings);
+  }
   std::erase_if(grown.flight.left_out,
                 [&](const flight::LeftOutPhoto& photo) { return names.contains(photo.name); });
   for (const flight::LeftOutPhoto& photo : aligned.left_out) {
     if (names.contains(photo.name)) grown.flight.left_out.push_back(photo);
   }
-  if (!placed.empty()) TellAdded(placed.size(), grown.flight.warnings);
+  if (!placed.empty()) TellAdded(placed.size(), warnings);
   return std::optional<FlightFacts>(std::move(grown));
 }
 

@@ -119,6 +119,7 @@ struct AlignReport {
   int pairs_rejected = 0;   // linked by a few matches, contradicted by the rest
   int pairs_by_direct = 0;  // tied by comparing the pictures as a whole
   int tie_points = 0;
+  int tie_points_of_new = 0;  // of them, seen by photos beside those of a map that stays; told nowhere
   int observations = 0;
   int observations_dropped = 0;
   double residual_rms_px = 0.0;

@@ -132,6 +132,15 @@ std::optional<flight::Remark> RemarkOfClock(const BundleProblem& problem) {
       {{"clock_s", clock_s}, {"moved_m", moved_m}}};
 }
 
+// Seen by a photo that is not of a map that stays.
+int TiePointsOfNew(const BundleProblem& problem) {
+  return static_cast<int>(
+      std::count_if(problem.tracks.begin(), problem.tracks.end(), [&](const Track& track) {
+        return std::any_of(track.observations.begin(), track.observations.end(),
+                           [&](const Observation& one) { return !problem.photos[one.photo].is_fixed; });
+      }));
+}
+
 void ReportAttempt(const ExtractedFlight& extracted, Attempt& attempt, AlignReport& report) {
   const std::vector<std::string> names = extracted.Names();
   report.photos = static_cast<int>(names.size());
@@ -158,6 +167,7 @@ void ReportAttempt(const ExtractedFlight& extracted, Attempt& attempt, AlignRepo
   PredictControl(attempt.problem, report.control);
   report.position_bias_m = attempt.problem.position_bias_m;
   report.tie_points = static_cast<int>(attempt.problem.tracks.size());
+  report.tie_points_of_new = TiePointsOfNew(attempt.problem);
   report.observations = attempt.adjusted.observations;
   report.observations_dropped = attempt.adjusted.dropped;
   report.residual_rms_px = attempt.adjusted.rms_px;

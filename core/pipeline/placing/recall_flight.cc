@@ -21,21 +21,16 @@ bool HasRemark(const std::vector<Remark>& remarks, const Remark& one) {
   return std::find(remarks.begin(), remarks.end(), one) != remarks.end();
 }
 
-bool AreNumbers(const flight::RemarkValue& a, const flight::RemarkValue& b) {
+// As AreSameButForNumbers has it, of one value.
+bool AreAlike(const flight::RemarkValue& a, const flight::RemarkValue& b) {
   const auto is_number = [](const flight::RemarkValue& value) {
     return std::holds_alternative<std::int64_t>(value.is) || std::holds_alternative<double>(value.is);
   };
-  return is_number(a) && is_number(b);
-}
-
-// Do they say the same of fewer or more photos, say?
-bool AreSameButForNumbers(const Remark& a, const Remark& b) {
-  return a.code == b.code &&
-         std::equal(a.values.begin(), a.values.end(), b.values.begin(), b.values.end(),
-                    [](const auto& one, const auto& other) {
-                      return one.first == other.first &&
-                             (one.second == other.second || AreNumbers(one.second, other.second));
-                    });
+  if (is_number(a) && is_number(b)) return true;
+  const auto *within = std::get_if<std::vector<Remark>>(&a.is),
+             *other = std::get_if<std::vector<Remark>>(&b.is);
+  if (within == nullptr || other == nullptr) return a == b;
+  return std::equal(within->begin(), within->end(), other->begin(), other->end(), AreSameButForNumbers);
 }
 
 // Was it said of one photo what is said of several now?
@@ -151,6 +146,14 @@ void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
     photo.photo = *found->second;
     if (drawn_in) photo.photo.sample_range = drawn_in;
   }
+}
+
+bool AreSameButForNumbers(const Remark& a, const Remark& b) {
+  return a.code == b.code && std::equal(a.values.begin(), a.values.end(), b.values.begin(), b.values.end(),
+                                        [](const auto& one, const auto& other) {
+                                          return one.first == other.first &&
+                                                 AreAlike(one.second, other.second);
+                                        });
 }
 
 void TellReading(const flight::Flight& read, alignment::AlignedFlight& flight) {

@@ -50,6 +50,9 @@ bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight&
 // The photos of a recalled flight as they were read now (where their files are), drawn as they were.
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight);
 
+// Do they say the same of fewer or more photos, say? Also within a sentence.
+bool AreSameButForNumbers(const flight::Remark& a, const flight::Remark& b);
+
 // Of a recalled flight that got photos or surveyed points: what is to be said of its files as they were read
 // now, as of a flight that is placed anew with them. What was said with other numbers, or of lists of points,
 // gives way to that.

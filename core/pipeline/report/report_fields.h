@@ -1,7 +1,7 @@
 // VisitFields: what report.json and mosaic.state say of each stage's report, every figure with its name
 // there: one list a report, from which it is written and read again (report_codec.h). Not listed is what only
-// the run itself needs: AlignPairReport::some and ByImagesReport::is_placed. Seams are written only. Any
-// thread.
+// the run itself needs: AlignPairReport::some, AlignReport::tie_points_of_new and ByImagesReport::is_placed.
+// Seams are written only. Any thread.
 //
 // What `visit` does: `visit(name, value)` takes a figure; `IfAny` a list that is left out while it is empty;
 // `Remarked` what is remarked, in English and as codes; `OneOf` a flag that is told as one of two words;

@@ -199,6 +199,42 @@ TEST(AppendPhotos, TellOfAllThatCameLaterTogether) {
   EXPECT_TRUE(twice.flight.warnings[0] == flight::Remark(flight::RemarkCode::kPhotosAdded, {{"photos", 3}}));
 }
 
+TEST(AppendPhotos, SayWhatIsRemarkedWhileTheyArePosedAndAlignedAndNothingTwice) {
+  using flight::Remark;
+  using flight::RemarkCode;
+  const auto repeated = [](int photos, int total) {
+    return Remark{RemarkCode::kPositionsRepeated, {{"photos", photos}, {"total", total}}};
+  };
+  const auto no_angles = [](int photos, int total) {
+    return Remark{RemarkCode::kNoAngles, {{"photos", photos}, {"total", total}}};
+  };
+  const auto assumed = [&](int photos, int total) {
+    return Remark{RemarkCode::kSentences,
+                  {{"first", no_angles(photos, total)}, {"then", Remark(RemarkCode::kAnglesAssumed)}}};
+  };
+  Added map({0.0, 1.0, {0.0, 0.0}});
+  MosaicOptions options;
+  options.method = AlignMethod::kImu;
+  SilentProgress progress;
+  poses::PosedFlight posed = Posed(map.truth);
+  posed.photos.resize(Added::kFinished + 1);
+  posed.warnings = {repeated(2, 18)};
+  posed.assumptions.push_back({no_angles(1, 18), RemarkCode::kAnglesAssumed, std::nullopt});
+  map.known.flight.warnings = {repeated(1, 17)};
+  const auto once = AppendPhotos(map.known, posed, options, flight::FilePhotoSource(), progress);
+  ASSERT_TRUE(once && *once);
+  const Remark one_added{RemarkCode::kPhotosAdded, {{"photos", 1}}};
+  EXPECT_TRUE((*once)->flight.warnings == (std::vector<Remark>{repeated(2, 18), assumed(1, 18), one_added}));
+
+  posed = Posed(map.truth);
+  posed.warnings = {repeated(2, 20)};
+  posed.assumptions.push_back({no_angles(3, 20), RemarkCode::kAnglesAssumed, std::nullopt});
+  const auto twice = AppendPhotos(**once, posed, options, flight::FilePhotoSource(), progress);
+  ASSERT_TRUE(twice && *twice);
+  const Remark all_added{RemarkCode::kPhotosAdded, {{"photos", 3}}};
+  EXPECT_TRUE((*twice)->flight.warnings == (std::vector<Remark>{assumed(3, 20), repeated(2, 20), all_added}));
+}
+
 // The last photo of a flight was left out of its map, and comes again with two that are new.
 struct LeftOut : Displaced {
   static constexpr std::size_t kFirst = 6, kFinished = 17;  // the map's photos: so few are rendered
@@ -287,6 +323,8 @@ TEST(AppendPhotos, TakeInOneThatWasLeftOutWhereItTiesNow) {
   ASSERT_TRUE(grown.align_report);
   EXPECT_EQ(grown.align_report->photos, 14);
   EXPECT_EQ(grown.align_report->photo_reports.size(), 3U) << "one of each";
+  EXPECT_GT(grown.align_report->components, 0);
+  EXPECT_GT(grown.align_report->tie_points, 0);
 }
 
 TEST(AppendPhotos, CountOneThatComesInOnceThoughItWasAlignedBefore) {

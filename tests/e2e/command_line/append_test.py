@@ -57,7 +57,12 @@ class Append(ScratchCase):
         self.assertGreater(len(figures["pairs"]), pairs)
         for pair in figures["pairs"][pairs:]:
             self.assertIn(self.new, (pair["first"], pair["second"]))
-        merged = ("photos", "aligned", "photo_reports", "pairs")
+        self.assertEqual(figures["pieces"], before["pieces"])
+        self.assertEqual(figures["pairs_linked"] - before["pairs_linked"], sum(not pair["by_direct"] for pair in figures["pairs"][pairs:]))
+        for counted in ("tie_points", "observations"):
+            self.assertGreater(figures[counted], before[counted])
+        merged = ("photos", "aligned", "photo_reports", "pairs", "pairs_tried", "pairs_linked", "pairs_by_direct", "tie_points", "observations",
+                  "residual_rms_px", "corrections")
         self.assertEqual({key: value for key, value in figures.items() if key not in merged},
                          {key: value for key, value in before.items() if key not in merged})
 
