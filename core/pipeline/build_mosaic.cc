@@ -20,6 +20,7 @@
 #include "core/render/blocks/render_block.h"
 #include "core/render/blocks/weigh_block.h"
 #include "core/render/render_tiles.h"
+#include "core/render/seams/seam_shift.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -129,6 +130,8 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   const render::SeamMap& seams = planned.seams;
   const RenderBudget budget = BudgetFor(options, plan);
   const std::size_t finished = facts.appearance ? facts.appearance->exposure.photos.size() : 0;
+  // As of another appearance: a killed run that goes on measures all of them.
+  const std::optional<render::SeamShift> seams_before = std::exchange(facts.seams, std::nullopt);
   if (memory != nullptr) {
     facts.appearance = planned.Appearance();
     SKYQUILT_TRY(memory->Remember(WriteFacts(facts)));
@@ -137,9 +140,11 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   render::MeasureSeamsOptions measure;
   measure.threads = options.threads;
   measure.output_pixel_m = render::OutputPixelM(plan, aligned);
-  // Where only some photos are new, the seams beside those are measured, from a cache of their own.
+  // Where only some photos are new, and the seams of the others are known, those beside the new ones are
+  // measured, from a cache of their own.
   std::optional<alignment::AlignedFlight> around;
-  if (finished != 0 && finished != aligned.photos.size()) around = AddedAndAround(aligned, finished);
+  if (finished != 0 && finished != aligned.photos.size() && seams_before && render::TellOfMap(*seams_before))
+    around = AddedAndAround(aligned, finished);
   std::optional<render::SeamPatches> patches;
   auto rendered = stages.Run("render", [&]() -> Result<render::RenderReport> {
     const std::vector<image::PixelBox> shown = render::ShownRegions(aligned, shown_ground, seams);
@@ -165,8 +170,12 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     patches->WatchFor(part_cache);
     return patches->Measure(part_cache, progress);
   });
+  facts.seams = around ? render::WorseOf(*seams_before, seam_shift) : seam_shift;
+  if (memory != nullptr) {
+    SKYQUILT_TRY(memory->Remember(WriteFacts(facts)));
+  }
 
-  DescribeMap(facts, planned, surface, seam_shift, *rendered, report);
+  DescribeMap(facts, planned, surface, *facts.seams, *rendered, report);
   std::optional<BandedMap> banded =
       BandedMapOf(facts, std::move(placed.captures), geo::DegToRad(options.max_look_deg));
   BuiltMosaic built{aligned,

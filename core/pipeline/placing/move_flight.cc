@@ -144,6 +144,7 @@ void MoveFlight(const Similarity3& new_from_old, FlightFacts& facts) {
     shift_m = new_from_old.scale * (new_from_old.rotation * shift_m);
   }
   facts.appearance.reset();
+  facts.seams.reset();
 }
 
 std::vector<MarkedPoint> MarkedPointsOf(const FlightFacts& known,

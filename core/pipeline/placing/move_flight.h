@@ -20,8 +20,8 @@ namespace skyquilt::pipeline {
 // A similarity of the plane in space: about the vertical through the origin, and stretched about this height.
 alignment::Similarity3 AboutVertical(const alignment::GroundSimilarity& move, double z_m);
 
-// The frame stays: `facts.flight.frame` is the caller's to change with it. The appearance goes: seams lie
-// elsewhere on the map now.
+// The frame stays: `facts.flight.frame` is the caller's to change with it. The appearance goes, and what
+// its seams showed: they lie elsewhere on the map now.
 void MoveFlight(const alignment::Similarity3& new_from_old, FlightFacts& facts);
 
 // Where the marks of a surveyed point meet, in the flight's frame, and where it was surveyed.

@@ -122,6 +122,19 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   return appearance;
 }
 
+Cbor OfSeams(const render::SeamShift& seams) {
+  return {{"patches", seams.patches},
+          {"reliable", seams.reliable},
+          {"gsd_m", seams.gsd_m},
+          {"median_m", seams.median_m},
+          {"p90_m", seams.p90_m}};
+}
+
+render::SeamShift ToSeams(const Cbor& json) {
+  return {json.at("patches").get<int>(), json.at("reliable").get<int>(), json.at("gsd_m").get<double>(),
+          json.at("median_m").get<double>(), json.at("p90_m").get<double>()};
+}
+
 // Polygons of rings of longitudes and latitudes in turn.
 Cbor OfBoundary(const geo::Boundary& boundary) {
   Cbor polygons = Cbor::array();
@@ -221,6 +234,7 @@ FlightFacts Parse(std::string_view bytes) {
   if (json.contains("boundary")) facts.boundary = ToBoundary(json.at("boundary"));
   if (const Cbor& appearance = json.at("look"); !appearance.is_null())
     facts.appearance = ToAppearance(appearance, photos.size());
+  if (json.contains("seams")) facts.seams = ToSeams(json.at("seams"));
   return facts;
 }
 
@@ -296,6 +310,7 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["poses"] = ReportText(facts.poses_report);
   if (facts.boundary) json["boundary"] = OfBoundary(*facts.boundary);
   json["look"] = facts.appearance ? OfAppearance(*facts.appearance) : Cbor(nullptr);
+  if (facts.seams) json["seams"] = OfSeams(*facts.seams);
   const std::vector<std::uint8_t> bytes = Cbor::to_cbor(json);
   return {bytes.begin(), bytes.end()};
 }

@@ -23,6 +23,7 @@
 #include "core/render/exposure/estimate_exposure.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/seams/seam_map.h"
+#include "core/render/seams/seam_shift.h"
 #include "core/render/thumbnail.h"
 
 namespace skyquilt::pipeline {
@@ -59,6 +60,9 @@ struct FlightFacts {
   std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
   std::optional<geo::Boundary> boundary;               // that the map is cut to
   std::optional<MapAppearance> appearance;             // absent: the run was killed before
+  // As the map with this appearance shows them; none in maps of earlier versions, or of a run that was
+  // killed.
+  std::optional<render::SeamShift> seams;
 };
 
 // Of the options that decide where photos lie.

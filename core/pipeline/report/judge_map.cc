@@ -32,7 +32,6 @@ constexpr double kBeyondStated = 1.0 - 0.683;  // of places, outside a stated ra
 // as well as a point holds its own.
 constexpr std::size_t kFewestOfAll = 3;
 constexpr double kLeverOfAll = 1.0;
-constexpr int kFewestSeams = 5;
 
 // What placed the map, or all that is known of it is where it lies against them.
 struct ControlFit {
@@ -337,7 +336,7 @@ MapLimit MissedChecks(const JudgedMap& map) {
 RelativeAccuracy RelativeOf(const JudgedMap& map, bool is_scale_guessed) {
   RelativeAccuracy relative;
   if (map.alignment == nullptr || map.gsd_m <= 0.0) return relative;
-  if (map.seams.reliable >= kFewestSeams) {
+  if (render::TellOfMap(map.seams)) {
     relative = {map.seams.median_m, map.seams.median_m / map.gsd_m, RelativeSupport::kSeams,
                 map.seams.reliable};
   } else if (map.alignment->tie_points > 0) {

@@ -3,9 +3,7 @@
 
 #include <fstream>
 #include <map>
-#include <optional>
 #include <string>
-#include <string_view>
 
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
@@ -14,6 +12,7 @@
 #include "core/pyramid/map_memory.h"
 #include "core/simulate/simulate_flight.h"
 #include "tests/support/bytes_of.h"
+#include "tests/support/facts_alone.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
@@ -22,28 +21,6 @@ namespace skyquilt::pipeline {
 namespace {
 
 using std::filesystem::path;
-
-// Of an earlier run: what it knew of the flight, and no tiles.
-class FactsAlone final : public pyramid::MapMemory {
- public:
-  std::optional<Digest> DigestOf(const geo::TileId& /*block*/) const override { return std::nullopt; }
-  Result<pyramid::KeptBlock> Reuse(const geo::TileId& /*block*/, const Digest& /*digest*/,
-                                   std::optional<int> /*fringe_quality*/) override {
-    return pyramid::KeptBlock{};
-  }
-  Result<void> Keep(const geo::TileId& /*block*/, const Digest& /*digest*/,
-                    const pyramid::KeptBlock& /*kept*/) override {
-    return {};
-  }
-  const std::string& Recall() const override { return facts_; }
-  Result<void> Remember(std::string_view facts) override {
-    facts_ = facts;
-    return {};
-  }
-
- private:
-  std::string facts_;
-};
 
 class BadInput : public testing::Test {
  protected:
@@ -160,7 +137,7 @@ TEST_F(BadInput, WhatLiesInAZoneOfUtmIsRefusedBeyondUtm) {
     EXPECT_NE(refused.message.find("beyond UTM"), std::string::npos) << refused.message;
     EXPECT_TRUE(map_.tiles.empty());
   }
-  FactsAlone memory;
+  test::FactsAlone memory;
   EXPECT_TRUE(Build({}, &memory).ok());
   // Nor does a run that goes on from there begin to draw.
   map_.tiles.clear();

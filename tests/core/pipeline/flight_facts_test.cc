@@ -48,6 +48,7 @@ FlightFacts SomeFacts() {
   shown.labels.Set(69, 2, 0);
   shown.labels.Set(3, 1, 0);
   facts.appearance = shown;
+  facts.seams = render::SeamShift{120, 90, 0.031, 1.0 / 3.0, 0.7};
   return facts;
 }
 
@@ -72,6 +73,7 @@ TEST(FlightFacts, AreReadAgainExactly) {
   EXPECT_EQ(read.ground_report, facts.ground_report);
   EXPECT_EQ(read.ground_choice, facts.ground_choice);
   EXPECT_EQ(read.align_report, facts.align_report);
+  EXPECT_EQ(read.seams, facts.seams);
   ASSERT_TRUE(read.appearance);
   EXPECT_TRUE(read.appearance->is_gsd_asked);
   EXPECT_EQ(read.appearance->exposure.photos, facts.appearance->exposure.photos);

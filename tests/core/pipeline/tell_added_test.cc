@@ -1,15 +1,27 @@
-// What is said of a map that got photos: figures that count the new ones, and remarks that stand once.
+// What is said of a map that got photos: figures that count the new ones, remarks that stand once, and seams
+// no better than they were.
 #include "core/pipeline/placing/tell_added.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "core/flight/photos/photo_decoder.h"
+#include "core/flight/read_flight.h"
+#include "core/pipeline/build_mosaic.h"
+#include "core/pipeline/report/flight_facts.h"
+#include "core/simulate/simulate_flight.h"
 #include "tests/core/pipeline/judged_flight.h"
+#include "tests/support/facts_alone.h"
+#include "tests/support/memory_sink.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -130,6 +142,52 @@ TEST(TellGroups, SaysInItsPlaceHowTheWholeMapHangsTogether) {
   EXPECT_TRUE(warnings == (std::vector<Remark>{other, RemarkCode::kNoTies}));
   TellGroups(2, 20, warnings);
   EXPECT_TRUE(warnings == (std::vector<Remark>{other, groups(2)}));
+}
+
+TEST(SeamShift, OfAMapThatGotPhotosIsTheWorseOneThatWasMeasured) {
+  const render::SeamShift before{60, 40, 0.02, 0.03, 0.05}, worse{9, 6, 0.02, 0.4, 0.5},
+      better{9, 6, 0.02, 0.01, 0.02}, unknown{9, 4, 0.02, 0.4, 0.5};
+  EXPECT_EQ(render::WorseOf(before, worse), worse);
+  EXPECT_EQ(render::WorseOf(before, better), before);
+  EXPECT_EQ(render::WorseOf(before, unknown), before) << "too few beside the new photos";
+}
+
+Result<BuiltMosaic> Build(const std::filesystem::path& photos, pyramid::MapMemory& memory) {
+  MosaicOptions options;
+  options.method = AlignMethod::kImu;
+  test::MemorySink tiles;
+  SilentProgress progress;
+  return BuildMosaic(test::ValueOf(flight::ListInputFiles({photos})), options, flight::FilePhotoSource(),
+                     tiles, progress, nullptr, &memory);
+}
+
+TEST(BuildMosaic, StatesNoBetterSeamsOfAMapThatGotAPhoto) {
+  const test::TemporaryFolder folder;
+  simulate::SimulateOptions simulated;
+  simulated.trajectory.photos = 8;
+  simulated.intrinsics = camera::Intrinsics::Centered(400, 300, 320.0);
+  simulated.write_world = false;
+  SilentProgress progress;
+  ASSERT_TRUE(simulate::SimulateFlight(simulated, folder.path(), progress).ok());
+  const std::filesystem::path photos = folder / "photos", last = photos / "SIM_0008.JPG";
+  std::filesystem::rename(last, folder / "later.JPG");
+  test::FactsAlone memory;
+  const render::SeamShift measured = test::ValueOf(Build(photos, memory)).report.seam_shift;
+  FlightFacts known = test::ValueOf(ParseFacts(memory.Recall()));
+  EXPECT_EQ(known.seams, measured);
+
+  const render::SeamShift far_apart{60, 50, 0.2, 1000.0, 2000.0};
+  known.seams = far_apart;
+  ASSERT_TRUE(memory.Remember(WriteFacts(known)).ok());
+  std::filesystem::rename(folder / "later.JPG", last);
+  const BuiltMosaic grown = test::ValueOf(Build(photos, memory));
+  ASSERT_EQ(std::count_if(grown.report.warnings.begin(), grown.report.warnings.end(),
+                          [](const Remark& said) { return said.code == RemarkCode::kPhotosAdded; }),
+            1);
+  EXPECT_EQ(grown.report.seam_shift, far_apart);
+  EXPECT_EQ(test::ValueOf(ParseFacts(memory.Recall())).seams, far_apart) << "for the next photos";
+  // Made again all of them are measured.
+  EXPECT_LT(test::ValueOf(Build(photos, memory)).report.seam_shift.median_m, 1000.0);
 }
 
 }  // namespace
