@@ -50,7 +50,7 @@ MarkedPhotosFound FindMarkedPhotos(const std::vector<flight::Photo>& photos, con
     GcpSighting& mark = list.sightings[k];
     const NamedPhotos::Found& called = called_by_mark[k];
     if (called.photos.empty()) {
-      (called.is_open ? open : nobody).Add(PlainFileName(mark.image_name));
+      (called.is_open ? open : nobody).Add(mark.image_name);
       continue;
     }
     const std::size_t number = called.photos.front();
