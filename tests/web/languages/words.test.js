@@ -73,6 +73,11 @@ test('no sentence was left in English', async () => {
   }
 });
 
+test('German has one word for a check point, and another for a control point', () => {
+  const folder = join(web_root, 'src/languages/de');
+  assert.deepEqual(readdirSync(folder).filter((name) => /kontrollpunkt/i.test(readFileSync(join(folder, name), 'utf8'))), [], 'they are Prüfpunkte and Passpunkte');
+});
+
 test('the language is the one chosen, else the first of the browser that the page speaks, else English', () => {
   assert.equal(languageFor(null, ['de-AT', 'en']), 'de');
   assert.equal(languageFor(null, ['fr-CH', 'de-CH', 'en']), 'de');

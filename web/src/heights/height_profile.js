@@ -37,13 +37,7 @@ export function heightProfile(view) {
       return;
     }
     if (mark) mark.setLngLat([place.lon, place.lat]);
-    else {
-      mark = view.addMark(h('span', { class: 'height-mark' }), [place.lon, place.lat], 0, null);
-      mark.getElement().setAttribute('aria-hidden', 'true');
-      mark.getElement().removeAttribute('tabindex');
-      mark.getElement().removeAttribute('role');
-      mark.getElement().removeAttribute('aria-label');
-    }
+    else mark = view.addMark(h('span', { class: 'height-mark', 'aria-hidden': 'true' }), [place.lon, place.lat], 0, null);
   };
   const say = (/** @type {string} */ text) => put(element, h('p', { class: 'muted fine', id: 'heights-message' }, text));
   const asker = askAtRest(kRest_ms, (/** @type {GroundProfile|null} */ found, /** @type {unknown} */ error) => {

@@ -26,7 +26,8 @@ export function measureMarks(view, listener) {
 
   /** @param {number} index @param {LonLat} place */
   const addPoint = (index, place) => {
-    const element = h('button', { type: 'button', class: 'measure-point' });
+    const label = strings.measure.point(index + 1);
+    const element = h('button', { type: 'button', class: 'measure-point', 'aria-label': label, title: label });
     const mark = view.addMark(element, place, 0, (next) => {
       if (!is_dragged) listener.on_grab();
       is_dragged = true;
@@ -49,9 +50,6 @@ export function measureMarks(view, listener) {
       listener.on_move(index, next);
       listener.on_drop();
     });
-    // The library names its marks by itself.
-    element.setAttribute('aria-label', strings.measure.point(index + 1));
-    element.title = strings.measure.point(index + 1);
     points[index] = { element, mark };
   };
   const drawLabels = () => {

@@ -22,9 +22,8 @@ export function noteForm(stage, note, listener) {
   const is_point = !note || note.geometry.type === 'Point';
   const centre = () => /** @type {LonLat} */ (view?.map.getCenter().toArray() ?? [0, 0]);
   let place = /** @type {LonLat} */ (note?.geometry.type === 'Point' ? note.geometry.coordinates : centre());
-  const pin = h('div', { class: 'note-pin', role: 'img' });
+  const pin = h('div', { class: 'note-pin', role: 'img', 'aria-label': words.mark });
   const mark = is_point && view ? view.addMark(pin, place, 0, (next) => (place = next)) : null;
-  pin.setAttribute('aria-label', words.mark);  // the library names its marks by itself
   const moveTo = (/** @type {LonLat} */ next) => {
     place = next;
     mark?.setLngLat(next);

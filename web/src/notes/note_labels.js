@@ -37,11 +37,8 @@ export function noteLabels(view, notes, on_choose) {
     const { name, text } = note.properties;
     const label = text ? `${name}: ${text}` : name;
     const place = labelPlace(note);
-    const element = button(name, () => on_choose(note.id), { class: 'note-mark', 'data-note-mark': note.id });
+    const element = button(name, () => on_choose(note.id), { class: 'note-mark', 'data-note-mark': note.id, 'aria-label': label, title: label });
     const mark = view.addMark(element, place, kAbove_px, null);
-    // The library names its marks by itself.
-    element.setAttribute('aria-label', label);
-    element.title = label;
     return { element, mark, place, size: { width: element.offsetWidth + kGap_px, height: element.offsetHeight + kGap_px } };
   });
   const draw = () => {

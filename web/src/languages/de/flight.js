@@ -135,7 +135,6 @@ export const flight_words = {
     cursor: 'Zeiger',
     library: {
       'AttributionControl.ToggleAttribution': 'Quellenangaben ein- oder ausblenden',
-      'Marker.Title': 'Kartenmarkierung',
       'CooperativeGesturesHandler.WindowsHelpText': 'Zum Zoomen Strg gedrückt halten und scrollen',
       'CooperativeGesturesHandler.MacHelpText': 'Zum Zoomen ⌘ gedrückt halten und scrollen',
       'CooperativeGesturesHandler.MobileHelpText': 'Karte mit zwei Fingern verschieben',

@@ -136,7 +136,6 @@ export const flight_words = {
     // What the map library says by itself.
     library: {
       'AttributionControl.ToggleAttribution': 'Toggle attribution',
-      'Marker.Title': 'Map marker',
       'CooperativeGesturesHandler.WindowsHelpText': 'Use Ctrl + scroll to zoom the map',
       'CooperativeGesturesHandler.MacHelpText': 'Use ⌘ + scroll to zoom the map',
       'CooperativeGesturesHandler.MobileHelpText': 'Use two fingers to move the map',
