@@ -5,7 +5,7 @@ import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../web
 import { boundsOfData, OwnDataError, readOwnData } from '../../web/src/map/own_data.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { areaIn, lengthIn, usualUnits } from '../../web/src/shared/units.js';
-import { drag, kPhone, reloadMap, savedBy } from './support/browser.js';
+import { drag, kPhone, openPhotoCard, reloadMap, savedBy } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 
 await loadFlightStrings();
@@ -60,6 +60,20 @@ test('GeoJSON of every kind is read, and what is none is refused with what to do
     [{ type: 'FeatureCollection', crs: { properties: { name: 'urn:ogc:def:crs:EPSG::2056' } }, features: [] }, /WGS 84/], [{ type: 'MultiPoint', coordinates: Array.from({ length: 200_001 }, () => [7, 46]) }, /200,000 points/], [deep, /cannot be read/],
   ])) {
     assert.throws(() => read(value), (error) => error instanceof OwnDataError && says.test(error.message), JSON.stringify(value).slice(0, 80));
+  }
+});
+
+test('where the scale of a map is a guess the measurement says so', options, async () => {
+  for (const is_unplaced of [true, false]) {
+    const { page } = await setUpReady('Nowhere', { is_unplaced }, { locale: 'en-GB' });
+    await page.click('#tool-distance');
+    assert.equal(await page.locator('#measure-no-scale').isVisible(), is_unplaced);
+    if (!is_unplaced) continue;
+    assert.match(await page.innerText('#measure-no-scale'), /scale is a guess: do not measure/);
+    await assertAccessible(page, 'measuring without a scale');
+    await page.click('#tool-distance');
+    await openPhotoCard(page);
+    assert.match((await page.textContent('#photo-card')) ?? '', /Height above ground\s*unknown/);
   }
 });
 

@@ -14,7 +14,9 @@ import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, namesApart, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
 import { absoluteWords, accuracyMark, flightFacts, isScaleKnown, relativeWords, shortFacts, statusWords } from '../../web/src/flight/flight_words.js';
-import { isGuessed, resultWords } from '../../web/src/flight/result_verdict.js';
+import { recordFacts } from '../../web/src/flight/photo_card.js';
+import { hasScale, isGuessed, resultWords } from '../../web/src/flight/result_verdict.js';
+import { errorsOf, kUnknownErrorColour, photoColour } from '../../web/src/map/map_style.js';
 import { crossesItself } from '../../web/src/map/ring_crossing.js';
 import { hashWithPlace, placeOfHash } from '../../web/src/map/view_address.js';
 import { nearestIn, squareOf } from '../../web/src/upload/nearest_place.js';
@@ -153,6 +155,25 @@ test('the page says of a map what the server judged, in the list and in the repo
   assert.equal(isGuessed(report(turned, { is_placed: false })), true, 'one place tells no north');
   assert.match(resultWords(report(turned, { is_placed: false })).sentences.join(' '), /north is a guess.*The scale is known/);
   assert.match(resultWords(report({ status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }] }, { is_placed: false })).sentences.join(' '), /The scale is known/);
+});
+
+test('what the server does not know is said to be unknown, and is neither nothing nor the worst', () => {
+  const record = /** @type {any} */ ({ name: 'A.JPG', placement: 'aligned', camera_lon: 7, camera_lat: 46, error_radius_m: null, camera_height_above_ground_m: null, yaw_deg: null });
+  const said = Object.fromEntries(recordFacts(record, null));
+  assert.deepEqual([said['Position error'], said['Height above ground']], ['unknown', 'unknown']);
+  assert.ok(!Object.values(said).some((text) => /NaN|null|undefined/.test(text)), JSON.stringify(said));
+  assert.equal(Object.fromEntries(recordFacts({ ...record, error_radius_m: 2.3 }, null))['Position error'], '± 2.3\u00a0m');
+  const photos = (/** @type {(number|null|undefined)[]} */ ...radii) => /** @type {any} */ ({ features: radii.map((error_radius_m) => ({ properties: { error_radius_m } })) });
+  assert.deepEqual(errorsOf(null), { worst_m: null, lacks_some: false });
+  assert.deepEqual(errorsOf(photos(null, undefined)), { worst_m: null, lacks_some: true });
+  assert.deepEqual(errorsOf(photos(2, null, 3)), { worst_m: 3, lacks_some: true });
+  assert.deepEqual(errorsOf(photos(2, 3)), { worst_m: 3, lacks_some: false });
+  assert.equal(/** @type {any[]} */ (photoColour('error', 3)).at(-1), kUnknownErrorColour);
+  const unjudged = (/** @type {object} */ more) => hasScale(/** @type {any} */ ({ photos: { total: 9 }, ...more }));
+  assert.deepEqual([unjudged({}), unjudged({ is_placed: false, alignment: { placed_by: 'records' } }), unjudged({ is_placed: false, alignment: { placed_by: 'images' } })], [true, true, false]);
+  const listed = (/** @type {boolean} */ georeferenced) => shortFacts(/** @type {any} */ ({ id: 'f', photos: { total: 9 }, created_at: '2026-01-02T03:04:05Z', bytes: 2e6, gsd_m: 0.0173, georeferenced, quality: null })).join(' ');
+  assert.match(listed(true), /1\.73\scm\/px/);
+  assert.doesNotMatch(listed(false), /px/);
 });
 
 // tests/core/pipeline/map_quality_test.cc holds the other programs' words to the same file.

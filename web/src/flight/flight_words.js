@@ -44,7 +44,9 @@ export function flightFacts(flight) {
 /** The same in a row of the list, where there is room for what tells flights apart. @param {Flight} flight @returns {string[]} lines */
 export function shortFacts(flight) {
   const day = takenDay(flight) || uploadedWords(flight);
-  const gsd = flight.gsd_m && isScaleKnown(flight.quality) ? formatGsd(flight.gsd_m) : '';
+  // Of a map that lies nowhere and that nothing judged its scale may be a guess.
+  const is_scale_known = flight.quality ? isScaleKnown(flight.quality) : flight.georeferenced !== false;
+  const gsd = flight.gsd_m && is_scale_known ? formatGsd(flight.gsd_m) : '';
   return [day, dotted(photosOf(flight), gsd || (flight.bytes > 0 && formatBytes(flight.bytes)), accuracyMark(flight.quality))];
 }
 

@@ -15,7 +15,7 @@ import { strings } from '../shared/flight_strings.js';
  * @param {number|null} off_vertical_deg
  * @returns {[string, string][]}
  */
-function facts(record, off_vertical_deg) {
+export function recordFacts(record, off_vertical_deg) {
   const words = strings.photo;
   const known = (/** @type {unknown} */ value) => typeof value === 'number' && Number.isFinite(value);
   const angle = (/** @type {number|null|undefined} */ value) => (known(value) ? `${fixed(Number(value), 1)}°` : '–');
@@ -23,11 +23,11 @@ function facts(record, off_vertical_deg) {
   const rows = [[words.placement, strings.placement[record.placement] ?? record.placement]];
   const reason = inOneLine(record.remarks, record.reason);
   if (reason) rows.push([words.reason, reason]);
-  if (known(record.error_radius_m)) rows.push([words.error, `± ${formatError(Number(record.error_radius_m))}`]);
+  rows.push([words.error, known(record.error_radius_m) ? `± ${formatError(Number(record.error_radius_m))}` : words.unknown]);
   if (off_vertical_deg !== null) rows.push([words.view, words.off_vertical(off_vertical_deg)]);
   if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at, { with_time: true }) || record.captured_at]);
   rows.push([words.position, formatCoordinates(record.camera_lon, record.camera_lat, 'decimal')]);
-  if (known(record.camera_height_above_ground_m)) rows.push([words.height, formatLength(Number(record.camera_height_above_ground_m))]);
+  rows.push([words.height, known(record.camera_height_above_ground_m) ? formatLength(Number(record.camera_height_above_ground_m)) : words.unknown]);
   if (known(record.yaw_deg)) rows.push([words.angles, [record.yaw_deg, record.pitch_deg, record.roll_deg].map(angle).join(words.between_angles)]);
   return rows;
 }
@@ -74,7 +74,7 @@ export function photoCard(listener) {
         h('h2', { class: 'card-title' }, h('span', { class: `dot dot-${record.placement}` }), record.name),
         iconButton('close', strings.page.close, close),
       ),
-      h('dl', { class: 'record' }, ...facts(record, off_vertical_deg).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
+      h('dl', { class: 'record' }, ...recordFacts(record, off_vertical_deg).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
       button(pixel ? words.open_here : words.open, () => openPhotos(photos, shown, (index) => { shown = index; draw(); }), { picture: 'photo', id: 'photo-open' }),
       photos.length > 1 && h('div', { class: 'row between pager' }, back, h('span', { class: 'muted' }, words.of(shown + 1, photos.length)), next),
     );

@@ -9,8 +9,8 @@ import { number } from '../shared/language.js';
 import { saidOf, whyLeftOut } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, units_chosen } from '../shared/units.js';
-import { absoluteWords, isScaleKnown, relativeWords } from './flight_words.js';
-import { resultView } from './result_verdict.js';
+import { absoluteWords, relativeWords } from './flight_words.js';
+import { hasScale, resultView } from './result_verdict.js';
 import { glanceAtPhoto } from '../upload/exif_reader.js';
 import { lastOptions, optionWords } from './options_dialog.js';
 import { reasonList } from '../upload/upload_view.js';
@@ -97,7 +97,7 @@ export function reportView(flight, report, photos, change) {
   const said = saidOf(report);
   const of_flight = said.filter(({ photo }) => photo === null);
   const of_photos = said.filter(({ photo }) => photo !== null);  // for who looks for it
-  const is_scale_known = isScaleKnown(report.quality);
+  const is_scale_known = hasScale(report);
   const placed = report.photos.aligned + report.photos.pose_only;
   return h(
     'section',

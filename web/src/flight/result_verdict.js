@@ -13,6 +13,9 @@ export function isGuessed(report) {
   return !isScaleKnown(report.quality) || report.quality.limits.some(({ kind }) => kind === 'north_guessed');
 }
 
+/** Do its lengths, areas and resolution mean something? @param {Report} report */
+export const hasScale = (report) => (report.quality ? isScaleKnown(report.quality) : !isGuessed(report));
+
 /**
  * @param {Report} report
  * @returns {{grade: Grade, title: string, sentences: string[]}}
@@ -20,7 +23,7 @@ export function isGuessed(report) {
 export function resultWords(report) {
   const words = strings.report.verdict;
   const sentences = (report.quality?.limits ?? []).map(limitWords);
-  if (report.is_placed === false && (report.quality ? isScaleKnown(report.quality) : !isGuessed(report))) sentences.push(words.unplaced_measured);
+  if (report.is_placed === false && hasScale(report)) sentences.push(words.unplaced_measured);
   if (!report.quality && report.photos.total > 0) sentences.push(words.unjudged);
   if (sentences.length === 0) sentences.push(words.good(report.photos.total));
   return { grade: gradeOf(report.quality), title: statusWords(report.quality), sentences };

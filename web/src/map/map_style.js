@@ -6,6 +6,7 @@
 const kAlignedColour = '#1f77d0';
 const kPoseOnlyColour = '#f28e1c';
 const kErrorColours = ['#2b83ba', '#ffd34d', '#d7301f'];
+export const kUnknownErrorColour = '#8a8f94';
 
 /** @typedef {'placement'|'error'} ColourBy */
 
@@ -29,19 +30,33 @@ export function emptyStyle() {
 }
 
 /**
+ * How far off photos may lie, as far as that is known.
+ * @param {PhotoCollection|null} photos
+ * @returns {{worst_m: number|null, lacks_some: boolean}} worst_m: null where it is known of none; lacks_some: it is not known of all
+ */
+export function errorsOf(photos) {
+  const records = (photos?.features ?? []).map(({ properties }) => properties);
+  const known_m = records.flatMap(({ error_radius_m }) => (typeof error_radius_m === 'number' ? [error_radius_m] : []));
+  return { worst_m: known_m.length > 0 ? Math.max(...known_m) : null, lacks_some: known_m.length < records.length };
+}
+
+/**
  * @param {ColourBy} by
- * @param {number} worst_error_m
+ * @param {number|null} worst_error_m null: none is known
  * @returns {ExpressionSpecification}
  */
 export function photoColour(by, worst_error_m) {
   if (by === 'placement') return ['match', ['get', 'placement'], 'aligned', kAlignedColour, kPoseOnlyColour];
-  const top = Math.max(worst_error_m, 1e-3);
-  return [
+  const top = Math.max(worst_error_m ?? 0, 1e-3);
+  /** @type {ExpressionSpecification} */
+  const by_error = [
     'interpolate',
     ['linear'],
     ['coalesce', ['get', 'error_radius_m'], top],
     ...kErrorColours.flatMap((colour, i) => [(top * i) / (kErrorColours.length - 1), colour]),
   ];
+  const is_known = /** @type {any} */ (['==', ['typeof', ['get', 'error_radius_m']], 'number']);
+  return ['case', is_known, by_error, kUnknownErrorColour];
 }
 
 /** @type {ExpressionSpecification} */

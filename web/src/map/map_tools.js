@@ -13,6 +13,7 @@ import { checkRow, h, onEscape, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
 import { compassNeedle, toolButton } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
+import { kUnknownErrorColour } from './map_style.js';
 import { ownDataView } from './own_data_view.js';
 import { fixed } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
@@ -113,10 +114,14 @@ function layersCard(view, download) {
       const entry = (/** @type {'aligned'|'pose_only'} */ kind) => h('li', {}, h('span', { class: `dot dot-${kind}` }), strings.placement[kind]);
       put(legend, h('ul', { class: 'legend' }, entry('aligned'), entry('pose_only')));
     } else {
+      const { worst_m, lacks_some } = view.errors;
+      const unknown = h('span', { class: 'dot' });
+      unknown.style.background = kUnknownErrorColour;
       put(
         legend,
-        h('div', { class: 'error-ramp', 'aria-hidden': 'true' }),
-        h('div', { class: 'row between muted' }, h('span', {}, '0 m'), h('span', {}, formatLength(view.worstError()))),
+        worst_m !== null && h('div', { class: 'error-ramp', 'aria-hidden': 'true' }),
+        worst_m !== null && h('div', { class: 'row between muted' }, h('span', {}, '0 m'), h('span', {}, formatLength(worst_m))),
+        lacks_some && h('ul', { class: 'legend', id: 'error-unknown' }, h('li', {}, unknown, strings.photo.unknown)),
       );
     }
   };

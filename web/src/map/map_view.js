@@ -9,7 +9,7 @@ import { authorization } from '../shared/token.js';
 import { asMarkup, basemapParts, chosenBasemap } from './basemap.js';
 import { isInside } from './geodesy.js';
 import { kOverlay, overlayOpacity, overlayParts } from './map_layers.js';
-import { cameraPoints, emptyStyle, flightPath, groundColour, height_layers, lineOpacity, ownDataLayers, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
+import { cameraPoints, emptyStyle, errorsOf, flightPath, groundColour, height_layers, lineOpacity, ownDataLayers, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
 import { outlineOf } from './outlines.js';
 import { placeMark } from './place_mark.js';
 import { kMaxZoom } from '../first_view/poster_place.js';
@@ -257,7 +257,7 @@ export class MapView {
     this.map.addSource('photos', { type: 'geojson', data: /** @type {any} */ (photos), promoteId: 'name' });
     this.map.addSource('cameras', { type: 'geojson', data: cameraPoints(photos), promoteId: 'name' });
     this.map.addSource('flight-path', { type: 'geojson', data: flightPath(photos) });
-    for (const layer of photoLayers(photoColour(this.colour_by, this.worstError()))) this.map.addLayer(layer);
+    for (const layer of photoLayers(photoColour(this.colour_by, this.errors.worst_m))) this.map.addLayer(layer);
     this.setFootprints(this.shows_footprints);
     this.setPath(this.shows_path);
   }
@@ -304,9 +304,9 @@ export class MapView {
     if (this.map.getSource(source)) this.map.removeSource(source);
   }
 
-  /** @returns {number} metres */
-  worstError() {
-    return Math.max(0, ...(this.photos?.features ?? []).map(({ properties }) => properties.error_radius_m ?? 0));
+  /** How far off its photos may lie. */
+  get errors() {
+    return errorsOf(this.photos);
   }
 
   /**
@@ -359,7 +359,7 @@ export class MapView {
   setColourBy(by) {
     this.colour_by = by;
     if (!this.map.getLayer('cameras')) return;
-    const colour = photoColour(by, this.worstError());
+    const colour = photoColour(by, this.errors.worst_m);
     this.map.setPaintProperty('photos-fill', 'fill-color', colour);
     this.map.setPaintProperty('photos-line', 'line-color', colour);
     this.map.setPaintProperty('cameras', 'circle-color', colour);

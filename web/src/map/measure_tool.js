@@ -8,6 +8,7 @@
 import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
 import { showDownloads } from '../flight/flight_actions.js';
+import { isScaleKnown } from '../flight/flight_words.js';
 import { geodesicLength } from './geodesy.js';
 import { button, iconButton } from '../shared/icons.js';
 import { heightProfile } from '../heights/height_profile.js';
@@ -65,6 +66,7 @@ export function measureTool(view, listener) {
   const title = h('h2', { class: 'card-title' });
   const result = h('output', { class: 'measure-result', id: 'measure-result' });
   const more = h('p', { class: 'muted' });
+  const no_scale = h('p', { class: 'fine amber', id: 'measure-no-scale', hidden: true }, strings.quality.limits.scale_guessed());
   const unit_choice = h(
     'select',
     { class: 'field units', id: 'units', 'aria-label': words.units, on: { change: () => setUnits(/** @type {Units} */ (unit_choice.value)) } },
@@ -92,6 +94,7 @@ export function measureTool(view, listener) {
         iconButton('close', words.close, () => end())),
     ),
     result,
+    no_scale,
     more,
     h('div', { class: 'row' }, button(words.add, () => add(view.map.getCenter().toArray())), undo_button, button(words.clear, () => change([]))),
     saving,
@@ -252,6 +255,7 @@ export function measureTool(view, listener) {
     /** @param {import('../shared/types.js').Flight|null} next null: a preview */
     ofFlight(next) {
       flight = next;
+      no_scale.hidden = isScaleKnown(next?.quality);
       heights.of(next);
     },
     /** @param {MeasureKind} next */

@@ -17,6 +17,7 @@ import { placeTool } from './place_tool.js';
 import { kStagePadding } from '../first_view/poster_place.js';
 import { dropPoster, uncoverMap } from '../first_view/poster.js';
 import { showDownloads } from '../flight/flight_actions.js';
+import { isScaleKnown } from '../flight/flight_words.js';
 import { photoCard } from '../flight/photo_card.js';
 import { byQuality } from './sighting_order.js';
 import { strings } from '../shared/flight_strings.js';
@@ -188,10 +189,11 @@ export class Stage {
     const records = sightings ? view.recordsOf([...seen.keys()]) : view.photosAt(place);
     const camera = point ? view.cameraAt(point) : null;
     const ordered = camera ? [camera, ...records.filter((record) => record !== camera)] : records;
+    const no_scale = isScaleKnown(flight.quality) ? {} : { camera_height_above_ground_m: null };
     this.#parts?.card.show(
       ordered.map((record) => {
         const sighting = seen.get(record.name);
-        return { record, url: photoPath(flight.id, record.name), pixel: sighting ? { x: sighting.x, y: sighting.y } : null, off_vertical_deg: sighting?.off_nadir_deg ?? null };
+        return { record: { ...record, ...no_scale }, url: photoPath(flight.id, record.name), pixel: sighting ? { x: sighting.x, y: sighting.y } : null, off_vertical_deg: sighting?.off_nadir_deg ?? null };
       }),
     );
     return ordered.length;

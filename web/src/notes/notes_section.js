@@ -3,6 +3,7 @@
 /** @import { Flight } from '../shared/types.js' */
 /** @import { Stage } from '../map/stage.js' */
 /** @import { Note } from './note_shape.js' */
+import { isScaleKnown } from '../flight/flight_words.js';
 import { announce, showNote } from '../shared/announce.js';
 import { messageOf } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
@@ -17,9 +18,10 @@ import { boundsOfNote, geometryOf, measurementOfNote, noteOf } from './note_shap
 const kStale_ms = 20_000;
 const kIcons = /** @type {const} */ ({ Point: 'pencil', LineString: 'ruler', Polygon: 'area' });
 
-/** What was measured, in words; '' of a point. @param {Note} note */
-function figure(note) {
+/** What was measured, in words; '' of a point. @param {Note} note @param {boolean} is_scale_known */
+function figure(note, is_scale_known) {
   if (note.geometry.type === 'Point') return '';
+  if (!is_scale_known) return strings.photo.unknown;
   const { length_m, area_m2 } = measurementOfNote(note);
   return area_m2 === null ? lengthIn(length_m, chosenUnits()) : areaIn(area_m2, chosenUnits());
 }
@@ -88,7 +90,7 @@ export function notesSection(flight, stage, may_change) {
       { 'data-note': note.id },
       icon(kIcons[note.geometry.type]),
       button(name, () => stage.showBounds(boundsOfNote(note)), { class: 'text-button note-show', title: words.show(name) }),
-      h('span', { class: 'muted note-figure' }, figure(note)),
+      h('span', { class: 'muted note-figure' }, figure(note, isScaleKnown(flight.quality))),
       may_change && iconButton('pencil', words.edit(name), () => openForm(note), '', 'icon-button note-edit'),
       may_change && iconButton('trash', words.remove(name), () => remove(note), '', 'icon-button note-remove'),
       text && h('p', { class: 'note-words' }, text),

@@ -198,6 +198,7 @@ export const flight_words = {
     height: 'Höhe über Grund',
     angles: 'Gier, Nick, Roll',
     between_angles: ' / ',
+    unknown: 'unbekannt',
     captured: 'Aufgenommen',
     none: 'Keine Fotos an dieser Stelle.',
     open_here: 'Foto an dieser Stelle öffnen',

@@ -199,6 +199,7 @@ export const flight_words = {
     height: 'Height above ground',
     angles: 'Yaw, pitch, roll',
     between_angles: ', ',
+    unknown: 'unknown',
     captured: 'Captured',
     none: 'No photos at this location.',
     open_here: 'Open photo at this location',
