@@ -2,8 +2,8 @@
 // flight, and flights that are to be kept.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { kPhone, mapIdle, openMap, until } from './support/browser.js';
-import { assertAccessible, openReady, options, usePages } from './support/pages.js';
+import { holdAnswer, kPhone, mapIdle, openMap, twoFrames, until } from './support/browser.js';
+import { allAsked, assertAccessible, openReady, options, usePages } from './support/pages.js';
 import { hasTags, tagCounts } from '../../web/src/home/flight_list.js';
 import { typedTags } from '../../web/src/flight/flight_tags.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
@@ -52,6 +52,24 @@ test('a click that begins before a flight changes in the list and ends after it 
   await page.mouse.up();
   await mapIdle(page);
   assert.equal(await page.textContent('#flight-title'), 'After');
+});
+
+test('a flight that is gone does not come back with an answer from before', options, async () => {
+  const { page, mock } = await setUp();
+  const flight = mock.seedReady('Meadow');
+  await page.reload();
+  await page.waitForSelector('.flights li');
+  const look = () => page.evaluate(() => document.dispatchEvent(new Event('visibilitychange')));
+  const { isHeld, release } = await holdAnswer(page, '**/api/v1/flights?*');
+  await look();
+  await until(isHeld);
+  mock.flights.delete(flight.id);
+  await look();
+  await page.waitForSelector('.flights li', { state: 'detached' });
+  release();
+  await allAsked(page);
+  await twoFrames(page);
+  assert.equal(await page.locator('.flights li').count(), 0);
 });
 
 test('a flight is renamed by keyboard', options, async () => {

@@ -1,8 +1,8 @@
 // The tools of the map on the page, in Chromium against the mock server.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { addCentres, drag, mapIdle, openMap, reloadMap, savedBy, screenshotPixels } from './support/browser.js';
-import { assertAccessible, options, usePages } from './support/pages.js';
+import { addCentres, drag, holdAnswer, mapIdle, openMap, reloadMap, savedBy, screenshotPixels, twoFrames, until } from './support/browser.js';
+import { allAsked, assertAccessible, options, usePages } from './support/pages.js';
 
 const { setUp, setUpFlight, setUpReady } = usePages();
 
@@ -42,6 +42,80 @@ test('an area after a distance starts anew, and an outline that crosses itself h
   await assertAccessible(page, 'crossing outline');
   await page.click('#tool-distance');
   assert.equal(await points(), 0);
+});
+
+/** What a page was told last has been drawn. @param {any} page */
+async function allDrawn(page) {
+  await allAsked(page);
+  await twoFrames(page);
+}
+
+test('a layer that fails late changes nothing of the one that was chosen after it', options, async () => {
+  const { page, mock, flight } = await setUpFlight('Meadow', {}, { locale: 'en-GB', errors: /status of 500/ });
+  const layers = ['photo', 'error'].map((id) => ({ id, tilejson: `/tiles/${flight.id}/layers/${id}.json`, legends: `/api/v1/flights/${flight.id}/layers.json?of=${id}` }));
+  await page.route(`**/tiles/${flight.id}.json`, async (route) => {
+    const tilejson = await (await route.fetch()).json();
+    await route.fulfill({ json: { ...tilejson, layers } });
+  });
+  await page.route(/\/layers\/\w+\.json/, (route) => route.fulfill({ json: { tilejson: '3.0.0', tiles: [`${mock.url}basemap.png?{z}/{x}/{y}`], minzoom: 14, maxzoom: 21, bounds: [7, 46, 8, 47] } }));
+  const stops = [{ error_radius_m: 0, colour: '#2b83ba' }, { error_radius_m: 5, colour: '#d7301f' }];
+  await page.route(/layers\.json\?of=error/, (route) => route.fulfill({ json: { error: { stops } } }));
+  /** @type {() => void} */
+  let fail = () => {};
+  const gate = new Promise((resolve) => { fail = () => resolve(undefined); });
+  await page.route(/layers\.json\?of=photo/, async (route) => {
+    await gate;
+    await route.fulfill({ status: 500, contentType: 'application/problem+json', json: { title: 'Broken', status: 500, detail: 'No legend.' } });
+  });
+  await openMap(page, `${mock.url}#/flights/${flight.id}`);
+  await page.click('#tool-layers');
+  const asked = page.waitForRequest(/layers\.json\?of=photo/);
+  await page.selectOption('#overlay', 'photo');
+  await asked;
+  await page.selectOption('#overlay', 'error');
+  await page.waitForSelector('.map-legend .layer-ramp');
+  const refused = page.waitForResponse(/layers\.json\?of=photo/);
+  fail();
+  await (await refused).finished();
+  await allDrawn(page);
+  assert.equal(await page.inputValue('#overlay'), 'error');
+  assert.equal(await page.locator('.note-error').count(), 0, 'nobody waits for it');
+});
+
+test('a comparison that is left before it is there does not begin', options, async () => {
+  const { page, mock } = await setUp();
+  const [left, right] = [mock.seedReady('Before'), mock.seedReady('After')];
+  await openMap(page, `${mock.url}#/flights/${left.id}`);
+  const { isHeld, release } = await holdAnswer(page, `**/tiles/${right.id}.json`);
+  const go = (/** @type {string} */ hash) => page.evaluate((to) => { location.hash = to; }, hash);
+  await go(`#/flights/${left.id}/compare/${right.id}`);
+  await until(isHeld);
+  await go(`#/flights/${left.id}`);
+  release();
+  await allDrawn(page);
+  assert.equal(await page.locator('#map-above, #compare-bar').count(), 0);
+});
+
+test('photos that were asked for do not come over what was begun meanwhile, and are not called none', options, async () => {
+  const { page, flight } = await setUpReady('Meadow');
+  const first = await holdAnswer(page, `**/flights/${flight.id}/at?*`);
+  await page.locator('#map canvas').focus();
+  await page.keyboard.press('Enter');
+  await until(first.isHeld);
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('#photo-card:not([hidden])');
+  first.release();
+  await allDrawn(page);
+  assert.equal(await page.locator('.note').count(), 0);
+  await page.keyboard.press('Escape');
+  const second = await holdAnswer(page, `**/flights/${flight.id}/at?*`);
+  await page.locator('#map canvas').focus();
+  await page.keyboard.press('Enter');
+  await until(second.isHeld);
+  await page.click('#tool-distance');
+  second.release();
+  await allDrawn(page);
+  assert.ok(await page.locator('#photo-card').isHidden());
 });
 
 test('settings for other programs are saved and the download sizes are told', options, async () => {

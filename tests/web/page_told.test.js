@@ -2,8 +2,8 @@
 // taken, and what may be done with it.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle, openMap, savedBy } from './support/browser.js';
-import { assertAccessible, options, usePages } from './support/pages.js';
+import { holdAnswer, mapIdle, openMap, savedBy, twoFrames, until } from './support/browser.js';
+import { allAsked, assertAccessible, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
 const { setUp, setUpFlight, setUpReady } = usePages();
@@ -62,6 +62,35 @@ test('of a map that was made before anything judged it, nothing is claimed', opt
   await page.waitForSelector('#report .facts');
   assert.match(await page.innerText('#result-verdict'), /^Accuracy not known\. This map was made before accuracy was judged\./);
   assert.doesNotMatch((await page.textContent('#report'))?.replace((await page.textContent('#result-verdict')) ?? '', '') ?? '', /aligned\.|accuracy/);
+});
+
+test('of two answers about a flight the one that was asked for later counts', options, async () => {
+  const { page, mock } = await setUp();
+  const flight = mock.addFlight('Before');
+  /** @type {(() => void)[]} */
+  const tell = [];
+  const events = [0, 1].map(() => new Promise((resolve) => tell.push(() => resolve(undefined))));
+  await page.route('**/api/v1/events?*', async (route) => {
+    const event = events.shift();
+    if (!event) {
+      await route.fallback();
+      return;
+    }
+    await event;
+    await route.fulfill({ contentType: 'text/event-stream', body: 'retry: 50\nevent: map\ndata: {}\n\n' });
+  });
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForSelector('#waiting');
+  const { isHeld, release } = await holdAnswer(page, `**/api/v1/flights/${flight.id}`);
+  tell[0]();
+  await until(isHeld);
+  flight.name = 'After';
+  tell[1]();
+  await page.waitForSelector('#flight-title:has-text("After")');
+  release();
+  await allAsked(page);
+  await twoFrames(page);
+  assert.equal(await page.textContent('#flight-title'), 'After');
 });
 
 test('flights show when they were flown, by the clock of the place', options, async () => {

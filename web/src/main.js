@@ -278,10 +278,14 @@ async function openFlight(route) {
     if (view.flight) announce(view.flight.name);
     if (had_focus) document.getElementById('flight-title')?.focus({ preventScroll: true });
   }
-  if (route.view !== 'compare' || !open_view.flight) return;
+  const left = open_view.flight;
+  if (route.view !== 'compare' || !left || turn !== open_turn) return;
   try {
-    await stage.compare(open_view.flight, await getFlight(route.other));
+    const right = await getFlight(route.other);
+    if (turn !== open_turn) return;  // somebody has gone on
+    await stage.compare(left, right);
   } catch (error) {
+    if (turn !== open_turn) return;
     showError(error);
     go({ view: 'flight', id: route.id });
   }
@@ -289,8 +293,10 @@ async function openFlight(route) {
 
 /** @type {ReturnType<typeof import('./home/trash_list.js').trashList>|null} */
 let trash = null;
+let trash_turn = 0;
 /** The trash lies below the list: asked for when one gets there. It fails alone. */
 async function refreshTrash() {
+  const turn = (trash_turn += 1);
   try {
     const { flights } = await getTrash();
     if (!trash) {
@@ -301,10 +307,10 @@ async function refreshTrash() {
       });
       list_end.append(trash.element);
     }
-    trash.update(flights);
+    if (turn === trash_turn) trash.update(flights);
   } catch (error) {
     console.debug('no trash', error);
-    trash?.update([]);
+    if (turn === trash_turn) trash?.update([]);
   }
 }
 const isAtEnd = () => list_end.isConnected && list_end.getBoundingClientRect().top < innerHeight;
@@ -314,12 +320,15 @@ addEventListener('scroll', () => {
 
 let has_list = false;
 let list_timer = 0;
+let list_turn = 0;
 /** Loads the list, and again soon while something is happening to a flight. */
 async function refreshList() {
   clearTimeout(list_timer);
+  const turn = (list_turn += 1);
   let delay_ms = 30_000;
   try {
     const flights = await listFlights();
+    if (turn !== list_turn) return;  // what was asked for later tells what is so now
     drop_bar.hidden = flights.length === 0;
     list.update(flights);
     showLargePart(flights);
@@ -328,6 +337,7 @@ async function refreshList() {
     if (trash || isAtEnd()) void refreshTrash();
     if (flights.some(({ state, id }) => state === 'queued' || state === 'processing' || uploadOf(id))) delay_ms = 2000;
   } catch (error) {
+    if (turn !== list_turn) return;
     list.update(null, `${strings.errors.list} ${messageOf(error)}`);
     delay_ms = 5000;
   }

@@ -2,8 +2,8 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { calibrationOf, indexTiles, parseRange, roundTo } from '../../../web/src/indices/index_query.js';
-import { mapIdle, openMap, screenshotPixels } from '../support/browser.js';
-import { assertAccessible, options, usePages } from '../support/pages.js';
+import { holdRequests, mapIdle, openMap, screenshotPixels, twoFrames } from '../support/browser.js';
+import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUp, setUpFlight } = usePages();
 
@@ -121,6 +121,25 @@ test('a formula of one\'s own is shown, and where it cannot be read the page say
   assert.match((await page.textContent('#index-fault')) ?? '', /character 7/);
   await page.fill('#index-expression', 'green+blue');
   await page.waitForSelector('#index-fault', { state: 'hidden' });
+});
+
+test('what was asked about one map is not laid over the next', options, async () => {
+  const { page, mock } = await openIndices();
+  const other = mock.seedReady('Brook');
+  await page.route(`**/tiles/${other.id}.json`, async (route) => {
+    const { bands, indices, ...tilejson } = await (await route.fetch()).json();
+    await route.fulfill({ json: tilejson });
+  });
+  const release = await holdRequests(page, '**/statistics?*');
+  await Promise.all([page.waitForRequest('**/statistics?*'), page.selectOption('#index', 'own')]);
+  await page.goto(`${mock.url}#/flights/${other.id}`);
+  await page.waitForFunction((id) => Object.values(/** @type {any} */ (window).skyquilt.map.getStyle().sources).some((/** @type {any} */ { tiles }) => tiles?.[0].includes(id)), other.id);
+  const answered = page.waitForResponse('**/statistics?*');
+  release();
+  await (await answered).finished();
+  await allAsked(page);
+  await twoFrames(page);
+  assert.equal(await page.evaluate(() => Boolean(/** @type {any} */ (window).skyquilt.map.getLayer('index'))), false);
 });
 
 test('the card fits a phone in German', options, async () => {

@@ -4,13 +4,15 @@ import { test } from 'node:test';
 import { exportWords, wishOf } from '../../../web/src/flight/export_view.js';
 import { outlineOf } from '../../../web/src/map/outlines.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
-import { kPhone } from '../support/browser.js';
-import { assertAccessible, options, usePages } from '../support/pages.js';
+import { holdAnswer, kPhone, twoFrames, until } from '../support/browser.js';
+import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
 
 const { setUpReady } = usePages();
 const ring = [[7.438, 46.951], [7.439, 46.951], [7.439, 46.952], [7.438, 46.951]];
+/** An export that is being made for as long as a case takes. */
+const kLong = { id: 'e1', format: 'geotiff' };
 const feature = (/** @type {any} */ geometry) => ({ type: 'Feature', properties: {}, geometry });
 
 test('what the form says is what the server is asked for', () => {
@@ -71,6 +73,22 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
     await page.waitForSelector('#download-dialog', { state: 'detached' });
   });
 }
+
+test('an export that is deleted does not come back with an answer from before', options, async () => {
+  const { page, flight } = await setUpReady('Meadow');
+  flight.exports = [{ ...kLong, at: Date.now() + 60_000 }];
+  await page.click('#flight-download');
+  await page.click('#export-open');
+  await page.waitForSelector('#exports li progress');
+  const { isHeld, release } = await holdAnswer(page, `**/flights/${flight.id}/exports`);
+  await until(isHeld);
+  await page.click('#exports li button');
+  await page.waitForSelector('#exports li', { state: 'detached' });
+  release();
+  await allAsked(page);
+  await twoFrames(page);
+  assert.equal(await page.locator('#exports li').count(), 0);
+});
 
 test('the first download is what one measures in', options, async () => {
   const { page, flight } = await setUpReady('Meadow');

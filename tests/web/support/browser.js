@@ -106,6 +106,27 @@ export async function holdRequests(page, addresses, first = 0) {
   return release;
 }
 
+/** The next answer to what a page asks there is the one of now, and comes when it is released. @param {any} page @param {string|RegExp} addresses */
+export async function holdAnswer(page, addresses) {
+  /** @type {() => void} */
+  let release = () => {};
+  const gate = new Promise((resolve) => { release = () => resolve(undefined); });
+  let is_taken = false;
+  let is_held = false;
+  await page.route(addresses, async (/** @type {any} */ route) => {
+    if (is_taken || route.request().method() !== 'GET') {
+      await route.fallback();
+      return;
+    }
+    is_taken = true;
+    const json = await (await route.fetch()).json();
+    is_held = true;
+    await gate;
+    await route.fulfill({ json }).catch(() => {});  // the page may be gone by then
+  });
+  return { isHeld: () => is_held, release };
+}
+
 /** @param {any} page @param {number[]} from @param {number[]} to in px of the window @param {'left'|'right'} [button] */
 export async function drag(page, from, to, button = 'left') {
   await page.mouse.move(...from);

@@ -58,6 +58,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   let is_closed = false;
   let is_starting = false;
   let map_turn = 0;
+  let mark_turn = 0;
 
   const usable = () => control.points.filter(({ marks }) => marks.length >= kMinMarks).length;
   const needed = is_placed ? kMinPoints.placed : kMinPoints.nowhere;
@@ -114,9 +115,10 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   const mark = async (/** @type {string} */ name) => {
     const point = control.point(name);
     if (!point) return;
+    const turn = (mark_turn += 1);
     try {
       const seen = await places.photosOf(point, control.points);
-      if (is_closed) return;
+      if (turn !== mark_turn || is_closed) return;
       if (seen.length === 0) {
         showNote(words.unseen(name));
         return;
@@ -129,7 +131,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
         on_close: () => /** @type {HTMLElement|null} */ (body.querySelector(`[aria-label="${CSS.escape(words.mark_point(name))}"]`))?.focus(),
       });
     } catch (error) {
-      showError(error);
+      if (turn === mark_turn && !is_closed) showError(error);
     }
   };
   const start = async () => {

@@ -134,26 +134,29 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
   };
 
   let timer = 0;
-  const refresh = async () => {
-    clearTimeout(timer);
-    const exports = await listExports(flight.id);
-    if (signal.aborted) return;
+  const draw = (/** @type {MapExport[]} */ exports) => {
     const kept = new Set(exports.map(({ id }) => id));
     for (const id of rows.keys()) if (!kept.has(id)) rows.delete(id);
     arrange(list, exports.map(drawRow));
     heading.hidden = exports.length === 0;
-    clearTimeout(timer);
-    if (!exports.every(isOver)) timer = window.setTimeout(() => void watch(), kAgain_ms);
   };
   // A server that is away for a moment goes on with what it was asked for.
   let is_away = false;
+  let turn = 0;
   const watch = async () => {
+    clearTimeout(timer);
+    const own_turn = (turn += 1);
+    // Gone, or asked again meanwhile: what was removed since then would be back.
+    const isStale = () => signal.aborted || own_turn !== turn;
     try {
-      await refresh();
+      const exports = await listExports(flight.id);
+      if (isStale()) return;
+      draw(exports);
       if (is_away) refuse('');
       is_away = false;
+      if (!exports.every(isOver)) timer = window.setTimeout(() => void watch(), kAgain_ms);
     } catch (error) {
-      if (signal.aborted) return;
+      if (isStale()) return;
       is_away = true;
       failed(error);
       timer = window.setTimeout(() => void watch(), kAgainWhenAway_ms);

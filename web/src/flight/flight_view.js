@@ -55,6 +55,7 @@ export class FlightView {
   /** @type {(() => void)[]} */
   #closers = [];
   #shown_revision = '';
+  #turn = 0;
   /** @type {Report|null} of the revision that is shown */
   #report = null;
   /** @type {(() => void)|null} */
@@ -116,9 +117,11 @@ export class FlightView {
 
   /** Reloads the flight and shows its state. */
   async refresh() {
+    const turn = (this.#turn += 1);
+    const isStale = () => this.#abort.signal.aborted || turn !== this.#turn;
     try {
       const flight = await getFlight(this.id, this.#abort.signal);
-      if (this.#abort.signal.aborted) return;
+      if (isStale()) return;
       this.flight = flight;
       this.actions.on_flight(flight);
       this.drawHead(flight);
@@ -126,7 +129,7 @@ export class FlightView {
       this.#followUntilMap();
       await this.#drawResult(flight);
     } catch (error) {
-      if (this.#abort.signal.aborted) return;
+      if (isStale()) return;
       const gone = error instanceof ApiError && (error.status === 404 || error.status === 400);
       put(this.#work, h('div', { class: 'callout callout-error', role: 'alert' }, h('p', {}, gone ? strings.flights.gone : messageOf(error)),
         !gone && button(strings.errors.retry, () => this.refresh(), { picture: 'retry' })));
@@ -368,7 +371,7 @@ export class FlightView {
     if (!shown || !report) return;
     this.#shown_revision = revision;
     const found = await report;
-    if (this.#abort.signal.aborted) return;
+    if (this.#abort.signal.aborted || revision !== this.#shown_revision) return;
     if (found instanceof Error) showError(found);
     this.#report = found instanceof Error ? null : found;
     this.#control?.close();

@@ -207,6 +207,11 @@ export function indexSection(view, download) {
     }
   };
   which.addEventListener('change', choose);
+  // What was asked about one map is not laid over the next.
+  view.shown.addEventListener('change', () => {
+    which.value = kNone;
+    choose();
+  });
   own.addEventListener('input', afterPause(showOwn, 2 * kTypingPause_ms));
   for (const input of [least, most]) input.addEventListener('input', recolourSoon);
   for (const input of [colours, zones]) input.addEventListener('change', recolour);
@@ -237,7 +242,7 @@ export function indexSection(view, download) {
         await loadRamps();
         await loadBands();
       } catch {
-        element.hidden = true;  // the map is there without its indices
+        if (own_turn === draw_turn) element.hidden = true;  // the map is there without its indices
         return;
       }
       if (own_turn !== draw_turn || (shown && view.has_index)) return;

@@ -193,19 +193,26 @@ function overlayChooser(view) {
   const legend = h('div', { class: 'map-legend' });
   const element = h('div', { class: 'overlay-choice', hidden: true }, h('label', { for: 'overlay', class: 'small-label' }, words.overlay), choice, legend);
   let turn = 0;
+  /** @type {import('../shared/types.js').MapLayer|null} that is chosen and on its way */
+  let awaited = null;
   choice.addEventListener('change', async () => {
     const own_turn = (turn += 1);
     const layer = view.layers.find(({ id }) => id === choice.value);
+    awaited = layer ?? null;
     view.hideOverlay();
     put(legend);
     if (!layer) return;
+    // No other choice, nor another map, meanwhile.
+    const isWanted = () => own_turn === turn && view.layers.includes(layer);
     try {
       const [tilejson, legends] = await Promise.all([getTileJson(ownHost(layer.tilejson)), getLegends(ownHost(layer.legends))]);
-      // Another choice, or another map, meanwhile.
-      if (own_turn !== turn || !view.layers.includes(layer)) return;
+      if (!isWanted()) return;
+      awaited = null;
       view.showOverlay(layer.id, tilejson, legends);
       put(legend, ...overlayLegend(layer.id, legends));
     } catch (error) {
+      if (!isWanted()) return;
+      awaited = null;
       choice.value = 'none';
       showNote(/** @type {Error} */ (error).message, { is_error: true });
     }
@@ -216,7 +223,7 @@ function overlayChooser(view) {
       element.hidden = view.layers.length === 0;
       const kinds = /** @type {const} */ (['none', ...view.layers.map(({ id }) => id)]);
       put(choice, ...kinds.map((kind) => h('option', { value: kind }, words.overlays[kind])));
-      choice.value = view.overlay || 'none';
+      choice.value = view.overlay || (awaited && view.layers.includes(awaited) ? awaited.id : 'none');
       if (!view.overlay) put(legend);
     },
   };

@@ -42,6 +42,7 @@ export class Stage {
   #fits_next = false;
   #turn = 0;
   #place_turn = 0;
+  #compare_turn = 0;
   /** @type {{remove: () => void}[]} */
   #control = [];
   /** @type {import('../notes/note_shape.js').Note[]} */
@@ -107,7 +108,7 @@ export class Stage {
         if (kind) {
           this.makeRoom();
           place.end();
-          card.close();
+          this.#closeCard();
         }
       },
     });
@@ -117,7 +118,7 @@ export class Stage {
         if (!is_open) return;
         measure.end();
         tools.closeLayers();
-        card.close();
+        this.#closeCard();
       },
     });
     const tools = mapTools(view, {
@@ -160,7 +161,7 @@ export class Stage {
     view.map.getCanvas().addEventListener('keydown', (event) => {
       if (event.key === 'Escape') {
         measure.end();
-        card.close();
+        this.#closeCard();
       }
       if (event.key !== 'Enter') return;
       const centre = view.map.getCenter();
@@ -176,15 +177,15 @@ export class Stage {
    * @param {MapView} view
    * @param {{lng: number, lat: number}} place
    * @param {import('../../vendor/maplibre-gl.mjs').Point} [point] of the pointer: a camera there comes first
-   * @returns {Promise<number>} how many photos see it
+   * @returns {Promise<number|null>} how many photos see it; null where that is wanted no more
    */
   async #showPlace(view, place, point) {
     const flight = this.#flight;
     const turn = (this.#place_turn += 1);
-    if (!flight) return 0;
+    if (!flight) return null;
     // The server knows lens and ground; without its answer the footprints tell which photos, but not where in them.
     const sightings = await getSightings(flight.id, place.lng, place.lat).catch(() => null);
-    if (turn !== this.#place_turn || flight !== this.#flight) return 0;
+    if (turn !== this.#place_turn || flight.id !== this.#flight?.id || flight.revision !== this.#flight?.revision) return null;
     const seen = new Map((sightings ?? []).sort(byQuality).map((sighting) => [sighting.name, sighting]));
     const records = sightings ? view.recordsOf([...seen.keys()]) : view.photosAt(place);
     const camera = point ? view.cameraAt(point) : null;
@@ -197,6 +198,12 @@ export class Stage {
       }),
     );
     return ordered.length;
+  }
+
+  /** Nor does one come that was asked for. */
+  #closeCard() {
+    this.#place_turn += 1;
+    this.#parts?.card.close();
   }
 
   /** Areas that are drawn on the map, noted or laid over it; the first one is drawn if any is. @returns {import('./outlines.js').Outline[]} */
@@ -296,7 +303,7 @@ export class Stage {
     const was_preview = !is_new && this.#shown?.revision === kPreview;
     this.#shown = { id: flight.id, revision };
     this.endCompare();
-    this.#parts?.card.close();
+    this.#closeCard();
     this.#parts?.place.end();  // its points are on another map
     if (is_new) this.#parts?.measure.end();
     if (is_new) view.is_moved = false;
@@ -328,7 +335,7 @@ export class Stage {
 
   async clear() {
     this.endCompare();
-    this.#parts?.card.close();
+    this.#closeCard();
     this.#parts?.measure.end();
     this.#parts?.place.end();
     this.#fits_next = false;
@@ -445,15 +452,16 @@ export class Stage {
   async compare(left, right) {
     this.endCompare();
     if (!this.#view || !right.tilejson || !right.bounds) return;
-    const { MapView } = await import('./map_view.js');
-    const tilejson = await getTileJson(right.tilejson);
+    const turn = this.#compare_turn;
+    const [{ MapView }, tilejson] = await Promise.all([import('./map_view.js'), getTileJson(right.tilejson)]);
+    if (turn !== this.#compare_turn) return;  // ended before it began
     const container = h('div', { class: 'map map-above', id: 'map-above' });
     this.#view.container.after(container);
     const above = new MapView(container, `${strings.compare.right}: ${right.name}`);
     const comparison = compareView(this.#view, above, { left, right, on_close: () => go({ view: 'flight', id: left.id }) });
     this.area.append(comparison.element);
     this.area.classList.add('comparing');
-    this.#parts?.card.close();
+    this.#closeCard();
     this.#parts?.place.end();
     this.#parts?.tools.keepLevel(true);
     // Footprints belong to one of the two flights and would hide what differs.
@@ -474,6 +482,7 @@ export class Stage {
   }
 
   endCompare() {
+    this.#compare_turn += 1;
     this.#endCompare?.();
     this.#endCompare = null;
   }

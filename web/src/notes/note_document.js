@@ -57,10 +57,13 @@ export class NoteDocument extends SavedDocument {
   }
 
   async #read() {
-    const found = await this.get();
+    const answer = this.get();
+    const turn = this.asked;
+    const found = await answer;
     if (!found) throw new ApiError(200, strings.errors.not_json);
-    this.#kept = found.features;
     this.#is_read = true;
+    if (turn !== this.asked) return;  // saved or read again since then
+    this.#kept = found.features;
     const { changes, conflicts } = rebased(this.#kept, this.#changes, strings.notes.own_copy);
     this.#changes = changes;
     this.#remember();

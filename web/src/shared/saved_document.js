@@ -10,6 +10,7 @@ export class SavedDocument extends EventTarget {
   /** @type {'saved'|'saving'|'waiting'|'failed'} */
   state = 'saved';
   failure = '';
+  asked = 0;  // of the server, so often: of two answers the one to what was asked later counts, whichever comes first
   #etag = '';
   /** @type {ReturnType<typeof setTimeout>|undefined} */
   #timer = undefined;
@@ -24,10 +25,11 @@ export class SavedDocument extends EventTarget {
 
   /** What the server has. @param {RequestInit} [init] @returns {Promise<any>} */
   async get(init = {}) {
+    const turn = (this.asked += 1);
     const address = at(`/api/v1/flights/${encodeURIComponent(this.id)}/${this.name}`);
     const { response, text } = await answerOf(fetch(address, { priority: this.priority, ...init, headers: { ...authorization(), ...init.headers } }));
     const document = parsed(response, text);
-    this.#etag = response.headers.get('ETag') ?? '';
+    if (turn === this.asked) this.#etag = response.headers.get('ETag') ?? '';
     return document;
   }
 
