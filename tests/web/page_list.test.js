@@ -54,6 +54,39 @@ test('a click that begins before a flight changes in the list and ends after it 
   assert.equal(await page.textContent('#flight-title'), 'After');
 });
 
+test('a button of a flight counts while the flight changes in the list', options, async () => {
+  const { page, mock } = await setUp();
+  const flight = mock.seedReady('Meadow');
+  await page.reload();
+  await page.hover('.flights li');
+  await page.hover('.flights li .row-actions button:nth-child(2)');
+  await page.mouse.down();
+  flight.files.set('DJI_0100.JPG', 1000);
+  await page.evaluate(() => document.dispatchEvent(new Event('visibilitychange')));
+  await page.waitForSelector('.flight-facts:has-text("20 photos")');
+  await page.mouse.up();
+  await page.waitForSelector('.note-action');
+  await until(() => mock.deleted.size === 1, 'it is deleted');
+});
+
+test('a flight is taken out of the trash by a click that begins before another leaves it', options, async () => {
+  const { page, mock } = await setUp();
+  const [first, second] = ['Meadow', 'Brook'].map((name) => mock.seedReady(name));
+  for (const flight of [first, second]) {
+    mock.flights.delete(flight.id);
+    mock.deleted.set(flight.id, flight);
+  }
+  await page.reload();
+  await page.click('#trash-fold summary');
+  await page.locator('#trash li:has-text("Meadow") button').first().hover();
+  await page.mouse.down();
+  mock.deleted.delete(second.id);
+  await page.evaluate(() => document.dispatchEvent(new Event('visibilitychange')));
+  await page.waitForFunction(() => document.querySelectorAll('#trash li').length === 1);
+  await page.mouse.up();
+  await page.waitForSelector('.flights li:has-text("Meadow")');
+});
+
 test('a flight that is gone does not come back with an answer from before', options, async () => {
   const { page, mock } = await setUp();
   const flight = mock.seedReady('Meadow');

@@ -14,6 +14,7 @@ import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, namesApart, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
 import { absoluteWords, accuracyMark, flightFacts, isScaleKnown, relativeWords, shortFacts, statusWords } from '../../web/src/flight/flight_words.js';
+import { keptElements } from '../../web/src/shared/dom.js';
 import { recordFacts } from '../../web/src/flight/photo_card.js';
 import { hasScale, isGuessed, resultWords } from '../../web/src/flight/result_verdict.js';
 import { errorsOf, kUnknownErrorColour, photoColour } from '../../web/src/map/map_style.js';
@@ -114,6 +115,16 @@ test('numbers are said as people say them', () => {
   assert.equal(formatGsd(0.0173), '1.73\u00a0cm/px');
   assert.equal(formatLength(0.052), '5.20\u00a0cm');
   assert.equal(formatArea(24_310), '2.43\u00a0ha');
+});
+
+test('of a list that is drawn anew each element stays that shows the same', () => {
+  let made = 0;
+  const rowsOf = keptElements((/** @type {{id: string, name: string}} */ { id }) => id, ({ name }) => name, () => /** @type {any} */ ((made += 1)));
+  const of = (/** @type {Record<string, string>} */ names) => rowsOf(Object.entries(names).map(([id, name]) => ({ id, name })));
+  assert.deepEqual(of({ a: 'A', b: 'B' }), [1, 2]);
+  assert.deepEqual(of({ b: 'B', c: 'C', a: 'A' }), [2, 3, 1]);
+  assert.deepEqual(of({ a: 'A2', b: 'B' }), [4, 2], 'one that shows something else is another');
+  assert.deepEqual(of({ c: 'C' }), [5], 'one that was gone is made anew');
 });
 
 /** @param {object} [more] @returns {any} */

@@ -179,6 +179,27 @@ test('of two who write at the same time nobody loses anything, and is told', opt
   assert.deepEqual((await names(page)).sort(), kept(flight).sort());
 });
 
+test('a note is deleted by a click that begins before others are saved and ends after that', options, async () => {
+  const { page } = await openNotes(undefined, [pointAt('a', 'Well')]);
+  await page.waitForSelector('#note-list li');
+  /** @type {() => void} */
+  let release = () => {};
+  const gate = new Promise((resolve) => { release = () => resolve(undefined); });
+  await page.route('**/notes', async (route) => {
+    if (route.request().method() === 'PUT') await gate;
+    await route.continue().catch(() => {});
+  });
+  await write(page, 'Gate');
+  await page.waitForSelector('#notes-state[data-state="saving"]');
+  await page.hover('[data-note="a"] .note-remove');
+  await page.mouse.down();
+  release();
+  await isSaved(page);
+  await page.mouse.up();
+  await page.waitForSelector('[data-note="a"]', { state: 'detached' });
+  assert.deepEqual(await names(page), ['Gate']);
+});
+
 test('without the server notes wait in this browser, through a reload, and are said to', options, async () => {
   const { page, flight, open } = await openNotes({ locale: 'en-GB', errors: /ERR_FAILED|status of 422/ });
   await page.route('**/notes', (route) => (route.request().method() === 'PUT' ? route.abort() : route.continue()));

@@ -74,6 +74,22 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
   });
 }
 
+test('an export is stopped by a click that begins before it goes on and ends after that', options, async () => {
+  const { page, flight } = await setUpReady('Meadow');
+  flight.exports = [{ ...kLong, at: Date.now() + 60_000 }];
+  await page.click('#flight-download');
+  await page.click('#export-open');
+  await page.hover('#exports li button');
+  await page.mouse.down();
+  // Its progress is another in each answer.
+  for (let answers = 0; answers < 2; answers += 1) await page.waitForResponse(`**/flights/${flight.id}/exports`);
+  await allAsked(page);
+  await twoFrames(page);
+  await page.mouse.up();
+  await page.waitForSelector('#exports li', { state: 'detached' });
+  assert.deepEqual(flight.exports, []);
+});
+
 test('an export that is deleted does not come back with an answer from before', options, async () => {
   const { page, flight } = await setUpReady('Meadow');
   flight.exports = [{ ...kLong, at: Date.now() + 60_000 }];

@@ -30,6 +30,23 @@ test('a link is made for as long as chosen, listed, and revoked', options, async
   await page.waitForSelector('#share-dialog', { state: 'detached' });
 });
 
+test('a link that was just made stays while another is revoked, and goes with its own', options, async () => {
+  const { page, flight } = await openShare({ has_tokens: true });
+  await page.click('#share-make');
+  await page.waitForSelector('#share-made input');
+  const first = await page.inputValue('#share-made input');
+  await page.click('#share-make');
+  await page.waitForFunction((before) => /** @type {HTMLInputElement|null} */ (document.querySelector('#share-made input'))?.value !== before, first);
+  const second = await page.inputValue('#share-made input');
+  await page.locator('.shares li button').nth(1).click();
+  await page.waitForFunction(() => document.querySelectorAll('.shares li').length === 1);
+  assert.equal(await page.inputValue('#share-made input'), second, 'it is shown only once');
+  await page.locator('.shares li button').click();
+  await page.waitForFunction(() => document.querySelectorAll('.shares li').length === 0);
+  assert.equal(await page.locator('#share-made input').count(), 0);
+  assert.deepEqual(flight.shares, []);
+});
+
 /** A flight of a server, and its share dialog; no map is drawn. @param {object} [server_options] */
 async function openShare(server_options) {
   let flight;

@@ -5,7 +5,7 @@
 /** @import { PointResidual } from './control_residuals.js' */
 import { showError, showNote } from '../shared/announce.js';
 import { messageOf } from '../shared/api.js';
-import { h, put } from '../shared/dom.js';
+import { arrange, h, keptElements, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
 import { button, icon, iconButton } from '../shared/icons.js';
 import { fixed, number } from '../shared/language.js';
@@ -59,6 +59,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   let is_starting = false;
   let map_turn = 0;
   let mark_turn = 0;
+  let on_map = '';
 
   const usable = () => control.points.filter(({ marks }) => marks.length >= kMinMarks).length;
   const needed = is_placed ? kMinPoints.placed : kMinPoints.nowhere;
@@ -80,10 +81,11 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
           iconButton('trash', words.remove(point.name), () => remove(point.name))),
     );
   };
+  const rowsOf = keptElements((/** @type {ControlPoint} */ point) => point.name, ({ name, x, y, height, marks }) => JSON.stringify([name, x, y, height, marks.length]), row);
   const draw = () => {
     const focused = body.contains(document.activeElement) ? document.activeElement?.getAttribute('aria-label') : null;
-    put(body, ...control.points.map(row));
-    if (focused) /** @type {HTMLElement|null} */ (body.querySelector(`[aria-label="${CSS.escape(focused)}"]`))?.focus();
+    arrange(body, rowsOf(control.points));
+    if (focused && !body.contains(document.activeElement)) /** @type {HTMLElement|null} */ (body.querySelector(`[aria-label="${CSS.escape(focused)}"]`))?.focus();
     table.hidden = control.points.length === 0;
     const texts = control.points.length > 0 ? (may_change ? words.hint_mark : '') : may_change ? words.hint_empty : words.none;
     hint.textContent = texts;
@@ -99,7 +101,11 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
     const shown = await places.onMap(control.points);
     if (turn !== map_turn || is_closed) return;
     const marks = new Map(control.points.map((point) => [point.name, point.marks.length]));
-    stage.showControl(shown.map(({ name, place }) => ({ name, place, is_marked: (marks.get(name) ?? 0) >= kMinMarks, label: words.on_map(name, marks.get(name) ?? 0) })), (name) => {
+    const points = shown.map(({ name, place }) => ({ name, place, is_marked: (marks.get(name) ?? 0) >= kMinMarks, label: words.on_map(name, marks.get(name) ?? 0) }));
+    const content = JSON.stringify(points);
+    if (content === on_map) return;  // a mark that is being clicked stays
+    on_map = content;
+    stage.showControl(points, (name) => {
       if (may_change) void mark(name);
     });
   };

@@ -104,11 +104,21 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     start.disabled = false;
   });
 
-  /** @type {Map<string, {row: HTMLLIElement, drawn: string}>} */
+  /** @typedef {{row: HTMLLIElement, what: HTMLElement, link: HTMLAnchorElement|null, remove: HTMLButtonElement, picture: 'close'|'trash', drawn: string}} ExportRow */
+  /** @type {Map<string, ExportRow>} */
   const rows = new Map();
+  /** Its buttons stay while it is made: a click that begins before an answer and ends after it counts. @param {string} id @returns {ExportRow} */
+  const newRow = (id) => {
+    const remove = iconButton('close', '', () => runOnce(remove, async () => {
+      refuse('');
+      await removeExport(flight.id, id);
+      await watch();
+    }, failed));
+    return { row: h('li'), what: h('div', { class: 'export-what' }), link: null, remove, picture: 'close', drawn: '' };
+  };
   /** @param {MapExport} made */
   const drawRow = (made) => {
-    const entry = rows.get(made.id) ?? { row: h('li'), drawn: '' };
+    const entry = rows.get(made.id) ?? newRow(made.id);
     const before = rows.has(made.id) ? entry.row.dataset.state : made.state;
     rows.set(made.id, entry);
     const drawn = JSON.stringify([made.state, made.progress, made.is_current]);
@@ -117,19 +127,13 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     entry.row.dataset.state = made.state;
     const what = exportWords(made);
     if (before !== made.state && isOver(made)) announce(made.state === 'successful' ? words.ready(what) : words.failed(what));
-    const remove = iconButton(isOver(made) ? 'trash' : 'close', words.remove(what), () => runOnce(remove, async () => {
-      refuse('');
-      await removeExport(flight.id, made.id);
-      await watch();
-    }, failed));
-    const had_focus = entry.row.contains(document.activeElement);
-    put(
-      entry.row,
-      h('div', { class: 'export-what' }, h('span', {}, what), ...stateOf(made), ...notesOn(made)),
-      made.download && h('a', { class: 'button small', href: readable(made.download), download: '' }, icon('download'), strings.actions.download),
-      remove,
-    );
-    if (had_focus) entry.row.querySelector('button')?.focus();
+    put(entry.what, h('span', {}, what), ...stateOf(made), ...notesOn(made));
+    const picture = isOver(made) ? 'trash' : 'close';
+    if (entry.picture !== picture) put(entry.remove, icon(picture));
+    entry.picture = picture;
+    for (const name of ['aria-label', 'title']) entry.remove.setAttribute(name, words.remove(what));
+    if (made.download) entry.link ??= h('a', { class: 'button small', href: readable(made.download), download: '' }, icon('download'), strings.actions.download);
+    arrange(entry.row, [entry.what, ...(entry.link ? [entry.link] : []), entry.remove]);
     return entry.row;
   };
 

@@ -58,8 +58,8 @@ const kFilteredFrom = 6;
  *            tags: () => string[], known_tags: () => string[], choose: (tags: string[]) => void}}
  */
 export function flightList(actions) {
-  // The link of a row stays: a click on it that begins before a change and ends after it opens the flight.
-  /** @type {Map<string, {row: HTMLLIElement, link: HTMLAnchorElement, shown: string, picture: HTMLElement, drawn: string}>} */
+  // The link of a row stays, and its buttons: a click that begins before a change and ends after it counts.
+  /** @type {Map<string, {row: HTMLLIElement, link: HTMLAnchorElement, acts: HTMLElement, acts_on: string, shown: string, picture: HTMLElement, drawn: string}>} */
   const rows = new Map();
   const list = h('ul', { class: 'flights', id: 'flights' });
   const message = h('p', { class: 'muted', id: 'flights-message' });
@@ -120,13 +120,13 @@ export function flightList(actions) {
   /** @param {Flight} flight @returns {HTMLLIElement} */
   const rowOf = (flight) => {
     const chip = stateChip(flight);
-    const picture = JSON.stringify([flight.name, flight.tags, shortFacts(flight), chip.className, chip.textContent]);
+    const picture = JSON.stringify([flight.name, flight.tags, mayChange(flight), shortFacts(flight), chip.className, chip.textContent]);
     let entry = rows.get(flight.id);
     if (!entry) {
       const [point, leave] = [() => actions.on_point(flight), () => actions.on_point(null)];
       const row = h('li', { on: { pointerenter: point, focusin: point, pointerleave: leave, focusout: leave } });
       const link = h('a', { class: 'flight-link', href: routeHash({ view: 'flight', id: flight.id }) });
-      entry = { row, link, shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }, icon('photo')), drawn: '' };
+      entry = { row, link, acts: h('span'), acts_on: '', shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }, icon('photo')), drawn: '' };
       rows.set(flight.id, entry);
     }
     if (entry.shown !== picture) {
@@ -135,13 +135,18 @@ export function flightList(actions) {
       put(entry.link, entry.picture,
         h('span', { class: 'flight-text' }, h('span', { class: 'flight-name' }, flight.name),
           ...shortFacts(flight).map((line) => h('span', { class: 'flight-facts' }, line)), chip, rowTags(flight)));
-      arrange(entry.row, [entry.link, h(
-        'span',
-        { class: 'row-actions' },
-        mayChange(flight) && iconButton('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
-        mayChange(flight) && iconButton('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
-      )]);
-      if (had_focus) entry.link.focus();
+      const acts_on = JSON.stringify([flight.name, mayChange(flight)]);
+      if (entry.acts_on !== acts_on) {
+        entry.acts_on = acts_on;
+        entry.acts = h(
+          'span',
+          { class: 'row-actions' },
+          mayChange(flight) && iconButton('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
+          mayChange(flight) && iconButton('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
+        );
+      }
+      arrange(entry.row, [entry.link, entry.acts]);
+      if (had_focus && !entry.row.contains(document.activeElement)) entry.link.focus();
     }
     const address = flight.tilejson ? thumbnailPath(flight) : '';
     if (entry.drawn !== address) {

@@ -1,6 +1,6 @@
 // The flights that were deleted and can still be taken back, folded away below the list of flights.
 /** @import { TrashedFlight } from '../shared/types.js' */
-import { h, put } from '../shared/dom.js';
+import { arrange, h, keptElements, put } from '../shared/dom.js';
 import { button } from '../shared/icons.js';
 import { dotted, formatBytes, formatDate } from '../shared/format.js';
 import { number } from '../shared/language.js';
@@ -33,6 +33,8 @@ export function trashList(actions) {
       ),
     );
 
+  const rowsOf = keptElements((/** @type {TrashedFlight} */ flight) => flight.id, JSON.stringify, row);
+
   return {
     element,
     update(flights) {
@@ -41,14 +43,14 @@ export function trashList(actions) {
       shown = picture;
       const had_focus = element.contains(document.activeElement);
       summary.textContent = `${strings.trash.heading} (${number(flights.length)})`;
-      put(list, ...flights.map(row));
+      arrange(list, rowsOf(flights));
       element.hidden = flights.length === 0;
       if (flights.length === 0) {
         put(element);
         folded.open = false;
       } else if (!folded.isConnected) put(element, folded);
       // What had the keyboard's focus went away with its row.
-      if (had_focus) (flights.length > 0 ? summary : document.getElementById('flights-heading'))?.focus();
+      if (had_focus && !element.contains(document.activeElement)) (flights.length > 0 ? summary : document.getElementById('flights-heading'))?.focus();
     },
   };
 }

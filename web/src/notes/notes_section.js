@@ -6,7 +6,7 @@
 import { isScaleKnown } from '../flight/flight_words.js';
 import { announce, showNote } from '../shared/announce.js';
 import { messageOf } from '../shared/api.js';
-import { h, put } from '../shared/dom.js';
+import { arrange, h, keptElements, put } from '../shared/dom.js';
 import { button, icon, iconButton } from '../shared/icons.js';
 import { savingRow } from '../map/measurement_files.js';
 import { strings } from '../shared/flight_strings.js';
@@ -96,6 +96,11 @@ export function notesSection(flight, stage, may_change) {
       text && h('p', { class: 'note-words' }, text),
     );
   };
+  // By what it says: the server may write the same note in another order.
+  const contentOf = (/** @type {Note} */ { id, geometry, properties: { name, text } }) => JSON.stringify([id, name, text ?? '', geometry.type, geometry.coordinates]);
+  const rowsOf = keptElements((/** @type {Note} */ note) => note.id, (note) => contentOf(note) + chosenUnits(), row);
+  /** @type {string|null} */
+  let on_map = null;
   /** @param {string} id chosen on the map */
   const choose = (id) => {
     element.open = true;
@@ -109,11 +114,13 @@ export function notesSection(flight, stage, may_change) {
     const focused_id = focused?.closest('li')?.getAttribute('data-note');
     const focused_class = focused?.className.split(' ').pop();
     counted.textContent = now.length > 0 ? words.count(now.length) : '';
-    put(list, ...now.map(row));
-    if (focused_id) /** @type {HTMLElement|null} */ (list.querySelector(`[data-note="${focused_id}"] .${focused_class}`))?.focus({ preventScroll: true });
+    arrange(list, rowsOf(now));
+    if (focused_id && !list.contains(document.activeElement)) /** @type {HTMLElement|null} */ (list.querySelector(`[data-note="${focused_id}"] .${focused_class}`))?.focus({ preventScroll: true });
     saving.hidden = now.length === 0;
     element.hidden = now.length === 0 && !may_change;
-    stage.showNotes(now, choose);
+    const content = now.map(contentOf).join();
+    if (content !== on_map) stage.showNotes(now, choose);
+    on_map = content;
     tell();
   };
   const tell = () => {

@@ -62,6 +62,31 @@ export function arrange(parent, children) {
 }
 
 /**
+ * Elements of a list that is drawn anew while somebody uses it: one that shows the same as before is the same, so that a
+ * click which begins before and ends after counts, and the focus stays.
+ * @template T
+ * @template {Element} E
+ * @param {(thing: T) => string} idOf
+ * @param {(thing: T) => string} shownOf all that its element shows and does
+ * @param {(thing: T) => E} make
+ * @returns {(things: T[]) => E[]}
+ */
+export function keptElements(idOf, shownOf, make) {
+  /** @type {Map<string, {shown: string, element: E}>} */
+  let kept = new Map();
+  return (things) => {
+    const before = kept;
+    kept = new Map();
+    for (const thing of things) {
+      const [id, shown] = [idOf(thing), shownOf(thing)];
+      const old = before.get(id);
+      kept.set(id, old?.shown === shown ? old : { shown, element: make(thing) });
+    }
+    return [...kept.values()].map(({ element }) => element);
+  };
+}
+
+/**
  * @template {keyof SVGElementTagNameMap} K
  * @param {K} tag
  * @param {Record<string, string|number>} [attributes]

@@ -5,7 +5,7 @@
 import { addShare, listShares, messageOf, openNetwork, removeShare } from '../shared/api.js';
 import { serverAddress } from '../shared/router.js';
 import { showDialog } from '../shared/dialogs.js';
-import { fill, h, put } from '../shared/dom.js';
+import { arrange, h, keptElements, put } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { button, runOnce } from '../shared/icons.js';
 import { xmlText } from './connect_files.js';
@@ -38,42 +38,76 @@ export function showShareDialog(flight) {
   const body = h('div', { id: 'share-body', 'aria-live': 'polite' }, h('p', { class: 'muted' }, words.loading));
   showDialog('share-dialog', words.title(flight.name), body);
   const showFailure = (/** @type {unknown} */ error) => body.append(h('p', { class: 'callout callout-error', role: 'alert' }, messageOf(error)));
-  fillIn(flight, body, showFailure).catch(showFailure);
+  void showShares(flight, body, showFailure);
 }
 
-/** @param {Flight} flight @param {HTMLElement} body @param {(error: unknown) => void} showFailure */
-async function fillIn(flight, body, showFailure) {
+/**
+ * Draws what the server has of them, and again after each change. What can be pressed stays while it is drawn anew, and so
+ * does a link that was just made: it is shown once.
+ * @param {Flight} flight
+ * @param {HTMLElement} body
+ * @param {(error: unknown) => void} showFailure
+ */
+function showShares(flight, body, showFailure) {
   const words = strings.share;
-  const { needs_token, may_open_network, addresses, shares } = await listShares(flight.id);
-  const reached_at = isLoopback(location.hostname) ? addresses[0] : serverAddress();
-  const server = reached_at ?? serverAddress();
-  const is_opened = may_open_network && addresses.length > 0;
-  const again = () => fillIn(flight, body, showFailure).catch(showFailure);
+  /** @type {Awaited<ReturnType<typeof listShares>>} as the server said last */
+  let said = { needs_token: false, may_open_network: false, addresses: [], shares: [] };
+  let made_id = '';  // whose link is shown
+  let turn = 0;
   const choice = h(
     'select',
     { id: 'share-days', class: 'field' },
     ...kDays.map((days) => h('option', { value: String(days), selected: days === kUsualDays }, words.days(days))),
   );
   const made = h('div', { id: 'share-made' });
+  const reachedAt = () => (isLoopback(location.hostname) ? said.addresses[0] : serverAddress());
+  const isOpened = () => said.may_open_network && said.addresses.length > 0;
   const make = button(words.make, () => runOnce(make, async () => {
     const share = await addShare(flight.id, choice.value === 'null' ? null : Number(choice.value));
     await again();
+    const server = reachedAt() ?? serverAddress();
     const link = `${server}/#/flights/${encodeURIComponent(flight.id)}?token=${share.token}`;
     // On a phone beside this computer it is read off the screen.
-    const code = is_opened ? await qrCode(link, words.code).catch(() => null) : null;  // the link is there all the same
-    fill(/** @type {HTMLElement} */ (body.querySelector('#share-made')), [h('p', { class: 'muted' }, words.once), addressField(reached_at ? words.link : words.link_local, link), code, embedField(flight, server, share.token)]);
+    const code = isOpened() ? await qrCode(link, words.code).catch(() => null) : null;  // the link is there all the same
+    made_id = share.id;
+    put(made, h('p', { class: 'muted' }, words.once), addressField(reachedAt() ? words.link : words.link_local, link), code, embedField(flight, server, share.token));
+    make.disabled = false;
   }, showFailure), { class: 'button primary', id: 'share-make' });
-  put(
-    body,
-    h('p', { id: 'share-who' }, reached_at ? words.text : words.local),
-    reached_at && !needs_token && h('p', { class: 'callout callout-warning', id: 'share-open' }, words.open),
-    is_opened && h('p', { class: 'muted', id: 'share-network' }, words.opened(addresses[0])),
-    h('div', { class: 'share-row' }, h('label', { for: 'share-days' }, words.expiry), choice, make),
-    made,
-    !reached_at && localPart(flight, may_open_network ? openButton(again, showFailure) : null),
-    shares.length > 0 && h('h3', { class: 'share-heading' }, words.active),
-    shares.length > 0 && h('ul', { class: 'shares' }, ...shares.map((share) => shareRow(flight, share, again, showFailure))),
-  );
+  const row = h('div', { class: 'share-row' }, h('label', { for: 'share-days' }, words.expiry), choice, make);
+  const heading = h('h3', { class: 'share-heading' }, words.active);
+  const list = h('ul', { class: 'shares' });
+  const rowsOf = keptElements((/** @type {Share} */ share) => share.id, JSON.stringify, (share) => shareRow(flight, share, () => again(), showFailure));
+
+  const draw = () => {
+    const reached_at = reachedAt();
+    if (!said.shares.some(({ id }) => id === made_id)) put(made);
+    arrange(list, rowsOf(said.shares));
+    arrange(body, [
+      h('p', { id: 'share-who' }, reached_at ? words.text : words.local),
+      ...(reached_at && !said.needs_token ? [h('p', { class: 'callout callout-warning', id: 'share-open' }, words.open)] : []),
+      ...(isOpened() ? [h('p', { class: 'muted', id: 'share-network' }, words.opened(said.addresses[0]))] : []),
+      row,
+      made,
+      ...(reached_at ? [] : [localPart(flight, said.may_open_network ? openButton(opened, showFailure) : null)]),
+      ...(said.shares.length > 0 ? [heading, list] : []),
+    ]);
+  };
+  const again = async () => {
+    const own_turn = (turn += 1);
+    try {
+      const found = await listShares(flight.id);
+      if (own_turn !== turn) return;  // asked again meanwhile: what was revoked since then would be back
+      said = found;
+      draw();
+    } catch (error) {
+      if (own_turn === turn) showFailure(error);
+    }
+  };
+  const opened = () => {
+    made_id = '';  // its link is one for this computer
+    return again();
+  };
+  return again();
 }
 
 /** @param {() => Promise<void>} again @param {(error: unknown) => void} showFailure */
