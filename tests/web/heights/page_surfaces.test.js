@@ -226,7 +226,7 @@ test('hillshade and contours lie over the map below its photos until they are ta
   await page.check('#show-hillshade');
   await until(async () => (await layersOf(page)).includes('hillshade'));
   await mapIdle(page);
-  assert.ok(asked.tiles > 0);
+  await until(() => asked.tiles > 0, 'its tiles are asked for');
   const layers = await layersOf(page);
   const at = (/** @type {string} */ id) => layers.indexOf(id);
   const mosaic = layers.findIndex((/** @type {string} */ id) => id.startsWith('mosaic-'));

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { calibrationOf, indexTiles, parseRange, roundTo } from '../../../web/src/indices/index_query.js';
-import { holdRequests, mapIdle, openMap, screenshotPixels, twoFrames } from '../support/browser.js';
+import { holdRequests, mapIdle, openMap, screenshotPixels, twoFrames, until } from '../support/browser.js';
 import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUp, setUpFlight } = usePages();
@@ -73,10 +73,10 @@ test('an index reaches as far as its bands do', options, async () => {
   const tiles = (/** @type {RegExp} */ of) => new Set(asked.filter((url) => of.test(url)).map((url) => new URL(url).pathname.replace('.png', '')));
   await page.selectOption('#index', 'vari');
   await page.waitForSelector('#index-histogram rect');
-  await mapIdle(page);
-  const of_map = tiles(/\/tiles\/[^?]*\?rev=\d+$/);
-  const beyond = [...tiles(/index=vari/)].filter((path) => !of_map.has(path));
-  assert.ok(beyond.length > 0, 'no tile beside those of the map was asked for');
+  await until(() => {
+    const of_map = tiles(/\/tiles\/[^?]*\?rev=\d+$/);
+    return [...tiles(/index=vari/)].some((path) => !of_map.has(path));
+  }, 'no tile beside those of the map was asked for');
 });
 
 test('an index lies over the map in its colours, which follow what is chosen and typed', options, async () => {

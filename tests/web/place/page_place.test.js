@@ -132,12 +132,12 @@ test('points are dragged, moved by arrow keys and removed, and are there again a
   await page.waitForSelector('#place-card:not([hidden])');
   assert.equal(await page.inputValue('#place-is-1'), '46.8, 7.1');
   assertNear([(await at()).x], [dragged.x], 1.5);
-  const asked = jobAsked(page);
-  await page.click('#place-go');
+  await page.evaluate(() => document.getElementById('flight-move')?.setAttribute('data-before', ''));  // the map goes with its button
   const box = await page.locator('#map').boundingBox();
   const tip = await page.evaluate((p) => /** @type {any} */ (window).skyquilt.map.unproject(p), [dragged.x + 14 - box.x, dragged.y + 42 - box.y]);
+  const asked = jobAsked(page);
+  await page.click('#place-go');
   assertNear((await asked)[0].shown, [tip.lat, tip.lng], 1e-5);
-  await page.evaluate(() => document.getElementById('flight-move')?.setAttribute('data-before', ''));
   await page.click('#flight-move:not([data-before])');
   assert.equal(await page.locator('.place-row').count(), 0, 'points on the map before are gone');
   await page.click('#place-centre');
