@@ -282,6 +282,19 @@ test('a tag that is being typed when a job ends is taken whole', options, async 
   assert.deepEqual(flight.tags, ['north']);
 });
 
+test('a button of the open flight counts when a job ends while it is pressed', options, async () => {
+  const { page } = await setUpReady('Again', { job_ms: 1500 }, laptop);
+  await page.click('#processing-details summary');
+  await page.click('#run-again');
+  await page.click('#options-submit');
+  await page.waitForSelector('#options-dialog', { state: 'detached' });
+  await page.hover('#flight-rename');
+  await page.mouse.down();
+  await page.waitForFunction(() => document.querySelector('.flight-view .work')?.childElementCount === 0);
+  await page.mouse.up();
+  await page.waitForSelector('#rename-input');
+});
+
 test('where old flights go to the trash, one is marked to be kept', options, async () => {
   const { page, flight } = await setUpReady('Old', { keep_days: 90 }, kPhone);
   await page.waitForSelector('#flight-keep');

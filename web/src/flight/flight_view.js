@@ -43,6 +43,11 @@ export class FlightView {
   /** @type {Flight|null} */
   flight = null;
   element = h('div', { class: 'flight-view' });
+  #title = h('h1', { class: 'flight-title', id: 'flight-title', tabindex: -1 });
+  #acts = h('div', { class: 'head-actions no-print' });
+  /** By what the buttons are: they stay while the flight changes, so that a click meanwhile counts. */
+  #drawn_acts = '';
+  #facts = h('p', { class: 'flight-facts' });
   #name = h('div', {});
   #tags = h('div', {});
   #ways = h('div', {});
@@ -141,29 +146,26 @@ export class FlightView {
     const words = strings.flights;
     const focused = this.#head.contains(document.activeElement) ? document.activeElement?.id : '';
     document.title = `${flight.name} · Skyquilt`;
-    put(
-      this.#name,
-      h(
-        'div',
-        { class: 'row between top' },
-        h('h1', { class: 'flight-title', id: 'flight-title', tabindex: -1 }, flight.name),
-        h(
-          'div',
-          { class: 'head-actions no-print' },
-          ...(mayChange(flight)
-            ? [
-                !flight.tilejson && iconButton('share', strings.share.action, () => this.actions.share(flight), 'flight-share'),
-                iconButton('upload', strings.drop.more, this.actions.add_photos, 'flight-add'),
-                iconButton('pencil', words.rename, () => this.actions.rename(flight), 'flight-rename'),
-                iconButton('trash', words.remove, () => this.actions.remove(flight), 'flight-delete'),
-              ]
-            : []),
-        ),
-      ),
-      h('p', { class: 'flight-facts' }, stateChip(flight), ' ', flightFacts(flight)),
-    );
+    if (!this.#name.firstChild) put(this.#name, h('div', { class: 'row between top' }, this.#title, this.#acts), this.#facts);
+    this.#title.textContent = flight.name;
+    put(this.#facts, stateChip(flight), ' ', flightFacts(flight));
+    const acts = JSON.stringify([flight.name, mayChange(flight), Boolean(flight.tilejson)]);
+    if (acts !== this.#drawn_acts) {
+      this.#drawn_acts = acts;
+      put(
+        this.#acts,
+        ...(mayChange(flight)
+          ? [
+              !flight.tilejson && iconButton('share', strings.share.action, () => this.actions.share(flight), 'flight-share'),
+              iconButton('upload', strings.drop.more, this.actions.add_photos, 'flight-add'),
+              iconButton('pencil', words.rename, () => this.actions.rename(flight), 'flight-rename'),
+              iconButton('trash', words.remove, () => this.actions.remove(flight), 'flight-delete'),
+            ]
+          : []),
+      );
+      put(this.#ways, flight.tilejson && flightActions(flight, this.actions.share, () => this.stage.outlines()));
+    }
     this.#drawTags(flight);
-    put(this.#ways, flight.tilejson && flightActions(flight, this.actions.share, () => this.stage.outlines()));
     if (focused && document.activeElement?.id !== focused) document.getElementById(focused)?.focus();
   }
 
