@@ -11,7 +11,7 @@ class Flow(ServerTestCase):
     def test_one_form_makes_a_map(self):
         server = self.serve()
         _, made = server.upload(self.photos, name="Demo field", options='{"quality": 80}', code=202)
-        self.assertEqual(made["flight"]["state"], "queued")
+        self.assertIn(made["flight"]["state"], ("queued", "processing"))  # a free worker takes it at once
         self.assertEqual(len(made["files"]), 6)
         job = server.ended(made["job"]["id"])
         self.assertEqual(job["progress"], 1)
