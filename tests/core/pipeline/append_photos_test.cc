@@ -122,6 +122,16 @@ poses::PosedFlight Posed(const simulate::SimulatedFlight& truth, std::size_t fir
   return posed;
 }
 
+// By what the photos record alone.
+FlightFacts AppendByRecords(const FlightFacts& known, const poses::PosedFlight& posed) {
+  MosaicOptions options;
+  options.method = AlignMethod::kImu;
+  SilentProgress progress;
+  auto grown = AppendPhotos(known, posed, options, flight::FilePhotoSource(), progress);
+  EXPECT_TRUE(grown && *grown);
+  return grown && *grown ? **grown : FlightFacts{};
+}
+
 // The last three of a flight, which was moved as a whole, are added by their records.
 struct Added : Displaced {
   static constexpr std::size_t kFinished = 17;
@@ -133,14 +143,7 @@ struct Added : Displaced {
       photo.photo.intrinsics = truth.options.intrinsics;
   }
 
-  FlightFacts Append() const {
-    MosaicOptions options;
-    options.method = AlignMethod::kImu;
-    SilentProgress progress;
-    auto grown = AppendPhotos(known, Posed(truth), options, flight::FilePhotoSource(), progress);
-    EXPECT_TRUE(grown && *grown);
-    return grown && *grown ? **grown : FlightFacts{};
-  }
+  FlightFacts Append() const { return AppendByRecords(known, Posed(truth)); }
 
   // From `expected` to where the added ones were put.
   double WorstAddedM(const std::vector<geo::Rigid3>& expected) const {
@@ -186,14 +189,9 @@ TEST(AppendPhotos, GoWhereTheyWereRecordedOnAMapThatErrsAsReceiversDo) {
 
 TEST(AppendPhotos, TellOfAllThatCameLaterTogether) {
   Added map({0.0, 1.0, {0.0, 0.0}});
-  MosaicOptions options;
-  options.method = AlignMethod::kImu;
-  SilentProgress progress;
   poses::PosedFlight posed = Posed(map.truth);
   posed.photos.resize(Added::kFinished + 1);
-  const auto once = AppendPhotos(map.known, posed, options, flight::FilePhotoSource(), progress);
-  ASSERT_TRUE(once && *once);
-  map.known = **once;
+  map.known = AppendByRecords(map.known, posed);
   const FlightFacts twice = map.Append();
   ASSERT_EQ(twice.flight.warnings.size(), 1U);
   EXPECT_TRUE(twice.flight.warnings[0] == flight::Remark(flight::RemarkCode::kPhotosAdded, {{"photos", 3}}));
@@ -213,26 +211,21 @@ TEST(AppendPhotos, SayWhatIsRemarkedWhileTheyArePosedAndAlignedAndNothingTwice) 
                   {{"first", no_angles(photos, total)}, {"then", Remark(RemarkCode::kAnglesAssumed)}}};
   };
   Added map({0.0, 1.0, {0.0, 0.0}});
-  MosaicOptions options;
-  options.method = AlignMethod::kImu;
-  SilentProgress progress;
   poses::PosedFlight posed = Posed(map.truth);
   posed.photos.resize(Added::kFinished + 1);
   posed.warnings = {repeated(2, 18)};
   posed.assumptions.push_back({no_angles(1, 18), RemarkCode::kAnglesAssumed, std::nullopt});
   map.known.flight.warnings = {repeated(1, 17)};
-  const auto once = AppendPhotos(map.known, posed, options, flight::FilePhotoSource(), progress);
-  ASSERT_TRUE(once && *once);
+  const FlightFacts once = AppendByRecords(map.known, posed);
   const Remark one_added{RemarkCode::kPhotosAdded, {{"photos", 1}}};
-  EXPECT_TRUE((*once)->flight.warnings == (std::vector<Remark>{repeated(2, 18), assumed(1, 18), one_added}));
+  EXPECT_TRUE(once.flight.warnings == (std::vector<Remark>{repeated(2, 18), assumed(1, 18), one_added}));
 
   posed = Posed(map.truth);
   posed.warnings = {repeated(2, 20)};
   posed.assumptions.push_back({no_angles(3, 20), RemarkCode::kAnglesAssumed, std::nullopt});
-  const auto twice = AppendPhotos(**once, posed, options, flight::FilePhotoSource(), progress);
-  ASSERT_TRUE(twice && *twice);
+  const FlightFacts twice = AppendByRecords(once, posed);
   const Remark all_added{RemarkCode::kPhotosAdded, {{"photos", 3}}};
-  EXPECT_TRUE((*twice)->flight.warnings == (std::vector<Remark>{assumed(3, 20), repeated(2, 20), all_added}));
+  EXPECT_TRUE(twice.flight.warnings == (std::vector<Remark>{assumed(3, 20), repeated(2, 20), all_added}));
 }
 
 // The last photo of a flight was left out of its map, and comes again with two that are new.
