@@ -126,7 +126,7 @@ TEST(CompareControl, NamesMarksByThePhotosOfTheirFolders) {
   const Held held(survey, flown);
   ASSERT_EQ(held.list.sightings.size(), 4u) << "of the first mark it is not told which photo it is in";
   EXPECT_EQ(held.list.sightings[0].image_name, "101MEDIA_DJI_100.JPG");
-  EXPECT_THAT(InWords(held.flight.warnings), Contains(HasSubstr("of 1 row (dji_100.jpg)")));
+  EXPECT_THAT(InWords(held.flight.warnings), Contains(HasSubstr("of 1 row (DJI_100.JPG)")));
 }
 
 }  // namespace
