@@ -231,7 +231,7 @@ class Place(ScratchCase):
                                  (("--origin", "46.8,7.1", "--scale", "1000000x"), "m of ground"),
                                  (("--origin", "46.8,7.1", "--at", "NO.JPG"), "no photo called NO.JPG"),
                                  (("--gcp", few), "Of 2 surveyed points 2 can be used, and 3 are needed"),
-                                 (("--gcp", wrong), f"rows name {len(rows) - 1} photos (the first is other.jpg), and none of the photos given is called so"),
+                                 (("--gcp", wrong), f"rows name {len(rows) - 1} photos (the first is OTHER.JPG), and none of the photos given is called so"),
                                  (("--gcp", mirrored), "contradict each other"),
                                  (("--gcp", folder / "report.json"), "report.json cannot be read as surveyed points")):
             self.assertIn(words, self.place(folder, *arguments).stderr)
