@@ -56,7 +56,9 @@ async function visit(name, context, flight) {
   };
   /** What a click brings. */
   const fetched = async (/** @type {string} */ selector) => {
-    await page.waitForSelector(selector);
+    await page.waitForSelector(selector).catch(async (error) => {
+      throw new Error(`${error.message}\n${await page.locator('dialog[open], .note-text').allTextContents()}`);
+    });
     await picture();
     const [download] = await Promise.all([page.waitForEvent('download'), click(selector)]);
     const path = join(folder, download.suggestedFilename());
