@@ -132,10 +132,10 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
     for (std::size_t k = 0; k < log.events.size(); ++k) {
       const CameraEvent& event = log.events[k];
       if (event.has_time || !event.image_name) continue;
-      if (rows++ == 0) first_name = PlainFileName(*event.image_name);
+      if (rows++ == 0) first_name = *event.image_name;
       names_files = names_files || flight::LooksLikeImageName(*event.image_name);
       const NamedPhotos::Found& found = found_by_event[k];
-      if (found.is_open && open_rows++ == 0) first_open = PlainFileName(*event.image_name);
+      if (found.is_open && open_rows++ == 0) first_open = *event.image_name;
       for (const std::size_t i : found.photos) {
         is_named[i] = 1;
         Photo& photo = photos[i];

@@ -284,7 +284,7 @@ TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {
   FlightLog list = ListOfAngles(1, {0.7, 0.0, 0.0}, flight::AttitudeKind::kAirframe);
   const auto open = ApplyPhotoRows({list}, photos);
   EXPECT_FALSE(photos[0].attitude || photos[1].attitude);
-  EXPECT_THAT(InWords(open.warnings), Contains(HasSubstr("of 1 row (img_0.jpg)")));
+  EXPECT_THAT(InWords(open.warnings), Contains(HasSubstr("of 1 row (IMG_0.JPG)")));
   list.events[0].image_name = "DCIM/101MEDIA/IMG_0.JPG";
   EXPECT_TRUE(ApplyPhotoRows({list}, photos).warnings.empty());
   EXPECT_TRUE(!photos[0].attitude && photos[1].attitude);
