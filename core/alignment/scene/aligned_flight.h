@@ -41,6 +41,12 @@ struct AlignedPhoto {
   std::optional<double> sharpness;
 };
 
+// Nothing: it lies where its map does, and nothing supports the place of that (`is_error_known`).
+inline std::optional<double> KnownErrorM(const AlignedPhoto& photo, bool is_error_known) {
+  if (!is_error_known && photo.placement == Placement::kAligned) return std::nullopt;
+  return photo.error_radius_m;
+}
+
 struct AlignedFlight {
   geo::LocalFrame frame{geo::Wgs84{}};
   double ground_z_in_enu_m = 0.0;

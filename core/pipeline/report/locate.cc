@@ -155,7 +155,7 @@ Json GroundOf(const ground::GroundSurface& ground) {
 Json Numbers(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
 Json CameraOf(const alignment::AlignedPhoto& photo, bool is_error_known) {
-  const bool is_said = is_error_known || photo.placement == alignment::Placement::kPoseOnly;
+  const std::optional<double> error_m = alignment::KnownErrorM(photo, is_error_known);
   const camera::Intrinsics& lens = photo.intrinsics;
   const Eigen::Quaterniond& rotation = photo.cam_from_enu.rotation;
   const Eigen::Vector3d& translation = photo.cam_from_enu.translation;
@@ -167,7 +167,7 @@ Json CameraOf(const alignment::AlignedPhoto& photo, bool is_error_known) {
                {"rotation_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}},
                {"translation_m", {translation.x(), translation.y(), translation.z()}},
                {"placement", alignment::PlacementName(photo.placement)},
-               {"error_radius_m", is_said ? Json(photo.error_radius_m) : Json()}};
+               {"error_radius_m", error_m ? Json(*error_m) : Json()}};
   if (photo.sharpness && std::isfinite(*photo.sharpness)) json["sharpness"] = *photo.sharpness;
   const camera::RowMotion& motion = photo.readout_motion;
   if (!motion.shift_in_enu_m.isZero(0.0)) json["readout_shift_m"] = Numbers(motion.shift_in_enu_m);

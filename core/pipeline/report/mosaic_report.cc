@@ -200,9 +200,8 @@ std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::
     properties["placement"] = alignment::PlacementName(photo.placement);
     properties["reason"] = flight::InOneLine(photo.placement_remarks);
     properties["remarks"] = flight::JsonOfRemarks<Json>(photo.placement_remarks);
-    properties["error_radius_m"] = absolute.sigma_m || photo.placement == alignment::Placement::kPoseOnly
-                                       ? Json(Rounded(photo.error_radius_m, 3))
-                                       : Json(nullptr);
+    const std::optional<double> error_m = alignment::KnownErrorM(photo, absolute.sigma_m.has_value());
+    properties["error_radius_m"] = error_m ? Json(Rounded(*error_m, 3)) : Json(nullptr);
     properties["camera_lon"] = Rounded(camera.lon_deg, 9);
     properties["camera_lat"] = Rounded(camera.lat_deg, 9);
     properties["camera_height_above_ground_m"] =

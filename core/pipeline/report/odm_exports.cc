@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "core/base/check.h"
@@ -83,8 +84,8 @@ std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m, b
     event.height_ellipsoid_m = center.height_ellipsoid_m + raised_m;
     event.yaw_pitch_roll_rad = AirframeAngles(photo.cam_from_enu.rotation);
     event.attitude_kind = flight::AttitudeKind::kAirframe;
-    if (is_error_known || photo.placement == alignment::Placement::kPoseOnly)
-      event.sigma_in_ned_m = Eigen::Vector3d::Constant(std::max(0.01, photo.error_radius_m));
+    if (const std::optional<double> error_m = alignment::KnownErrorM(photo, is_error_known))
+      event.sigma_in_ned_m = Eigen::Vector3d::Constant(std::max(0.01, *error_m));
     events.push_back(std::move(event));
   }
   Result<std::string> text = flight::WriteGeoTxt(events);

@@ -136,8 +136,8 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
                                  double raised_m, bool is_error_known) {
   const std::vector<Rgb> photo_colours = PhotoColours(flight.photos.size());
   const auto error_colour = [&](const alignment::AlignedPhoto& photo) {
-    const bool is_known = is_error_known || photo.placement == alignment::Placement::kPoseOnly;
-    return ErrorColour(is_known ? photo.error_radius_m : std::numeric_limits<double>::quiet_NaN());
+    constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+    return ErrorColour(alignment::KnownErrorM(photo, is_error_known).value_or(kNotKnown));
   };
   const auto draw = [&](const RenderBlock& block) {
     DrawnBlock drawn;
