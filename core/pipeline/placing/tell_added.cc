@@ -77,6 +77,7 @@ void AddFigures(const alignment::AlignReport& part, const std::set<std::string>&
   const auto count_pair = [&](const AlignPairReport& pair, int sign) {
     int& pairs = pair.is_by_direct ? known.pairs_by_direct : known.pairs_linked;
     pairs = std::max(0, pairs + sign);
+    if (!pair.is_by_direct) known.pairs_tried = std::max(0, known.pairs_tried + sign);
   };
   const auto is_of_added = [&](const AlignPairReport& pair) {
     return added.contains(pair.first) || added.contains(pair.second);
@@ -99,7 +100,6 @@ void AddFigures(const alignment::AlignReport& part, const std::set<std::string>&
   for (const AlignPairReport& pair : part.pairs) {
     if (!is_of_added(pair)) continue;
     count_pair(pair, 1);
-    if (!pair.is_by_direct) ++known.pairs_tried;
     known.pairs.push_back(pair);
   }
   known.tie_points += part.tie_points_of_new;

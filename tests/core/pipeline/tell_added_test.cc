@@ -90,6 +90,7 @@ TEST(AddFigures, CountsWhatTheNewPhotosAreTiedBy) {
   map.part.tie_points_of_new = 0;
   AddFigures(map.part, map.added, map.flight.photos, map.report);
   EXPECT_EQ(map.report.pairs_linked, 18);
+  EXPECT_EQ(map.report.pairs_tried, 49);
   EXPECT_EQ(map.report.observations, 3500);
   EXPECT_NEAR(map.report.residual_rms_px, std::sqrt((3000 * 0.25 + 500 * 1.0) / 3500), 1e-9);
 }
