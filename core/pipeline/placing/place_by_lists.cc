@@ -78,6 +78,10 @@ void Predict(const std::vector<Tied>& tied, double extent_m, std::vector<alignme
   }
 }
 
+void Forget(flight::RemarkCode code, std::vector<flight::Remark>& warnings) {
+  std::erase_if(warnings, [&](const flight::Remark& said) { return said.code == code; });
+}
+
 // MoveToControl, however far that is.
 std::optional<FlightFacts> MovedToControl(const FlightFacts& known,
                                           const std::vector<flight::GcpList>& lists) {
@@ -109,9 +113,7 @@ std::optional<FlightFacts> MovedToControl(const FlightFacts& known,
   Predict(tied, ExtentM(known), reports);
   if (tied.size() > 1) {  // they say where it lies, no longer whoever placed it by hand
     moved.is_by_hand = false;
-    std::erase_if(moved.flight.warnings, [](const flight::Remark& said) {
-      return said.code == flight::RemarkCode::kControlOverruled;
-    });
+    Forget(flight::RemarkCode::kControlOverruled, moved.flight.warnings);
   }
   const std::vector<flight::Remark> on_points = alignment::RemarksOn(reports);
   moved.flight.warnings.insert(moved.flight.warnings.end(), on_points.begin(), on_points.end());
@@ -217,10 +219,6 @@ double CheckedToM(const FlightFacts& facts) {
   const double common_m = records.empty() ? facts.poses_report.log_position_sigma_m.value_or(0.0)
                                           : poses::CommonErrorOf(records).sigma_m;
   return std::max(alignment::kNoSurveyM, kCheckSigmas * common_m);
-}
-
-void Forget(flight::RemarkCode code, std::vector<flight::Remark>& warnings) {
-  std::erase_if(warnings, [&](const flight::Remark& said) { return said.code == code; });
 }
 
 // Said first, or by what comes next no longer.
