@@ -17,10 +17,6 @@ namespace {
 using flight::Remark;
 using flight::RemarkCode;
 
-bool HasRemark(const std::vector<Remark>& remarks, const Remark& one) {
-  return std::find(remarks.begin(), remarks.end(), one) != remarks.end();
-}
-
 // As AreSameButForNumbers has it, of one value.
 bool AreAlike(const flight::RemarkValue& a, const flight::RemarkValue& b) {
   const auto is_number = [](const flight::RemarkValue& value) {
@@ -146,6 +142,10 @@ void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
     photo.photo = *found->second;
     if (drawn_in) photo.photo.sample_range = drawn_in;
   }
+}
+
+bool HasRemark(const std::vector<Remark>& remarks, const Remark& one) {
+  return std::find(remarks.begin(), remarks.end(), one) != remarks.end();
 }
 
 bool AreSameButForNumbers(const Remark& a, const Remark& b) {

@@ -50,6 +50,7 @@ bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight&
 // The photos of a recalled flight as they were read now (where their files are), drawn as they were.
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight);
 
+bool HasRemark(const std::vector<flight::Remark>& remarks, const flight::Remark& one);
 // Do they say the same of fewer or more photos, say? Also within a sentence.
 bool AreSameButForNumbers(const flight::Remark& a, const flight::Remark& b);
 

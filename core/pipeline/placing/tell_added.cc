@@ -55,10 +55,6 @@ bool IsSaid(const Remark& now, const std::vector<Remark>& said) {
                      [&](const Remark& one) { return AreSameButForNumbers(one, now); });
 }
 
-bool HasExactly(const std::vector<Remark>& said, const Remark& one) {
-  return std::find(said.begin(), said.end(), one) != said.end();
-}
-
 bool IsOfGroups(const Remark& said) {
   return said.code == RemarkCode::kGroups || said.code == RemarkCode::kNoTies;
 }
@@ -134,9 +130,9 @@ void TellPosed(const std::vector<Remark>& posed, bool is_placed, std::vector<Rem
   // Somebody said since where it lies, or surveyed points did.
   if (is_placed)
     std::erase_if(now, [](const Remark& one) { return one.code == RemarkCode::kReckonedFromNowhere; });
-  std::erase_if(warnings, [&](const Remark& said) { return !HasExactly(now, said) && IsSaid(said, now); });
+  std::erase_if(warnings, [&](const Remark& said) { return !HasRemark(now, said) && IsSaid(said, now); });
   for (const Remark& one : now) {
-    if (!HasExactly(warnings, one)) warnings.push_back(one);
+    if (!HasRemark(warnings, one)) warnings.push_back(one);
   }
 }
 
