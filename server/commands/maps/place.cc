@@ -151,12 +151,8 @@ void Run(const PlaceArguments& arguments) {
     return StitchToDirectory(files, options, arguments.map_dir, progress);
   }());
   PrintNotes(report);
-  const bool is_size_known = !report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed);
-  const std::string size = is_size_known ? fmt::format("{:.2f} ha at {:.1f} cm a pixel", report.area_m2 / 1e4,
-                                                       report.gsd_m * 100.0)
-                                         : "size unknown";
-  fmt::print("{}, {:.7f},{:.7f} to {:.7f},{:.7f} (LAT,LON)\n{}\n{}\n", size, report.bounds.south_deg,
-             report.bounds.west_deg, report.bounds.north_deg, report.bounds.east_deg,
+  fmt::print("{}, {:.7f},{:.7f} to {:.7f},{:.7f} (LAT,LON)\n{}\n{}\n", SizeInWords(report),
+             report.bounds.south_deg, report.bounds.west_deg, report.bounds.north_deg, report.bounds.east_deg,
              pipeline::QualityInWords(report.quality), (arguments.map_dir / "mosaic.mbtiles").string());
 }
 

@@ -88,14 +88,8 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
   for (const std::string& line : flight::LeftOutInLines(report.left_out_photos))
     fmt::print("  left out: {}\n", Printable(line));
   PrintNotes(report);
-  if (report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed)) {
-    fmt::print("size unknown, zoom {} to {}, {} tiles\n", report.min_zoom, report.max_zoom,
-               report.tile_count);
-  } else {
-    fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
-               report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
-  }
-  fmt::print("{}\n", pipeline::QualityInWords(report.quality));
+  fmt::print("{}, zoom {} to {}, {} tiles\n{}\n", SizeInWords(report), report.min_zoom, report.max_zoom,
+             report.tile_count, pipeline::QualityInWords(report.quality));
   if (report.ground_choice) {
     fmt::print(
         "--surface auto: {}; {:.0f} % of what ties photos leans by more than two pixels, three photos see {:.0f} % of the ground\n",
