@@ -191,13 +191,14 @@ bool SaysUtc(std::string_view lower) {
   return false;
 }
 
-// "Time (GPST)", but not "GPSTime", as programs call UTC too.
+// "Time (GPST)" and "GPSTimestamp (GPST)", but not "GPSTime", as programs call UTC too.
 bool SaysGpsScale(std::string_view lower) {
   constexpr std::string_view kScale = "gpst";
-  const std::size_t at = lower.find(kScale);
-  if (at == std::string_view::npos) return false;
-  const std::string_view behind = lower.substr(at + kScale.size());
-  return behind.empty() || behind.front() < 'a' || behind.front() > 'z';
+  for (std::size_t at = lower.find(kScale); at != std::string_view::npos; at = lower.find(kScale, at + 1)) {
+    const std::string_view behind = lower.substr(at + kScale.size());
+    if (behind.empty() || behind.front() < 'a' || behind.front() > 'z') return true;
+  }
+  return false;
 }
 
 CsvColumn MapTolerantColumn(std::string_view header) {

@@ -329,7 +329,7 @@ TEST(WrittenTables, TakesTheLeapSecondsOffGpsTime) {
   };
   ExpectTrack(Track("time,lat,lon,alt", ahead("2016-06-23 21:31:", " GPST")), true);
   ExpectTrack(Track("date,time,lat,lon,alt", ahead("2016-06-23,21:31:", " GPST")), true);
-  for (const char* name : {"Time (GPST)", "GPST", "datetime [GPST]"})
+  for (const char* name : {"Time (GPST)", "GPST", "datetime [GPST]", "GPSTimestamp (GPST)"})
     ExpectTrack(Track(std::string(name) + ",lat,lon,alt", ahead("2016-06-23 21:31:", "")), true);
   ExpectTrack(Track("date,time (GPST),lat,lon,alt", ahead("2016-06-23,21:31:", "")), true);
 }
