@@ -13,13 +13,6 @@ namespace {
 constexpr std::size_t kLongestLine = std::size_t{1} << 20;
 constexpr std::size_t kMaxFields = 1024;
 
-std::string_view Unquote(std::string_view field) {
-  field = Trim(field);
-  if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
-    field = field.substr(1, field.size() - 2);
-  return Trim(field);
-}
-
 // Where the field ends whose opening quote stands before `from`: at a separator or the line's end behind a
 // closing quote; doubled quotes are part of the field. npos where the quote is none that closes.
 std::size_t EndOfQuotedField(std::string_view line, std::size_t from, char separator) {
@@ -47,6 +40,13 @@ std::optional<Number> ParseWhole(std::string_view text) {
 }
 
 }  // namespace
+
+std::string_view Unquote(std::string_view field) {
+  field = Trim(field);
+  if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
+    field = field.substr(1, field.size() - 2);
+  return Trim(field);
+}
 
 bool StartsWithIgnoringCase(std::string_view text, std::string_view start) {
   return text.size() >= start.size() && LowerCase(text.substr(0, start.size())) == LowerCase(start);

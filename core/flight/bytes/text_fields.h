@@ -85,6 +85,8 @@ inline bool NextFilledLine(LineReader& lines, ConsumedSteps& steps, std::string_
   return false;
 }
 
+// Trimmed, without the double quotes around it and the blanks within these.
+std::string_view Unquote(std::string_view field);
 // Cuts at `separator`; fields that begin and end with double quotes may hold it (a quote elsewhere is a
 // letter: 33.4"). A blank as separator: at runs of blanks. At most 1024 fields; fields are trimmed.
 void SplitFields(std::string_view line, char separator, std::vector<std::string_view>& fields);

@@ -50,11 +50,6 @@ ListColumn KindOfColumn(std::string_view name) {
 
 constexpr char kQuote = '"';
 
-std::string_view WithoutQuotes(std::string_view cell) {
-  const bool is_quoted = cell.size() >= 2 && cell.front() == kQuote && cell.back() == kQuote;
-  return is_quoted ? Trim(cell.substr(1, cell.size() - 2)) : cell;
-}
-
 enum class NameBegins { kBehindNumber, kWithRow };
 
 // A photo's name that blanks have cut is one cell again: up to its ending, from the quote that opens it or
@@ -77,7 +72,7 @@ bool JoinPictureName(NameBegins begins, std::vector<std::string_view>& words) {
   }
   const bool is_joined = !is_quoted && first != last;
   const auto length = static_cast<std::size_t>(last->data() + last->size() - first->data());
-  *first = WithoutQuotes({first->data(), length});
+  *first = Unquote({first->data(), length});
   words.erase(std::next(first), std::next(last));
   return is_joined;
 }
