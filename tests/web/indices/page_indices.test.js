@@ -111,6 +111,23 @@ test('an index lies over the map in its colours, which follow what is chosen and
   assert.equal(await shows([200, 40, 200]), 0);
 });
 
+test('a button below counts when the value of a place comes while it is pressed', options, async () => {
+  const { page, mock } = await openIndices();
+  const release = await holdRequests(page, '**/point?*');
+  await page.selectOption('#index', 'vari');
+  await page.waitForSelector('#index-histogram rect');
+  const map = await page.locator('#map').boundingBox();
+  await page.mouse.move(map.x + 100, map.y + 300);
+  await Promise.all([page.waitForRequest('**/point?*'), page.mouse.move(map.x + 120, map.y + 320)]);
+  await page.hover('#index-geotiff');
+  await page.mouse.down();
+  release();
+  await page.waitForFunction(() => document.querySelector('#index-value')?.textContent?.includes('0.250'));
+  await page.mouse.up();
+  await page.waitForSelector('#exports li');
+  assert.deepEqual([...mock.flights.values()][0].exports.map((/** @type {any} */ { format, index }) => [format, index]), [['geotiff', 'vari']]);
+});
+
 test('a formula of one\'s own is shown, and where it cannot be read the page says where', options, async () => {
   const { page } = await openIndices({ locale: 'en-GB', errors: /400/ });
   await page.selectOption('#index', 'own');

@@ -129,6 +129,8 @@ export function indexSection(view, download) {
     recolour();
   };
 
+  const drawValue = (/** @type {number|null} */ found) => put(value, h('span', { class: 'muted' }, words.value), h('span', { class: 'mono' }, found === null ? '\u2013' : fixed(found, 3)));
+
   const stop = () => {
     turn += 1;
     shown = null;
@@ -145,6 +147,7 @@ export function indexSection(view, download) {
     const own_turn = turn;
     const bounds = view.bounds;
     if (!bounds) return;
+    drawValue(null);  // its line is there before it: what lies below stays where one clicks
     put(calibration, words.calibrations[calibrationOf(index.expression, view.has_bands ? bands?.bands ?? [] : null)]);
     if (!fits) {
       [least.value, most.value] = index.rescale.map(String);
@@ -180,7 +183,7 @@ export function indexSection(view, download) {
     if (!index) return;
     const found = await getIndexValue(view.flight_id, indexQuery(index), place.lng, place.lat).catch(() => null);  // the next place asks again
     if (own_turn !== place_turn || index !== shown) return;
-    put(value, h('span', { class: 'muted' }, words.value), h('span', { class: 'mono' }, found === null ? '\u2013' : fixed(found, 3)));
+    drawValue(found);
   };
   let place = view.map.getCenter();
   const showValueSoon = afterPause(() => void showValue(place), kCursorPause_ms);
