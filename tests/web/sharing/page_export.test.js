@@ -11,8 +11,6 @@ await loadFlightStrings();
 
 const { setUpReady } = usePages();
 const ring = [[7.438, 46.951], [7.439, 46.951], [7.439, 46.952], [7.438, 46.951]];
-/** An export that is being made for as long as a case takes. */
-const kLong = { id: 'e1', format: 'geotiff' };
 const feature = (/** @type {any} */ geometry) => ({ type: 'Feature', properties: {}, geometry });
 
 test('what the form says is what the server is asked for', () => {
@@ -74,11 +72,17 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
   });
 }
 
+/** The exports of a flight, one of which is being made for as long as a case takes. */
+async function openWithLong() {
+  const opened = await setUpReady('Meadow');
+  opened.flight.exports = [{ id: 'e1', format: 'geotiff', at: Date.now() + 60_000 }];
+  await opened.page.click('#flight-download');
+  await opened.page.click('#export-open');
+  return opened;
+}
+
 test('an export is stopped by a click that begins before it goes on and ends after that', options, async () => {
-  const { page, flight } = await setUpReady('Meadow');
-  flight.exports = [{ ...kLong, at: Date.now() + 60_000 }];
-  await page.click('#flight-download');
-  await page.click('#export-open');
+  const { page, flight } = await openWithLong();
   await page.hover('#exports li button');
   await page.mouse.down();
   // Its progress is another in each answer.
@@ -91,10 +95,7 @@ test('an export is stopped by a click that begins before it goes on and ends aft
 });
 
 test('an export that is deleted does not come back with an answer from before', options, async () => {
-  const { page, flight } = await setUpReady('Meadow');
-  flight.exports = [{ ...kLong, at: Date.now() + 60_000 }];
-  await page.click('#flight-download');
-  await page.click('#export-open');
+  const { page, flight } = await openWithLong();
   await page.waitForSelector('#exports li progress');
   const { isHeld, release } = await holdAnswer(page, `**/flights/${flight.id}/exports`);
   await until(isHeld);
