@@ -368,7 +368,7 @@ export class FlightView {
     // The report does not wait for the map: a slow graphics card must not hide the figures.
     const report = is_new ? getReport(flight.id, this.#abort.signal).catch((error) => error) : null;
     const shown = await this.stage.show(flight);
-    if (this.#abort.signal.aborted) return;
+    if (this.#abort.signal.aborted || flight !== this.flight) return;  // what a later answer drew stays
     if (!flight.tilejson) put(this.#result);
     if (!shown || !report) return;
     this.#shown_revision = revision;
