@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/align_by_pose.h"
 #include "core/bands/captures.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"

@@ -199,7 +199,7 @@ constexpr JobOption kTable[] = {
      .help = "JPEG or WebP quality of the tiles",
      .get = Get<&Options::jpeg_quality>, .set = SetQuality},
     {.name = "method", .kind = kChoice, .decides_of_map = true, .choices = kWordsIn<kAlignMethods>,
-     .help = "How photos are placed. auto: poses refined by image features, and where angles, heights or positions are missing or wrong photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded poses alone, no pixel compared; features: homographies chained from photo to photo, and the whole laid on the recorded positions; direct: recorded poses refined by comparing whole pictures",
+     .help = "How photos are placed. auto: poses refined by image features, and where angles, heights or positions are missing or wrong photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded poses alone, no pixel compared",
      .get = GetChoice<kAlignMethods, &Options::method>, .set = SetChoice<kAlignMethods, &Options::method>},
     {.name = "surface", .kind = kChoice, .decides_of_map = true, .choices = kWordsIn<kMapGrounds>,
      .help = "smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, walls and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in the photos first, which takes several times as long; auto: dense where what stands on the ground leans by more than two pixels and three photos see most of it. A flight that would be cut into units is made by one worker where it is not smooth",

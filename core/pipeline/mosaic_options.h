@@ -21,7 +21,7 @@
 
 namespace skyquilt::pipeline {
 
-enum class AlignMethod { kAuto, kImu, kFeatures, kDirect, kImages };
+enum class AlignMethod { kAuto, kImages, kImu };
 
 // What photos are laid on: the ground alone, on which houses and trees lean, or heights of every cell; or
 // whichever the flight asks for (surface/choose_ground.h).
@@ -34,9 +34,7 @@ enum class MapHeights { kNone, kSurface, kGround };
 // As users write them.
 inline constexpr std::pair<const char*, AlignMethod> kAlignMethods[] = {{"auto", AlignMethod::kAuto},
                                                                         {"images", AlignMethod::kImages},
-                                                                        {"imu", AlignMethod::kImu},
-                                                                        {"features", AlignMethod::kFeatures},
-                                                                        {"direct", AlignMethod::kDirect}};
+                                                                        {"imu", AlignMethod::kImu}};
 inline constexpr std::pair<const char*, MapGround> kMapGrounds[] = {
     {"smooth", MapGround::kSmooth}, {"dense", MapGround::kDense}, {"auto", MapGround::kAuto}};
 const char* NameOf(MapGround ground);

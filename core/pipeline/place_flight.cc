@@ -10,9 +10,7 @@
 #include <utility>
 
 #include "core/alignment/align_flight.h"
-#include "core/alignment/baselines/align_by_features.h"
-#include "core/alignment/baselines/align_by_pose.h"
-#include "core/alignment/baselines/align_directly.h"
+#include "core/alignment/align_by_pose.h"
 #include "core/bands/calibrate_by_panels.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/try.h"
@@ -65,10 +63,6 @@ Result<alignment::AlignedFlight> Align(const poses::PosedFlight& posed,
   switch (options.method) {
     case AlignMethod::kImu:
       return alignment::AlignByPoseOnly(posed);
-    case AlignMethod::kFeatures:
-      return alignment::AlignByFeatures(posed, source, align_options, report, progress);
-    case AlignMethod::kDirect:
-      return alignment::AlignDirectly(posed, source, align_options, report, progress);
     case AlignMethod::kAuto:
       break;
     case AlignMethod::kImages:

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/align_by_pose.h"
 #include "core/base/try.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"

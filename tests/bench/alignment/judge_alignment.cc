@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/align_by_pose.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {

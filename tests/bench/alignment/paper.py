@@ -22,9 +22,10 @@ import numpy
 from osgeo import gdal
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import chain_homographies  # noqa: E402
 from map_against_truth import after_similarity, measure, metres_per_degree, rotation  # noqa: E402
 
-METHODS = ("imu", "features", "direct", "auto")
+METHODS = ("imu", "features", "auto")
 PAIR = ["--photos", "2", "--overlap", "0.3", "--pixel-noise", "8", "--shutter-ms", "8", "--yaw", "any", "--tilt-deg", "5"]
 SCENES = [
     ("Rough ground from 20 m, large displacement and rotation",
@@ -42,10 +43,11 @@ INTRODUCTION = """# The paper's comparison
 Section III of Iz and Unel ("Aerial Image Stitching Using IMU Data from a UAV") shows that features tear or mismatch
 where the ground is rough, the photos are far apart or all looks alike, and that recorded poses do not. The same
 scenes here, simulated, so that the truth is known; positions 1.5 m, tilt 0.6 and yaw 1.5 degrees, focal length 1 %
-off. `imu` is the paper's method with its geometry done exactly, `features` its baseline (homographies chained as in
-its equations 1 to 3), `direct` shifts whole pictures, `auto` is what `skyquilt stitch` does. Error: nine of ten patches
-of the map (on level ground: pixels of its photos) lie nearer to their true place; relative, after the best shift, turn
-and scale of the whole map. The absolute error of all is that of the recorded positions. A dash: too little to measure.
+off. `imu` is the paper's method with its geometry done exactly (`skyquilt stitch --method imu`), `features` its baseline
+(homographies chained as in its equations 1 to 3, by OpenCV: `chain_homographies.py`), `auto` is what `skyquilt stitch`
+does. Error: nine of ten patches of the map (on level ground: pixels of its photos) lie nearer to their true place;
+relative, after the best shift, turn and scale of the whole map. The absolute error of all is that of the recorded
+positions. A dash: too little to measure.
 
 Made by `python3 tests/bench/alignment/paper.py PROGRAM` on {machine}.
 
@@ -57,77 +59,129 @@ def number(value, digits=3):
     return "-" if value is None else f"{value:.{digits}f}"
 
 
-def on_the_ground(size_px, focal_px, center_px, distortion, cam_from_enu_wxyz, center_in_enu, ground_z):
-    """Where a photo's 5 x 5 pixels, spread over it, lie on level ground: east and north in metres."""
+def over_photo(size_px):
+    """5 x 5 pixels, spread over a photo."""
     across = (numpy.arange(5) + 0.5) / 5
-    pixels = numpy.stack(numpy.meshgrid(across * size_px[0] - 0.5, across * size_px[1] - 0.5), -1).reshape(-1, 1, 2)
+    return numpy.stack(numpy.meshgrid(across * size_px[0] - 0.5, across * size_px[1] - 0.5), -1).reshape(-1, 1, 2)
+
+
+def on_the_ground(size_px, focal_px, center_px, distortion, cam_from_enu_wxyz, center_in_enu, ground_z):
+    """Where a photo's pixels lie on level ground: east and north in metres."""
     lens = numpy.array([[focal_px[0], 0, center_px[0]], [0, focal_px[1], center_px[1]], [0, 0, 1]])
-    rays = cv2.undistortPoints(pixels, lens, numpy.array(distortion)).reshape(-1, 2)
+    rays = cv2.undistortPoints(over_photo(size_px), lens, numpy.array(distortion)).reshape(-1, 2)
     rays = numpy.column_stack([rays, numpy.ones(len(rays))]) @ rotation(cam_from_enu_wxyz)
     return center_in_enu[:2] + rays[:, :2] * ((ground_z - center_in_enu[2]) / rays[:, 2])[:, None]
 
 
-def shifts_of_pixels(folder, truth):
-    """As `measure`, by where the photos' pixels lie: on level ground that tells of photos that show nothing to compare by."""
-    located = json.loads((folder / "locate.json").read_text())
-    per_lat, per_lon = metres_per_degree(truth["origin"]["lat_deg"])
-    origin = numpy.array([(located["origin"][1] - truth["origin"]["lon_deg"]) * per_lon,
-                          (located["origin"][0] - truth["origin"]["lat_deg"]) * per_lat])
+def shown_by_cameras(located):
+    """By name: where the photos' pixels lie on the map."""
     ground_z = numpy.median(located["ground"].get("heights_m") or [located["ground"]["z_m"]])
-    true_photo, lens = {photo["name"]: photo for photo in truth["photos"]}, truth["intrinsics"]
-    shown, real = [], []
-    for camera in located["cameras"]:
-        photo = true_photo[camera["name"]]
-        center = -rotation(camera["rotation_wxyz"]).T @ camera["translation_m"]
-        shown.append(origin + on_the_ground(camera["size_px"], camera["focal_px"], camera["center_px"], camera["distortion"],
-                                            camera["rotation_wxyz"], center, ground_z))
-        real.append(on_the_ground(camera["size_px"], (lens["focal_x_px"], lens["focal_y_px"]), (lens["center_x_px"], lens["center_y_px"]),
-                                  [lens[name] for name in ("k1", "k2", "p1", "p2", "k3")], photo["cam_from_enu_wxyz"],
-                                  numpy.array(photo["camera_center_in_enu"]), 0.0))
-    shown, real = numpy.vstack(shown), numpy.vstack(real)
-    return shown - real, real
+    return {camera["name"]: on_the_ground(camera["size_px"], camera["focal_px"], camera["center_px"], camera["distortion"],
+                                          camera["rotation_wxyz"],
+                                          -rotation(camera["rotation_wxyz"]).T @ camera["translation_m"], ground_z)
+            for camera in located["cameras"]}
 
 
-def truth_error(folder, made):
+def shown_by_chain(photos, placed):
+    """The same of chained homographies."""
+    return {photo.name: chain_homographies.mapped(
+                placed[photo.name],
+                cv2.undistortPoints(over_photo(photo.picture.shape[1::-1]), *photo.lens, P=photo.lens[0]))
+            for photo in photos if photo.name in placed}
+
+
+def shifts_of_pixels(origin, shown, truth):
+    """As `measure`, by where the photos' pixels lie: on level ground that tells of photos that show nothing to compare by."""
+    per_lat, per_lon = metres_per_degree(truth["origin"]["lat_deg"])
+    moved = numpy.array([(origin[1] - truth["origin"]["lon_deg"]) * per_lon, (origin[0] - truth["origin"]["lat_deg"]) * per_lat])
+    lens = truth["intrinsics"]
+    real = {photo["name"]: on_the_ground((lens["width_px"], lens["height_px"]), (lens["focal_x_px"], lens["focal_y_px"]),
+                                         (lens["center_x_px"], lens["center_y_px"]),
+                                         [lens[name] for name in ("k1", "k2", "p1", "p2", "k3")], photo["cam_from_enu_wxyz"],
+                                         numpy.array(photo["camera_center_in_enu"]), 0.0) for photo in truth["photos"]}
+    if not shown:
+        return numpy.empty((0, 2)), numpy.empty((0, 2))
+    centres = numpy.vstack([real[name] for name in shown])
+    return moved + numpy.vstack(list(shown.values())) - centres, centres
+
+
+def truth_error(mosaic, origin, shown, made):
     """CE90 in metres, as it is and after a similarity: of the photos' pixels on level ground, of the map's patches on any
     other; none where too few can be compared, or the flight `made` was not simulated."""
     if not (made / "truth" / "poses.json").exists():
         return None, None
     truth = json.loads((made / "truth" / "poses.json").read_text())
     if truth["relief_m"] > 0:
-        shifts, centres, _, _ = measure(folder / "mosaic.mbtiles", made / "truth" / "world.tif")
+        shifts, centres, _, _ = measure(mosaic, made / "truth" / "world.tif")
     else:
-        shifts, centres = shifts_of_pixels(folder, truth)
+        shifts, centres = shifts_of_pixels(origin, shown, truth)
     if len(shifts) < 4:
         return None, None
     return (float(numpy.percentile(numpy.linalg.norm(shifts, axis=1), 90)),
             float(numpy.percentile(after_similarity(shifts, centres), 90)))
 
 
-def run(program, method, photos, folder, made):
-    """A row of the table, and the folder of the map where there is one."""
-    used, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+def cpu_s():
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
+
+
+def stitch(program, method, photos, folder, made):
+    """A row of the table after its name, but for its cost; and the map where there is one."""
     ran = subprocess.run([program, "stitch", photos, "-o", folder, "--method", method, "--overwrite"], capture_output=True,
-                          text=True)
-    wall_s = time.monotonic() - start
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    cost = f"{wall_s:.1f} | {after.ru_utime + after.ru_stime - used.ru_utime - used.ru_stime:.1f} |"
+                         text=True)
     if ran.returncode != 0:
-        return f"| {method} | none: {(ran.stderr.strip().splitlines() or [ran.returncode])[-1]} | - | - | - | - | - | {cost}\n", None
-    report = json.loads((folder / "report.json").read_text())
-    counts, alignment, seams = report["photos"], report["alignment"] or {}, report["seams"] or {}
-    if not seams.get("reliable"):
-        seams = {}  # nothing was measured
-    absolute_m, relative_m = truth_error(folder, made)
-    return (f"| {method} | {counts['aligned'] + counts['pose_only']} of {counts['total']} | {counts['aligned']} "
-            f"| {alignment.get('pieces') or '-'} | {number(absolute_m)} / {number(relative_m)} "
-            f"| {number(alignment.get('residual_rms_px'), 2)} "
-            f"| {number(seams.get('median_m'))} / {number(seams.get('p90_m'))} | {cost}\n"), folder
+        return lambda: (f"none: {(ran.stderr.strip().splitlines() or [ran.returncode])[-1]} | - | - | - | - | -", None)
+
+    def told():
+        report = json.loads((folder / "report.json").read_text())
+        counts, alignment, seams = report["photos"], report["alignment"] or {}, report["seams"] or {}
+        if not seams.get("reliable"):
+            seams = {}  # nothing was measured
+        located = json.loads((folder / "locate.json").read_text())
+        mosaic = folder / "mosaic.mbtiles"
+        absolute_m, relative_m = truth_error(mosaic, located["origin"], shown_by_cameras(located), made)
+        return (f"{counts['aligned'] + counts['pose_only']} of {counts['total']} | {counts['aligned']} "
+                f"| {alignment.get('pieces') or '-'} | {number(absolute_m)} / {number(relative_m)} "
+                f"| {number(alignment.get('residual_rms_px'), 2)} "
+                f"| {number(seams.get('median_m'))} / {number(seams.get('p90_m'))}"), mosaic
+    return told
 
 
-def panels(folder, method):
+def chain(located_file, photos_folder, folder, made):
+    """The same by chained homographies."""
+    if not located_file.exists():
+        return lambda: ("none: no photo has a position | - | - | - | - | -", None)
+    photos, placed = chain_homographies.make(photos_folder, located_file, folder)
+    if not placed:
+        return lambda: ("none: no two photos match | - | - | - | - | -", None)
+
+    def told():
+        origin = json.loads(located_file.read_text())["origin"]
+        absolute_m, relative_m = truth_error(folder / "mosaic.tif", origin, shown_by_chain(photos, placed), made)
+        agreeing = [photo for photo in photos if photo.name in placed and photo.agreeing]
+        residual_px = numpy.sqrt(sum(photo.square_px for photo in agreeing) / max(1, sum(photo.agreeing for photo in agreeing)))
+        return (f"{len(placed)} of {len(photos)} | {len(placed)} "
+                f"| {len({photo.component for photo in photos if photo.name in placed})} "
+                f"| {number(absolute_m)} / {number(relative_m)} | {number(residual_px, 2)} | - / -"), folder / "mosaic.tif"
+    return told
+
+
+def run(program, method, photos, out, made):
+    """A row of the table, and the map where there is one."""
+    used_s, start = cpu_s(), time.monotonic()
+    if method == "features":  # the recorded positions as the first method took them
+        told = chain(out / "imu" / "locate.json", photos, out / method, made)
+    else:
+        told = stitch(program, method, photos, out / method, made)
+    cost = f"{time.monotonic() - start:.1f} | {cpu_s() - used_s:.1f} |"
+    row, mosaic = told()
+    return f"| {method} | {row} | {cost}\n", mosaic
+
+
+def panels(file, method):
     """The whole map and its middle at full size, with the method's name over each."""
-    mosaic = gdal.Open(str(folder / "mosaic.mbtiles"))
+    mosaic = gdal.Open(str(file))
     width, height = mosaic.RasterXSize, mosaic.RasterYSize
     scale = PANEL_PX / max(width, height)
     size = (max(1, round(width * scale)), max(1, round(height * scale)))
@@ -147,9 +201,9 @@ def compare(program, photos, made, out):
     """The table of one flight by every method, and their maps beside each other."""
     table, columns = HEAD, []
     for method in METHODS:
-        row, folder = run(program, method, photos, out / method, made)
+        row, mosaic = run(program, method, photos, out, made)
         table += row
-        columns.append(panels(folder, method) if folder else numpy.full((2 * (PANEL_PX + 24), PANEL_PX, 3), 255, numpy.uint8))
+        columns.append(panels(mosaic, method) if mosaic else numpy.full((2 * (PANEL_PX + 24), PANEL_PX, 3), 255, numpy.uint8))
     return table, numpy.hstack(columns)
 
 

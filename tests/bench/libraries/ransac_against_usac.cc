@@ -1,5 +1,5 @@
 // Our robust estimators beside OpenCV's USAC, on made pairs with a known share of right ones (noise of one
-// pixel, the others anywhere): homographies by RobustHomography (core/alignment/baselines), two views of
+// pixel, the others anywhere): homographies by RobustHomography (core/alignment/estimators), two views of
 // ground in relief by VerifyTwoViews (core/alignment/estimators). Both get 300 pairs in photos of 4000 x 3000
 // pixels.
 //   ransac_against_usac [PROBLEMS a share]

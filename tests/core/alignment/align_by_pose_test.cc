@@ -1,4 +1,4 @@
-#include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/align_by_pose.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/align_by_pose.h"
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/simulate/sensors/recorded_pose.h"

@@ -2,7 +2,7 @@
 // ground.
 #include <gtest/gtest.h>
 
-#include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/align_by_pose.h"
 #include "core/base/median.h"
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"

@@ -53,7 +53,7 @@ inline alignment::AlignPhotoReport FullPhotoReport() {
   alignment::AlignPhotoReport photo;
   photo.name = "DJI_1.JPG";
   photo.placement = alignment::Placement::kAligned;
-  photo.remarks = {flight::RemarkCode::kByPoseNoFit, flight::RemarkCode::kDoubtBlurred};
+  photo.remarks = {flight::RemarkCode::kByPoseAlone, flight::RemarkCode::kDoubtBlurred};
   photo.features = 4000;
   photo.links = 6;
   photo.observations = 321;

@@ -136,7 +136,7 @@ TEST(ReportCodec, KeepsTheNamesThatFilesHave) {
       R"("k3":0.3,"p1":0.0001,"p2":-0.0002},"sigma_focal_px":0.4,"focal_is_held":false}],)"
       R"("photo_reports":[{"name":"DJI_1.JPG","placement":"aligned",)"
       R"("reason":"placed by its recorded pose: no other picture fits it unambiguously; is blurred",)"
-      R"("remarks":[{"code":"by_pose_no_fit","values":{}},{"code":"doubt_blurred","values":{}}],)"
+      R"("remarks":[{"code":"by_pose_alone","values":{}},{"code":"doubt_blurred","values":{}}],)"
       R"("features":4000,"links":6,"observations":321,"residual_rms_px":0.6,"moved_m":0.3333333333333333,)"
       R"("turned_deg":-2.5,"placed_by":"images","faults":["position_wrong",)"
       R"("yaw_wrong","stored_turned","copy","blurred","other_place","far_away"]}],)"

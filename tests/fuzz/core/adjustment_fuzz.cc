@@ -1,11 +1,9 @@
-// libFuzzer: the whole alignment of flights and pictures of any kind, by every method. Checked: it ends, and
+// libFuzzer: the whole alignment of flights and pictures of any kind. Checked: it ends, and
 // what comes out and is plausible has a pose of numbers.
 #include <cstdint>
 #include <map>
 
 #include "core/alignment/align_flight.h"
-#include "core/alignment/baselines/align_by_features.h"
-#include "core/alignment/baselines/align_directly.h"
 #include "core/base/check.h"
 #include "core/poses/plausible_poses.h"
 #include "tests/fuzz/core/flight_from_bytes.h"
@@ -69,10 +67,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.threads = 1;
   SilentProgress progress;
   alignment::AlignReport report;
-  const int method = bytes.Below(3);
-  const auto aligned = method == 0   ? alignment::AlignFlight(posed, pictures, options, report, progress)
-                       : method == 1 ? alignment::AlignByFeatures(posed, pictures, options, report, progress)
-                                     : alignment::AlignDirectly(posed, pictures, options, report, progress);
+  const auto aligned = alignment::AlignFlight(posed, pictures, options, report, progress);
   if (!aligned) SKYQUILT_CHECK(aligned.error().message.size() > 20, "a refusal without a reason");
   return 0;
 }

@@ -28,7 +28,7 @@ import { parsePlace } from '../map/parse_place.js';
 
 /** What is chosen of each; the first where nothing is said. @type {Record<Choice, string[]>} */
 export const kChoices = {
-  method: ['auto', 'images', 'imu', 'features', 'direct'],
+  method: ['auto', 'images', 'imu'],
   surface: ['smooth', 'dense', 'auto'],
   heights: ['none', 'dsm', 'dtm'],
   format: ['auto', 'jpeg-png', 'webp'],

@@ -31,7 +31,6 @@ export const failure_words = {
   fail_none_drawable: (v) => `Kein Foto lässt sich dort zeichnen, wo es platziert wurde. ${v.left}`,
   fail_nothing_in_common: () => 'Kein Foto sagt, wo es aufgenommen wurde, und die Fotos zeigen zu wenig Gemeinsames, um danach gelegt zu werden. Fügen Sie das Flugprotokoll, eine Positionsliste (geo.txt) oder Fotos hinzu, die mehr überlappen.',
   fail_too_few_without_places: () => 'Kein Foto zeichnet auf, wo es aufgenommen wurde. Nur drei oder mehr Fotos, die sich überlappen und Einzelheiten zeigen, lassen sich allein danach aneinanderlegen. Fügen Sie weitere hinzu, das Flugprotokoll oder eine Positionsliste (geo.txt).',
-  fail_no_features_match: () => 'Keine zwei Fotos passen allein nach ihren Merkmalen zusammen. Wählen Sie in den Optionen das automatische Verfahren.',
   fail_all_look_up: () => 'Nach den aufgezeichneten Winkeln und Höhen blickt kein Foto auf den Boden. Prüfen Sie die Winkel und wovon die Höhen zählen.',
   fail_no_ground: () => 'Die Fotos wurden platziert, aber keines zeigt Boden.',
   fail_no_ground_in_boundary: () => 'Die Fotos wurden platziert, aber keines zeigt Boden innerhalb der Fläche. Zeichnen Sie die Fläche über dem Flug, oder lassen Sie sie weg.',

@@ -59,8 +59,6 @@ export const option_words = {
       auto: 'Automatisch',
       images: 'Allein nach den Fotos',
       imu: 'Allein nach den Metadaten',
-      features: 'Merkmale, auf die Positionen gelegt',
-      direct: 'Metadaten, verfeinert durch Helligkeit',
     },
     surface: { smooth: 'Wie sie in den Fotos kippen', dense: 'Aufrecht (True Orthophoto)', auto: 'Aufrecht, wo sie stark kippen' },
     heights: { none: 'Keine', dsm: 'Oberfläche (DOM)', dtm: 'Mit Gelände (DOM, DGM)' },

@@ -34,7 +34,6 @@ export const failure_words = {
   fail_none_drawable: (v) => `No photo can be drawn where it was placed. ${v.left}`,
   fail_nothing_in_common: () => 'No photo records where it was taken, and the photos show too little in common to be placed by that. Add the flight log, a list of positions (geo.txt), or photos that overlap more.',
   fail_too_few_without_places: () => 'No photo records where it was taken. Only three photos or more that overlap and show some detail can be laid to each other by that alone. Add more of them, or the flight log or a geo.txt with positions.',
-  fail_no_features_match: () => 'No two photos match by their features alone. Choose the automatic method in the options.',
   fail_all_look_up: () => 'By their recorded angles and heights no photo looks at the ground. Check the angles, and what the heights count from.',
   fail_no_ground: () => 'The photos were placed, but none of them shows any ground.',
   fail_no_ground_in_boundary: () => 'The photos were placed, but none of them shows any ground within the area. Draw the area over the flight, or leave it out.',

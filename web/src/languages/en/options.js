@@ -59,8 +59,6 @@ export const option_words = {
       auto: 'Automatic',
       images: 'By the photos alone',
       imu: 'By the metadata alone',
-      features: 'Features, laid on the positions',
-      direct: 'Metadata refined by brightness',
     },
     surface: { smooth: 'As they lean in the photos', dense: 'Upright (true orthophoto)', auto: 'Upright where they lean much' },
     heights: { none: 'None', dsm: 'Surface (DSM)', dtm: 'Surface and ground (DTM)' },

@@ -51,9 +51,8 @@ class JobOptions(TypedDict, total=False):
     quality: int
     # How photos are placed. auto: poses refined by image features, and where angles, heights or positions are missing
     # or wrong photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded
-    # poses alone, no pixel compared; features: homographies chained from photo to photo, and the whole laid on the
-    # recorded positions; direct: recorded poses refined by comparing whole pictures
-    method: Literal['auto', 'images', 'imu', 'features', 'direct']
+    # poses alone, no pixel compared
+    method: Literal['auto', 'images', 'imu']
     # smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, walls
     # and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in the photos
     # first, which takes several times as long; auto: dense where what stands on the ground leans by more than two

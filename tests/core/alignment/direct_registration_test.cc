@@ -1,0 +1,51 @@
+// Ties by comparing pictures as a whole, alone: they must bring photos together that their poses leave apart.
+#include "core/alignment/from_records/direct_registration.h"
+
+#include <gtest/gtest.h>
+
+#include "core/alignment/align_by_pose.h"
+#include "core/alignment/features/features.h"
+#include "core/alignment/from_records/bundle_setup.h"
+#include "tests/core/alignment/simulated_case.h"
+#include "tests/support/value_of.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+double ErrorM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight) {
+  return MeasureGroundError(truth, flight, ground::GroundSurface::Plane(flight.ground_z_in_enu_m))
+      .relative_ce90_m;
+}
+
+TEST(DirectTracks, MovePhotosTogetherThatPosesLeaveApart) {
+  const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
+  const poses::PosedFlight posed = PosesOf(truth);
+  SilentProgress progress;
+  const Photographed photographed =
+      ExtractAll(posed, test::PhotosOf(truth), {.max_features = 0}, {}, 2, 1.0, progress);
+  MatchingInput input = MakeMatchingInput(posed);
+  input.features = photographed.Readable();
+  std::vector<CorrectedPose> as_recorded;
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    CorrectedPose& uncorrected = as_recorded.emplace_back();
+    uncorrected.start_cam_from_enu = uncorrected.prior_cam_from_enu = photo.cam_from_enu;
+  }
+  const Relief flat(posed.ground_z_in_enu_m);
+  BundleProblem problem = MakeBundle(posed, as_recorded, FindLines(EastNorthOf(posed.photos)));
+  problem.soft_tracks = DirectTracks(input, SelectPairs(input.views, input.ground_sigma_m, flat), {}, flat, 2);
+  AdjustBundle(problem, {.cuts_px = {0.0}, .adjust_lens = false});
+
+  const AlignedFlight recorded = AlignByPoseOnly(posed);
+  AlignedFlight moved = recorded;
+  int tied = 0;
+  const std::vector<DirectSupport> support = SupportOf(ViewsOf(problem), problem.soft_tracks);
+  for (std::size_t i = 0; i < moved.photos.size(); ++i) {
+    moved.photos[i].cam_from_enu = problem.photos[i].cam_from_enu;
+    tied += support[i].ties > 0;
+  }
+  EXPECT_GT(tied, 5);
+  EXPECT_LT(ErrorM(truth, moved), 0.7 * ErrorM(truth, recorded));
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
