@@ -176,7 +176,7 @@ def draw(photos, placed, origin, file):
         weights += weight
     colours = numpy.round(total / numpy.maximum(weights, 1e-20)[..., None]).astype(numpy.uint8)
     local = gdal.GetDriverByName("MEM").Create("", width, height, 4)
-    local.SetGeoTransform((west, gsd_m, 0, north, 0, -gsd_m))
+    local.SetGeoTransform((west - gsd_m / 2, gsd_m, 0, north + gsd_m / 2, 0, -gsd_m))  # counted from corners
     reference = osr.SpatialReference()
     reference.ImportFromProj4(f"+proj=aeqd +lat_0={origin[0]} +lon_0={origin[1]} +datum=WGS84")
     local.SetProjection(reference.ExportToWkt())
