@@ -28,10 +28,10 @@ test('the form offers what the contract allows', () => {
 });
 
 test('what was typed is what is asked for, and comes back into the form', () => {
-  const form = { ...kStandard, resolution_cm: '2,5', not_finer: false, method: 'features', surface: 'dense', heights: 'dtm', layers: ['height'], max_look_deg: '55', readout_ms: '0', format: 'webp', quality: '90', origin: '46.95, 7.44', takeoff_height_m: '-3.5', boundary: kArea };
+  const form = { ...kStandard, resolution_cm: '2,5', not_finer: false, method: 'images', surface: 'dense', heights: 'dtm', layers: ['height'], max_look_deg: '55', readout_ms: '0', format: 'webp', quality: '90', origin: '46.95, 7.44', takeoff_height_m: '-3.5', boundary: kArea };
   const { options: asked, faults } = optionsOf(form);
   assert.deepEqual(faults, []);
-  assert.deepEqual(asked, { gsd_m: 0.025, not_finer_than_photos: false, method: 'features', surface: 'dense', heights: 'dtm', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44], takeoff_height_m: -3.5, boundary: kArea });
+  assert.deepEqual(asked, { gsd_m: 0.025, not_finer_than_photos: false, method: 'images', surface: 'dense', heights: 'dtm', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44], takeoff_height_m: -3.5, boundary: kArea });
   assert.deepEqual(formOf(asked), { ...form, resolution_cm: '2.5' });
   assert.deepEqual(optionsOf(kStandard).options, { layers: kLayers }, 'nothing chosen is nothing asked for');
   for (const preset of Object.values(kPresets)) assert.deepEqual(formOf(optionsOf(preset).options), preset);
