@@ -117,6 +117,15 @@ test('a flight is renamed by keyboard', options, async () => {
   assert.equal(flight.name, 'New name');
 });
 
+test('the skip link leads to the panel of what is open', options, async () => {
+  const { page, flight } = await setUpReady('Meadow');
+  await page.focus('.skip');
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => document.activeElement?.id === 'panel-body');
+  assert.equal(new URL(page.url()).hash, `#/flights/${flight.id}`);
+  assert.equal(await page.textContent('#flight-title'), 'Meadow');
+});
+
 test('a deleted flight is in the trash at once, whatever happens to the page, and comes back from there', options, async () => {
   const { page, mock, flight } = await setUpReady('Meadow');
   await page.click('#flight-delete');

@@ -40,7 +40,12 @@ function languageChoice() {
 /** What index.html leaves out, because it has words: links and buttons around the panel. */
 function fillFrame() {
   const words = strings.page;
-  document.body.prepend(h('a', { class: 'skip', href: '#panel-body' }, words.skip));
+  // The address names what is open: it is no place to jump to.
+  const skip = (/** @type {Event} */ event) => {
+    event.preventDefault();
+    panel_body.focus();
+  };
+  document.body.prepend(h('a', { class: 'skip', href: '#panel-body', on: { click: skip } }, words.skip));
   const panel = byId('panel');
   panel.setAttribute('aria-label', words.panel);
   panel.prepend(
