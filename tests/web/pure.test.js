@@ -8,6 +8,7 @@ import { test } from 'node:test';
 import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/map/coordinates.js';
 import { tilesIn, zoomOfFew } from '../../web/src/map/tile_addresses.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/map/geodesy.js';
+import { answerOf, ApiError } from '../../web/src/shared/api.js';
 import { at, baseOf } from '../../web/src/shared/router.js';
 import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDuration, formatError, formatGsd, formatLength } from '../../web/src/shared/format.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
@@ -315,6 +316,11 @@ test('a photo is known by its first bytes', () => {
   assert.ok(looksLikePhoto(Uint8Array.from([0x4d, 0x4d, 0, 0x2a])));
   assert.ok(!looksLikePhoto(Uint8Array.from([0x50, 0x4b, 3, 4])));
   assert.ok(!looksLikePhoto(new Uint8Array(0)));
+});
+
+test('an answer that is cut off on its way is that of a server that cannot be reached, which passes', async () => {
+  const cut = new Response(new ReadableStream({ start: (controller) => controller.error(new TypeError('terminated')) }));
+  await assert.rejects(answerOf(Promise.resolve(cut)), (error) => error instanceof ApiError && error.is_away);
 });
 
 const blobs = (n) => Array.from({ length: n }, (_, i) => ({ name: `p${i}.jpg`, file: new Blob([new Uint8Array(1000)]) }));

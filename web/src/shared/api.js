@@ -92,13 +92,15 @@ export function problem(status, text) {
 export async function answerOf(asked) {
   /** @type {Response} */
   let response;
+  /** @type {string} */
+  let text;
   try {
     response = await asked;
+    text = await response.text();  // the line may be cut within it
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
     throw new ApiError(0, strings.errors.unreachable);
   }
-  const text = await response.text();
   if (!response.ok) throw problem(response.status, text);
   return { response, text };
 }
