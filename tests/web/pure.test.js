@@ -115,6 +115,7 @@ test('numbers are said as people say them', () => {
   assert.equal(formatDuration(5400), '1\u00a0h 30\u00a0min');
   assert.equal(formatGsd(0.0173), '1.73\u00a0cm/px');
   assert.equal(formatLength(0.052), '5.20\u00a0cm');
+  assert.equal(formatLength(-3.2), '-3.20\u00a0m');
   assert.equal(formatArea(24_310), '2.43\u00a0ha');
 });
 

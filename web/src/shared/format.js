@@ -50,9 +50,10 @@ export function formatDuration(seconds) {
  * @returns {string}
  */
 export function formatLength(metres) {
-  if (metres < 0.01) return `${threeDigits(metres * 1000)}\u00a0mm`;
-  if (metres < 1) return `${threeDigits(metres * 100)}\u00a0cm`;
-  if (metres < 1000) return `${fixed(metres, metres < 100 ? 2 : 1)}\u00a0m`;
+  const size = Math.abs(metres);  // heights lie below zero, too
+  if (size < 0.01) return `${threeDigits(metres * 1000)}\u00a0mm`;
+  if (size < 1) return `${threeDigits(metres * 100)}\u00a0cm`;
+  if (size < 1000) return `${fixed(metres, size < 100 ? 2 : 1)}\u00a0m`;
   return `${fixed(metres / 1000, 3)}\u00a0km`;
 }
 
