@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { matches, orders, plain } from '../../web/src/home/flight_list.js';
 import { boxOf, fitted, gridOf, groups, outlinesOf, parted } from '../../web/src/home/overview_map.js';
-import { drag, kPhone, mapIdle } from './support/browser.js';
+import { drag, kPhone, mapIdle, twoFrames } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 import { seedMany } from './support/mock_flight.js';
 
@@ -89,6 +89,14 @@ test('the overview has a mark for each flight with a place, and a click opens th
   await drag(page, [box.x + 14, box.y + 14], [box.x + 94, box.y + 54]);
   await page.waitForFunction((x) => Math.abs((document.querySelector('.overview-mark')?.getBoundingClientRect().x ?? 0) - x) > 40, box.x);
   assert.equal(new URL(page.url()).hash, '');
+  // Let go beside it, the pointer drags nothing when it comes back.
+  const overview = await page.locator('#overview').boundingBox();
+  await twoFrames(page);
+  const held = await page.getAttribute('.overview-mark:has-text("Brook")', 'style');
+  await drag(page, [overview.x + 5, overview.y + 300], [overview.x - 60, overview.y + 300]);
+  await page.mouse.move(overview.x + 200, overview.y + 300, { steps: 3 });
+  await twoFrames(page);
+  assert.equal(await page.getAttribute('.overview-mark:has-text("Brook")', 'style'), held);
   await page.click('.overview-mark:has-text("Brook") .mark-dot');
   await mapIdle(page);
   assert.equal(new URL(page.url()).hash, `#/flights/${brook.id}`);

@@ -44,6 +44,7 @@ export function followPointer(element, { pan, zoom }) {
     travelled_px = 0;
   });
   element.addEventListener('pointermove', (event) => {
+    if (event.buttons === 0) fingers.delete(event.pointerId);  // it was lifted elsewhere: beside this, or in a menu
     const before = fingers.get(event.pointerId);
     if (!before) return;
     const now = { x: event.clientX, y: event.clientY };
