@@ -275,6 +275,28 @@ test('a tag is added by keyboard and taken off by its cross', options, async () 
   assert.equal(await page.locator('#flight-keep').count(), 0, 'this server deletes no old flights');
 });
 
+test('a flight that was left gives the page its name no more, not by a tag that is saved late either', options, async () => {
+  const { page, flight } = await setUpReady('Meadow');
+  assert.equal(await page.getAttribute('#panel', 'aria-label'), 'Meadow');
+  let save = () => {};
+  const gate = new Promise((resolve) => { save = () => resolve(undefined); });
+  await page.route(`**/flights/${flight.id}`, async (route) => {
+    if (route.request().method() === 'PATCH') await gate;
+    await route.continue();
+  });
+  await page.click('#tag-add');
+  await page.keyboard.type('north');
+  await page.keyboard.press('Enter');
+  await page.click('.back-link');
+  await page.waitForSelector('.flights li');
+  const saved = page.waitForResponse((response) => response.request().method() === 'PATCH');
+  save();
+  await saved;
+  await allAsked(page);
+  await twoFrames(page);
+  assert.deepEqual([await page.title(), await page.getAttribute('#panel', 'aria-label')], ['Skyquilt', 'Flights']);
+});
+
 test('a tag that is being typed when a job ends is taken whole', options, async () => {
   const { page, flight } = await setUpReady('Again', { job_ms: 1500 }, laptop);
   await page.click('#processing-details summary');

@@ -46,9 +46,7 @@ function fillFrame() {
     panel_body.focus();
   };
   document.body.prepend(h('a', { class: 'skip', href: '#panel-body', on: { click: skip } }, words.skip));
-  const panel = byId('panel');
-  panel.setAttribute('aria-label', words.panel);
-  panel.prepend(
+  byId('panel').prepend(
     h('button', { class: 'sheet-handle', id: 'sheet-handle', type: 'button', 'aria-expanded': 'true', 'aria-controls': 'panel-body' }, h('span', { class: 'visually-hidden', id: 'sheet-handle-text' }, strings.sheet.close)),
   );
   byId('home-link').setAttribute('aria-label', words.home);
@@ -238,6 +236,7 @@ function show(route) {
   if (!keeps_view) {
     open_view?.close();
     open_view = null;
+    byId('panel').setAttribute('aria-label', strings.page.panel);
   }
   if (route.view === 'home') {
     open_turn += 1;
@@ -271,9 +270,6 @@ async function openFlight(route) {
       home: homeHash,
       tags: list.known_tags,
       show_map: sheet.close,
-      on_flight: (flight) => {
-        byId('panel').setAttribute('aria-label', flight.name);
-      },
     });
     put(panel_body, open_view.element);
     panel_body.scrollTop = 0;

@@ -4,7 +4,7 @@
 import { announce, showError } from '../shared/announce.js';
 import { ApiError, getFlight, getReport, messageOf, serverWords, startControl, startJob, startPlacing } from '../shared/api.js';
 import { controlSection } from '../control/control_section.js';
-import { h, loadStyle, put } from '../shared/dom.js';
+import { byId, h, loadStyle, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
 import { confirmCoarse } from './coarse_map.js';
 import { chosenOptions } from './job_options.js';
@@ -33,7 +33,6 @@ import { waitingView } from './waiting_view.js';
  * @property {() => string} home address of the list, as it was left
  * @property {() => string[]} tags of all flights of the list, as far as they are known
  * @property {() => void} show_map it is going to be worked on
- * @property {(flight: Flight) => void} on_flight called with each new state of the flight
  */
 
 /** Jobs that move a map; the server does not say which do. @type {Set<string>} */
@@ -128,7 +127,6 @@ export class FlightView {
       const flight = await getFlight(this.id, this.#abort.signal);
       if (isStale()) return;
       this.flight = flight;
-      this.actions.on_flight(flight);
       this.drawHead(flight);
       this.#drawWork(flight);
       this.#followUntilMap();
@@ -146,6 +144,7 @@ export class FlightView {
     const words = strings.flights;
     const focused = this.#head.contains(document.activeElement) ? document.activeElement?.id : '';
     document.title = `${flight.name} · Skyquilt`;
+    byId('panel').setAttribute('aria-label', flight.name);
     if (!this.#name.firstChild) put(this.#name, h('div', { class: 'row between top' }, this.#title, this.#acts), this.#facts);
     this.#title.textContent = flight.name;
     put(this.#facts, stateChip(flight), ' ', flightFacts(flight));
@@ -177,7 +176,7 @@ export class FlightView {
     const current = () => this.flight ?? flight;
     put(this.#tags, tagRow(current, this.actions.tags, (changed) => {
       Object.assign(current(), { tags: changed.tags, keep: changed.keep });
-      this.drawHead(current());
+      if (!this.#abort.signal.aborted) this.drawHead(current());
     }));
   }
 
