@@ -297,6 +297,24 @@ test('a flight that was left gives the page its name no more, not by a tag that 
   assert.deepEqual([await page.title(), await page.getAttribute('#panel', 'aria-label')], ['Skyquilt', 'Flights']);
 });
 
+test('a tag that is being typed when the map comes is taken whole', options, async () => {
+  const { page, mock } = await setUp();
+  const flight = mock.seedReady('Meadow');
+  await page.reload();
+  const { isHeld, release } = await holdAnswer(page, '**/report');
+  await page.click('.flight-link');
+  await until(isHeld);
+  await page.click('#tag-add');
+  await page.keyboard.type('no');
+  release();
+  await page.waitForSelector('#note-add');  // what of a flight comes last
+  await twoFrames(page);
+  await page.keyboard.type('rth');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('#flight-tags .tag');
+  assert.deepEqual(flight.tags, ['north']);
+});
+
 test('a tag that is being typed when a job ends is taken whole', options, async () => {
   const { page, flight } = await setUpReady('Again', { job_ms: 1500 }, laptop);
   await page.click('#processing-details summary');

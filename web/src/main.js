@@ -261,7 +261,7 @@ async function openFlight(route) {
   if (turn !== open_turn) return;
   if (!open_view) {
     stage.prepare();
-    const had_focus = document.activeElement !== document.body;
+    const focused = document.activeElement;
     open_view = new FlightView(route.id, stage, {
       rename,
       remove: (flight) => void remove(flight).catch(showError),
@@ -277,7 +277,8 @@ async function openFlight(route) {
     await view.refresh();
     if (open_view !== view) return;
     if (view.flight) announce(view.flight.name);
-    if (had_focus) document.getElementById('flight-title')?.focus({ preventScroll: true });
+    // Who went on meanwhile is left there.
+    if (focused !== document.body && [document.body, focused].includes(document.activeElement)) document.getElementById('flight-title')?.focus({ preventScroll: true });
   }
   const left = open_view.flight;
   if (route.view !== 'compare' || !left || turn !== open_turn) return;
