@@ -156,6 +156,18 @@ test('two flights are compared by swipe and by fade', options, async () => {
   await page.waitForSelector('#map-above', { state: 'detached' });
 });
 
+test('the flights to compare with go with the flight that they were offered for', options, async () => {
+  const { page, mock } = await setUp();
+  const [left] = [mock.seedReady('Before'), mock.seedReady('After')];
+  await openMap(page, `${mock.url}#/flights/${left.id}`);
+  await page.click('#tool-compare');
+  await page.waitForSelector('#compare-chooser');
+  await page.click('.back-link');
+  await page.click('.flight-link:has-text("After")');
+  await mapIdle(page);
+  assert.equal(await page.locator('#compare-chooser').count(), 0);
+});
+
 test('outlines of the land lie below the map until nothing is chosen, and that is remembered', options, async () => {
   const { page, mock, flight } = await setUpFlight('Meadow');
   const layers = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getStyle().layers.map((/** @type {any} */ { id }) => id));

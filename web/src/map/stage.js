@@ -482,6 +482,7 @@ export class Stage {
   }
 
   endCompare() {
+    document.getElementById('compare-chooser')?.remove();
     this.#compare_turn += 1;
     this.#endCompare?.();
     this.#endCompare = null;
