@@ -277,6 +277,7 @@ export class MapView {
 
   /** Removes everything of the flight. */
   async clear() {
+    this.bounds = null;  // before the wait: the next map may be asked for meanwhile
     await this.ready;
     this.remove(this.#mosaic, [this.#mosaic]);
     this.remove(`${this.#mosaic}-coarse`, [`${this.#mosaic}-coarse`]);
@@ -286,7 +287,6 @@ export class MapView {
     this.#removePhotos();
     this.remove(kNotes, ownDataLayers(kNotes, '').map((layer) => layer.id));
     this.photos = null;
-    this.bounds = null;
     this.is_moved = false;
     this.container.dataset.mapState = 'empty';
   }
