@@ -97,10 +97,13 @@ export class MapView {
     this.map.on('idle', () => this.#setState('idle'));
     // A missing tile is a hole, not a fault; anything else should be seen by whoever looks for it.
     this.map.on('error', (event) => console.debug('map:', event.error?.message));
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    const dark = matchMedia('(prefers-color-scheme: dark)');
+    const repaint = () => {
       this.map.setPaintProperty('ground', 'background-color', groundColour());
       void this.setBasemap(chosenBasemap());
-    });
+    };
+    dark.addEventListener('change', repaint);
+    this.map.once('remove', () => dark.removeEventListener('change', repaint));
     this.mark = placeMark(this.map);
     this.ready = new Promise((resolve) => this.map.once('load', () => resolve(undefined)));
     void this.ready.then(() => this.setBasemap(chosenBasemap()));
