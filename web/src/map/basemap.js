@@ -19,15 +19,17 @@ const kMuted = { 'raster-saturation': -0.5, 'raster-contrast': -0.15 };
 /** @type {Promise<{server: BasemapTiles|null, public: PublicBasemap[]}>|null} */
 let offered = null;
 
-/** What the server's operator chose, null for nothing, and what is left to this browser. Asked once. */
+/** What the server's operator chose, null for nothing, and what is left to this browser. Asked until there is an answer. */
 export function offeredBasemaps() {
-  offered ??= fetch(at('/basemap.json'), { headers: authorization() }).then(
-    async (response) => {
+  offered ??= fetch(at('/basemap.json'), { headers: authorization() })
+    .then(async (response) => {
       const { public: left = [], ...tilejson } = response.ok ? await response.json() : { tiles: [] };
       return { server: tilejson.pmtiles || tilejson.tiles.length > 0 ? tilejson : null, public: left };
-    },
-    () => ({ server: null, public: [] }),  // without an answer there is none to offer
-  );
+    })
+    .catch(() => {
+      offered = null;  // without an answer there is none to offer; the next who asks tries again
+      return { server: null, public: [] };
+    });
   return offered;
 }
 
