@@ -5,6 +5,7 @@
 import { messageOf } from '../shared/api.js';
 import { ask, closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
+import { parseNumber } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
 import { parseControlList, withPoints } from './control_lists.js';
 
@@ -117,14 +118,13 @@ export function openPointForm(control, point) {
   const [x, y, height] = [field(value(point?.x), 'decimal'), field(value(point?.y), 'decimal'), field(value(point?.height), 'decimal')];
   const system = field(control.points.length > 0 ? control.reference_system : kUsualSystem, 'text');
   system.readOnly = control.points.length > (point ? 1 : 0);
-  const numberIn = (/** @type {HTMLInputElement} */ input) => (input.value.trim() === '' ? NaN : Number(input.value.trim().replace(',', '.')));
   openForm('control-point', point ? words.change(point.name) : words.add_title, [
     labelled('control-name', words.name, name),
     labelled('control-system', words.system, system, system.readOnly ? '' : words.system_hint),
     h('div', { class: 'control-numbers' }, labelled('control-x', words.x, x), labelled('control-y', words.y, y), labelled('control-height', words.height, height)),
   ], strings.flights.save, async () => {
     const own = name.value.trim();
-    const [east, north, up] = [numberIn(x), numberIn(y), numberIn(height)];
+    const [east, north, up] = [x, y, height].map((input) => parseNumber(input.value));
     if (own === '') return words.no_name;
     if (control.points.some((other) => other.name === own && other !== control.point(point?.name ?? ''))) return words.name_taken(own);
     if (!Number.isFinite(east) || !Number.isFinite(north) || (height.value.trim() !== '' && !Number.isFinite(up))) return words.no_number;
