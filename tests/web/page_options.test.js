@@ -3,7 +3,9 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { formOf, jobArea, kChoices, kLimits, kPresets, kStandard, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
+import { optionWords } from '../../web/src/flight/options_dialog.js';
 import { kLayers } from '../../web/src/shared/api.js';
+import { speak } from '../../web/src/shared/language.js';
 import { kPhone, mapIdle, reloadMap } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
@@ -25,6 +27,13 @@ test('the form offers what the contract allows', () => {
     assert.deepEqual(limits, { least: minimum * scale, most: maximum * scale, ...(usual === undefined ? {} : { usual }), ...(type === 'integer' ? { is_whole: true } : {}) });
   }
   for (const name of Object.keys(optionsOf({ ...kStandard, resolution_cm: '5', method: 'imu', surface: 'dense', heights: 'dtm', max_look_deg: '50', readout_ms: '30', format: 'webp', quality: '90', origin: '46.95 7.44', takeoff_height_m: '512', boundary: kArea }).options)) assert.ok(name in contract, name);
+});
+
+test('what a map was made with is said with the comma of German', () => {
+  speak('de');
+  assert.equal(optionWords({ gsd_m: 0.025 }), '2,5 cm');
+  speak('en');
+  assert.equal(optionWords({ gsd_m: 0.025 }), '2.5 cm');
 });
 
 test('what was typed is what is asked for, and comes back into the form', () => {

@@ -7,6 +7,7 @@ import { kLayers, messageOf } from '../shared/api.js';
 import { ask, closeButton, refusalBox, titledDialog } from '../shared/dialogs.js';
 import { checkRow, h, put } from '../shared/dom.js';
 import { dotted } from '../shared/format.js';
+import { number } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
 import { button } from '../shared/icons.js';
 import { areaChoice } from './area_choice.js';
@@ -188,18 +189,19 @@ const choiceWords = (name, value) => /** @type {Record<string, string>} */ (stri
 export function optionWords(options) {
   const words = strings.options;
   const form = formOf(options);
+  const said = (/** @type {string} */ figure) => number(Number(figure), { maximumFractionDigits: 6, useGrouping: false });
   const chosen = Object.fromEntries(chosenIn(form).map(([name, value]) => [name, choiceWords(name, value)]));
   return dotted(
-    form.resolution_cm && `${form.resolution_cm} cm`,
+    form.resolution_cm && `${said(form.resolution_cm)} cm`,
     chosen.method,
     chosen.surface,
     chosen.heights,
-    form.max_look_deg && `${words.names.max_look_deg} ${form.max_look_deg}°`,
-    form.readout_ms && `${words.names.readout_ms} ${form.readout_ms} ms`,
+    form.max_look_deg && `${words.names.max_look_deg} ${said(form.max_look_deg)}°`,
+    form.readout_ms && `${words.names.readout_ms} ${said(form.readout_ms)} ms`,
     chosen.format,
     form.quality && `${words.names.quality} ${form.quality}`,
     form.origin && `${words.names.origin} ${form.origin}`,
-    form.takeoff_height_m && `${words.names.takeoff_height_m} ${form.takeoff_height_m} m`,
+    form.takeoff_height_m && `${words.names.takeoff_height_m} ${said(form.takeoff_height_m)} m`,
     form.boundary && strings.exports.cut,
   );
 }

@@ -7,7 +7,7 @@ import { getBands, getIndexStatistics, getIndexValue, getReport, zonesPath } fro
 import { checkRow, h, put, svg } from '../shared/dom.js';
 import { button } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
-import { fixed } from '../shared/language.js';
+import { fixed, number } from '../shared/language.js';
 import { calibrationOf, indexQuery, indexTiles, parseRange, roundTo } from './index_query.js';
 
 const kNone = '';
@@ -25,6 +25,9 @@ function afterPause(act, pause_ms) {
     timer = window.setTimeout(act, pause_ms);
   };
 }
+
+/** As one types it. @param {number} value */
+const typed = (value) => number(value + 0, { maximumSignificantDigits: 6, useGrouping: false });  // no minus before a zero
 
 /** @param {MapView} view @param {(wish: import('../shared/api.js').ExportWish) => void} download */
 export function indexSection(view, download) {
@@ -124,8 +127,8 @@ export function indexSection(view, download) {
     if (statistics?.percentiles.p2 == null || statistics.percentiles.p98 == null) return;
     const { p2, p98 } = statistics.percentiles;
     const width = Math.max(p98 - p2, 1e-6);
-    least.value = String(roundTo(p2, width));
-    most.value = String(roundTo(p98, width));
+    least.value = typed(roundTo(p2, width));
+    most.value = typed(roundTo(p98, width));
     recolour();
   };
 
@@ -150,7 +153,7 @@ export function indexSection(view, download) {
     drawValue(null);  // its line is there before it: what lies below stays where one clicks
     put(calibration, words.calibrations[calibrationOf(index.expression, view.has_bands ? bands?.bands ?? [] : null)]);
     if (!fits) {
-      [least.value, most.value] = index.rescale.map(String);
+      [least.value, most.value] = index.rescale.map(typed);
       colours.value = index.colormap;
       turned.checked = false;
       shown = index;
