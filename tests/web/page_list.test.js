@@ -126,6 +126,17 @@ test('the skip link leads to the panel of what is open', options, async () => {
   assert.equal(await page.textContent('#flight-title'), 'Meadow');
 });
 
+test('a step back leaves no dialog of a flight over the list', options, async () => {
+  const { page } = await setUpFlight('Meadow');
+  await page.reload();
+  await page.click('.flight-link');
+  await page.click('#flight-rename');
+  await page.waitForSelector('#rename-input');
+  await page.goBack();
+  await page.waitForSelector('.flights li');
+  await page.waitForSelector('dialog', { state: 'detached' });
+});
+
 test('a deleted flight is in the trash at once, whatever happens to the page, and comes back from there', options, async () => {
   const { page, mock, flight } = await setUpReady('Meadow');
   await page.click('#flight-delete');

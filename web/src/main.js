@@ -228,6 +228,8 @@ const homeHash = () => routeHash({ view: 'home', tags: list.tags() });
 
 /** @param {Route} route */
 function show(route) {
+  // A dialog belongs to what was open. On a phone a step back is the way out of one.
+  for (const dialog of document.querySelectorAll('dialog')) dialog.close();
   const keeps_view = route.view !== 'home' && open_view?.id === route.id;
   document.body.dataset.view = route.view === 'home' ? 'home' : 'flight';
   welcome.hidden = route.view !== 'home';
