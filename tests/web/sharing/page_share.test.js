@@ -114,6 +114,14 @@ test('a link that is over says so to its reader, in German too', options, async 
   assert.doesNotMatch(await page.textContent('body'), /asks for a token|Token angenommen/);
 });
 
+test('links that cannot be listed are not called on their way', options, async () => {
+  const { page } = await setUpReady('Meadow', {}, { errors: /status of 503/ });
+  await page.route('**/shares', (route) => route.fulfill({ status: 503, contentType: 'application/problem+json', json: { title: 'Unavailable', status: 503, code: 'unavailable', detail: 'Not now.' } }));
+  await page.click('#flight-share');
+  await page.waitForSelector('#share-body .callout-error');
+  assert.equal(await page.textContent('#share-body'), 'Not now.');
+});
+
 test('this computer is known by its names', () => {
   for (const host of ['localhost', 'maps.localhost', '127.0.0.1', '127.1.2.3', '[::1]']) assert.ok(isLoopback(host), host);
   for (const host of ['192.168.1.20', 'localhost.example.org', '[fd00::1]', '127.example.org']) assert.ok(!isLoopback(host), host);

@@ -35,9 +35,13 @@ function embedField(flight, server, token) {
 /** @param {Flight} flight */
 export function showShareDialog(flight) {
   const words = strings.share;
-  const body = h('div', { id: 'share-body', 'aria-live': 'polite' }, h('p', { class: 'muted' }, words.loading));
+  const loading = h('p', { class: 'muted' }, words.loading);
+  const body = h('div', { id: 'share-body', 'aria-live': 'polite' }, loading);
   showDialog('share-dialog', words.title(flight.name), body);
-  const showFailure = (/** @type {unknown} */ error) => body.append(h('p', { class: 'callout callout-error', role: 'alert' }, messageOf(error)));
+  const showFailure = (/** @type {unknown} */ error) => {
+    for (const before of [loading, body.querySelector('.callout-error')]) before?.remove();
+    body.append(h('p', { class: 'callout callout-error', role: 'alert' }, messageOf(error)));
+  };
   void showShares(flight, body, showFailure);
 }
 
