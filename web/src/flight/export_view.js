@@ -11,12 +11,10 @@ import { dotted, formatBytes, formatDate, formatGsd, formatPercent } from '../sh
 import { icon, iconButton, runOnce } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaChoice } from './area_choice.js';
+import { isOver } from './job_watch.js';
 
 const kAgain_ms = 1000;
 const kAgainWhenAway_ms = 5000;
-
-/** @param {MapExport} made */
-const isOver = ({ state }) => state === 'successful' || state === 'failed';
 
 /**
  * What the form says, as the server takes it.

@@ -31,5 +31,5 @@ export async function watchJob(job_id, listener, signal) {
   }
 }
 
-/** @param {Job} job */
-export const isOver = (job) => job.state === 'successful' || job.state === 'failed' || job.state === 'dismissed';
+/** @param {{state: string}} work a job, or an export */
+export const isOver = ({ state }) => ['successful', 'failed', 'dismissed'].includes(state);
