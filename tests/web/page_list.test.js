@@ -172,6 +172,17 @@ test('a deleted flight is in the trash at once, whatever happens to the page, an
   assert.equal(mock.flights.size, 0);
 });
 
+test('the second half of a double click deletes nothing more', options, async () => {
+  const { page, mock } = await setUp();
+  for (const name of ['Brook', 'Meadow']) mock.seedReady(name);
+  await page.reload();
+  await page.dblclick('.flights li:first-child .row-actions button:nth-child(2)');
+  await page.waitForSelector('.note-action');
+  await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 1);
+  await allAsked(page);
+  assert.equal(await page.locator('.note').count(), 1);
+});
+
 test('a server without a trash is asked before it deletes', options, async () => {
   const { page, mock } = await setUp({ trash_days: 0 });
   mock.seedReady('Meadow');

@@ -7,7 +7,7 @@ import { showError, showNote } from '../shared/announce.js';
 import { messageOf } from '../shared/api.js';
 import { arrange, h, keptElements, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
-import { button, icon, iconButton } from '../shared/icons.js';
+import { button, icon, iconButton, onFirstClick } from '../shared/icons.js';
 import { fixed, number } from '../shared/language.js';
 import { inOneLine } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
@@ -78,7 +78,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
       may_change &&
         h('td', { class: 'control-tools' },
           iconButton('pencil', words.change(point.name), () => openPointForm(control, point)),
-          iconButton('trash', words.remove(point.name), () => remove(point.name))),
+          iconButton('trash', words.remove(point.name), onFirstClick(() => remove(point.name)))),
     );
   };
   const rowsOf = keptElements((/** @type {ControlPoint} */ point) => point.name, ({ name, x, y, height, marks }) => JSON.stringify([name, x, y, height, marks.length]), row);

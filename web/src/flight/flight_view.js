@@ -12,7 +12,7 @@ import { askOptions, lastOptions, optionsButton } from './options_dialog.js';
 import { flightActions } from './flight_actions.js';
 import { tagRow } from './flight_tags.js';
 import { followFlight } from './follow_flight.js';
-import { button, icon, iconButton } from '../shared/icons.js';
+import { button, icon, iconButton, onFirstClick } from '../shared/icons.js';
 import { isOver, watchJob } from './job_watch.js';
 import { jobView } from './job_view.js';
 import { linksView } from '../sharing/links_view.js';
@@ -158,7 +158,7 @@ export class FlightView {
               !flight.tilejson && iconButton('share', strings.share.action, () => this.actions.share(flight), 'flight-share'),
               iconButton('upload', strings.drop.more, this.actions.add_photos, 'flight-add'),
               iconButton('pencil', words.rename, () => this.actions.rename(flight), 'flight-rename'),
-              iconButton('trash', words.remove, () => this.actions.remove(flight), 'flight-delete'),
+              iconButton('trash', words.remove, onFirstClick(() => this.actions.remove(flight)), 'flight-delete'),
             ]
           : []),
       );

@@ -5,7 +5,7 @@ import { arrange, h, put, whenSeen } from '../shared/dom.js';
 import { formatCaptureDay } from '../shared/format.js';
 import { mayChange, shortFacts, stateChip } from '../flight/flight_words.js';
 import { thumbnailPath } from '../shared/api.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { icon, iconButton, onFirstClick } from '../shared/icons.js';
 import { routeHash } from '../shared/router.js';
 import { nameOrder, number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
@@ -142,7 +142,7 @@ export function flightList(actions) {
           'span',
           { class: 'row-actions' },
           mayChange(flight) && iconButton('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
-          mayChange(flight) && iconButton('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
+          mayChange(flight) && iconButton('trash', `${strings.flights.remove}: ${flight.name}`, onFirstClick(() => actions.remove(flight))),
         );
       }
       arrange(entry.row, [entry.link, entry.acts]);

@@ -1,7 +1,7 @@
 // The flights that were deleted and can still be taken back, folded away below the list of flights.
 /** @import { TrashedFlight } from '../shared/types.js' */
 import { arrange, h, keptElements, put } from '../shared/dom.js';
-import { button } from '../shared/icons.js';
+import { button, onFirstClick } from '../shared/icons.js';
 import { dotted, formatBytes, formatDate } from '../shared/format.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
@@ -28,7 +28,7 @@ export function trashList(actions) {
       h(
         'span',
         { class: 'row' },
-        button(strings.trash.restore, () => actions.restore(flight), { 'aria-label': `${strings.trash.restore}: ${flight.name}` }),
+        button(strings.trash.restore, onFirstClick(() => actions.restore(flight)), { 'aria-label': `${strings.trash.restore}: ${flight.name}` }),
         button(strings.trash.remove, () => actions.remove(flight), { 'aria-label': `${strings.trash.remove}: ${flight.name}` }),
       ),
     );

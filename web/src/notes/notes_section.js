@@ -7,7 +7,7 @@ import { isScaleKnown } from '../flight/flight_words.js';
 import { announce, showNote } from '../shared/announce.js';
 import { messageOf } from '../shared/api.js';
 import { arrange, h, keptElements, put } from '../shared/dom.js';
-import { button, icon, iconButton } from '../shared/icons.js';
+import { button, icon, iconButton, onFirstClick } from '../shared/icons.js';
 import { savingRow } from '../map/measurement_files.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, lengthIn, units_chosen } from '../shared/units.js';
@@ -92,7 +92,7 @@ export function notesSection(flight, stage, may_change) {
       button(name, () => stage.showBounds(boundsOfNote(note)), { class: 'text-button note-show', title: words.show(name) }),
       h('span', { class: 'muted note-figure' }, figure(note, isScaleKnown(flight.quality))),
       may_change && iconButton('pencil', words.edit(name), () => openForm(note), '', 'icon-button note-edit'),
-      may_change && iconButton('trash', words.remove(name), () => remove(note), '', 'icon-button note-remove'),
+      may_change && iconButton('trash', words.remove(name), onFirstClick(() => remove(note)), '', 'icon-button note-remove'),
       text && h('p', { class: 'note-words' }, text),
     );
   };
