@@ -10,7 +10,7 @@ import { tilesIn, zoomOfFew } from '../../web/src/map/tile_addresses.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/map/geodesy.js';
 import { answerOf, ApiError } from '../../web/src/shared/api.js';
 import { at, baseOf } from '../../web/src/shared/router.js';
-import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDuration, formatError, formatGsd, formatLength } from '../../web/src/shared/format.js';
+import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDistance, formatDuration, formatError, formatGsd, formatLength } from '../../web/src/shared/format.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, namesApart, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
@@ -116,6 +116,7 @@ test('numbers are said as people say them', () => {
   assert.equal(formatGsd(0.0173), '1.73\u00a0cm/px');
   assert.equal(formatLength(0.052), '5.20\u00a0cm');
   assert.equal(formatLength(-3.2), '-3.20\u00a0m');
+  assert.deepEqual([46.4, 1500, 15_400, 1_000_000].map(formatDistance), ['46\u00a0m', '1.5\u00a0km', '15\u00a0km', '1,000\u00a0km']);
   assert.equal(formatArea(24_310), '2.43\u00a0ha');
 });
 

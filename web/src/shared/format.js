@@ -58,10 +58,10 @@ export function formatLength(metres) {
 }
 
 /**
- * A round length: "200 m", "1000 km".
+ * A round length: "200 m", "1.5 km", "1000 km".
  * @param {number} metres
  */
-export const formatDistance = (metres) => (metres < 1000 ? `${fixed(metres, metres < 1 ? 1 : 0)}\u00a0m` : `${fixed(metres / 1000, 0)}\u00a0km`);
+export const formatDistance = (metres) => (metres < 1000 ? `${fixed(metres, metres < 1 ? 1 : 0)}\u00a0m` : `${number(metres / 1000, { maximumFractionDigits: metres < 10_000 ? 1 : 0 })}\u00a0km`);
 
 /**
  * An estimate of an error: two digits are all that it is worth.
