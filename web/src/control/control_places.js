@@ -3,7 +3,7 @@
 /** @import { SeenPhoto } from '../flight/photo_card.js' */
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { ControlPoint } from './control_lists.js' */
-import { getGround, getSightings, photoPath } from '../shared/api.js';
+import { ApiError, getGround, getSightings, photoPath } from '../shared/api.js';
 import { byQuality } from '../map/sighting_order.js';
 import { guessedPlace } from './control_guess.js';
 import { photoKey } from './control_lists.js';
@@ -31,7 +31,11 @@ export function controlPlaces(flight, photos, is_placed) {
       const record = records.get(photoKey(photo));
       if (!record) continue;
       const key = `${record.name} ${x} ${y}`;
-      if (!asked.has(key)) asked.set(key, await getGround(flight.id, record.name, x, y).catch(() => null));
+      if (!asked.has(key)) {
+        const found = await getGround(flight.id, record.name, x, y).catch((error) => (error instanceof ApiError && error.is_passing ? undefined : null));
+        if (found === undefined) continue;  // a server that is away is asked again
+        asked.set(key, found);
+      }
       const place = asked.get(key);
       if (place) return place;
     }
