@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <utility>
 #include <variant>
 
-#include "core/alignment/matching/verified_pair.h"
 #include "core/pipeline/placing/recall_flight.h"
+#include "core/pipeline/report/judge_map.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -19,22 +18,6 @@ using alignment::AlignPhotoReport;
 using alignment::Placement;
 using flight::Remark;
 using flight::RemarkCode;
-
-// Of aligned photos, by the points that they share.
-int GroupsOf(const std::vector<AlignedPhoto>& photos, const std::vector<AlignPairReport>& pairs) {
-  std::map<std::string, int> aligned;  // numbers, by name
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    if (photos[i].placement == Placement::kAligned)
-      aligned.emplace(photos[i].photo.name, static_cast<int>(i));
-  }
-  std::vector<alignment::VerifiedPair> ties;
-  for (const AlignPairReport& pair : pairs) {
-    const auto first = aligned.find(pair.first), second = aligned.find(pair.second);
-    if (!pair.is_by_direct && first != aligned.end() && second != aligned.end())
-      ties.push_back({first->second, second->second, {}, {}, 0.0});
-  }
-  return static_cast<int>(alignment::FindConnectedComponents(photos.size(), ties).members.size());
-}
 
 // Does it name photos, and none of these?
 bool IsOfOthers(const Remark& said, const std::set<std::string>& added) {
@@ -106,7 +89,7 @@ void AddFigures(const alignment::AlignReport& part, const std::set<std::string>&
     if (!IsOfOthers(correction, added) && !IsSaid(correction, known.corrections))
       known.corrections.push_back(correction);
   }
-  known.components = GroupsOf(photos, known.pairs);
+  known.components = GroupsByTies(photos, known.pairs).count;
 }
 
 bool SayAnew(const Remark& now, std::vector<Remark>& warnings) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/alignment/bundle/control_points.h"
@@ -119,36 +120,6 @@ bool TellOfAll(const JudgedMap& map, const std::vector<Vector2d>& surveyed) {
   return surveyed.size() >= kFewestOfAll && LeverOf(map, surveyed) <= kLeverOfAll;
 }
 
-// What ties hold together. Of two groups that share nothing, as of two fields, what places one says nothing
-// of the other.
-struct TiedGroups {
-  std::map<std::string, int> photos;  // numbers of the flight's photos, by name
-  std::vector<int> of_photo;          // its group; negative: by its pose alone, or not known
-
-  int OfPhotoNamed(const std::string& name) const {
-    const auto found = photos.find(name);
-    return found == photos.end() ? -1 : of_photo[static_cast<std::size_t>(found->second)];
-  }
-};
-
-TiedGroups GroupsByTies(const JudgedMap& map) {
-  TiedGroups groups;
-  const std::size_t count = map.flight.photos.size();
-  for (std::size_t i = 0; i < count; ++i)
-    groups.photos.emplace(map.flight.photos[i].photo.name, static_cast<int>(i));
-  std::vector<alignment::VerifiedPair> ties;
-  for (const alignment::AlignPairReport& pair : map.alignment->pairs) {
-    const auto first = groups.photos.find(pair.first), second = groups.photos.find(pair.second);
-    if (first != groups.photos.end() && second != groups.photos.end())
-      ties.push_back({first->second, second->second, {}, {}, 0.0});
-  }
-  groups.of_photo = alignment::FindConnectedComponents(count, ties).of_photo;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (map.flight.photos[i].placement != Placement::kAligned) groups.of_photo[i] = -1;
-  }
-  return groups;
-}
-
 // Photos of groups that none of the points is marked in, whether it places the map or checks it.
 alignment::PhotoSet BesideSurvey(const JudgedMap& map, const TiedGroups& groups) {
   const alignment::PhotoSet none(groups.of_photo.size());
@@ -233,7 +204,7 @@ AbsoluteAccuracy ByPositionsOf(const alignment::PhotoSet& some, bool is_of_the_o
 AbsoluteAccuracy OfGroups(const JudgedMap& map, const AbsoluteAccuracy& as_one) {
   if (map.alignment == nullptr || map.alignment->components < 2 || map.is_by_hand || map.is_forecast)
     return as_one;
-  const TiedGroups groups = GroupsByTies(map);
+  const TiedGroups groups = GroupsByTies(map.flight.photos, map.alignment->pairs);
   const bool is_surveyed = !IsByReceiver(as_one);
   const alignment::PhotoSet beside = is_surveyed ? BesideSurvey(map, groups) : OfOtherReceivers(map, groups);
   if (beside.Count() == 0) return as_one;
@@ -447,6 +418,30 @@ std::optional<poses::RecordsApart> RecordsApartOfControl(const JudgedMap& map) {
     residuals.push_back({positions.misses[k], positions.records[k]});
   const auto apart = poses::RecordsApartOf(residuals);
   return apart ? apart : ApartByLog(map);
+}
+
+int TiedGroups::OfPhotoNamed(const std::string& name) const {
+  const auto found = photos.find(name);
+  return found == photos.end() ? -1 : of_photo[static_cast<std::size_t>(found->second)];
+}
+
+TiedGroups GroupsByTies(const std::vector<AlignedPhoto>& photos,
+                        const std::vector<alignment::AlignPairReport>& pairs) {
+  TiedGroups groups;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (photos[i].placement == Placement::kAligned)
+      groups.photos.emplace(photos[i].photo.name, static_cast<int>(i));
+  }
+  std::vector<alignment::VerifiedPair> ties;
+  for (const alignment::AlignPairReport& pair : pairs) {
+    const auto first = groups.photos.find(pair.first), second = groups.photos.find(pair.second);
+    if (!pair.is_by_direct && first != groups.photos.end() && second != groups.photos.end())
+      ties.push_back({first->second, second->second, {}, {}, 0.0});
+  }
+  alignment::ConnectedComponents components = alignment::FindConnectedComponents(photos.size(), ties);
+  groups.of_photo = std::move(components.of_photo);
+  groups.count = static_cast<int>(components.members.size());
+  return groups;
 }
 
 void TellPhotos(const MapQuality& quality, alignment::AlignedFlight& flight) {

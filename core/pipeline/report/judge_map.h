@@ -11,7 +11,10 @@
 // any thread.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/aligned_flight.h"
@@ -47,6 +50,19 @@ std::vector<flight::Remark> RemarksOnPositions(const JudgedMap& map);
 // How far the recorded positions lie from where surveyed points put the map. Nothing: no point places it, or
 // too few positions are recorded.
 std::optional<poses::RecordsApart> RecordsApartOfControl(const JudgedMap& map);
+
+// Which aligned photos hold together, by the points that they share. Of two groups that share none, as of two
+// fields, what places one says nothing of the other. Neither what pictures show as a whole, which holds them
+// loosely, nor a photo that lies by its pose makes one group of two.
+struct TiedGroups {
+  std::map<std::string, int> photos;  // numbers of the aligned ones, by name
+  std::vector<int> of_photo;          // its group; negative: none
+  int count = 0;
+
+  int OfPhotoNamed(const std::string& name) const;
+};
+TiedGroups GroupsByTies(const std::vector<alignment::AlignedPhoto>& photos,
+                        const std::vector<alignment::AlignPairReport>& pairs);
 
 // Aligned photos are as far off as the map is; those that lie by their records may be further off, and say so
 // already. Where nothing says how far, the photos' own numbers stay.

@@ -295,6 +295,27 @@ TEST(JudgeMap, StatesOfAFieldWithoutSurveyedPointsWhatItsPositionsSay) {
   EXPECT_GT(*small.Judge().absolute.sigma_m, alone_m);
 }
 
+// The map is said to be of two groups all the same, each where its positions say.
+TEST(JudgeMap, TakesNothingLooseBetweenTwoFieldsForATieThatHoldsThem) {
+  const auto surveyed = [](bool is_by_direct) {
+    TwoFields flight(9);
+    for (int k = 0; k < 4; ++k) flight.Surveyed(false, 0.01, 0.01, true);
+    for (alignment::ControlReport& point : flight.report.control)
+      point.marks.push_back({.photo = "p3", .residual_px = 0.5, .residual_m = 0.01, .is_used = true});
+    flight.Tie(8, 9);
+    flight.report.pairs.back().is_by_direct = is_by_direct;
+    return flight;
+  };
+  EXPECT_EQ(surveyed(false).Judge().absolute.by, AbsoluteSupport::kControlPoints);
+  const TwoFields alike = surveyed(true);
+  EXPECT_EQ(alike.Judge().absolute.by, AbsoluteSupport::kGnss);
+  EXPECT_GT(*alike.Judge().absolute.sigma_m, 1.0);
+  TwoFields weak = surveyed(false);
+  weak.flight.photos[9].placement = alignment::Placement::kPoseOnly;
+  EXPECT_EQ(weak.Judge().absolute.by, AbsoluteSupport::kGnss);
+  EXPECT_GT(*weak.Judge().absolute.sigma_m, 1.0);
+}
+
 TEST(JudgeMap, DoesNotTakeAFieldWithoutCorrectionsForOneThatHasThem) {
   TwoFields flight(10);
   for (std::size_t i = 0; i < 10; ++i) flight.flight.photos[i].photo.position->is_rtk_fixed = true;
