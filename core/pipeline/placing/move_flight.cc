@@ -6,6 +6,7 @@
 #include <complex>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "core/alignment/bundle/control_points.h"
 #include "core/alignment/matching/verified_pair.h"
@@ -198,6 +199,19 @@ void TellOfControl(const std::vector<alignment::ControlReport>& control, const V
   facts.align_report->control = control;
   Vector3d& bias_m = facts.align_report->position_bias_m;
   bias_m = facts.is_placed ? Vector3d(bias_m + moved_m) : Vector3d(Vector3d::Zero());
+}
+
+bool IsOfHand(const flight::Remark& said) {
+  using flight::RemarkCode;
+  if (said.code == RemarkCode::kSentences) {
+    const auto first = said.values.find("first");
+    const auto* within = first == said.values.end()
+                             ? nullptr
+                             : std::get_if<std::vector<flight::Remark>>(&first->second.is);
+    return within != nullptr && std::any_of(within->begin(), within->end(), IsOfHand);
+  }
+  return said.code == RemarkCode::kPlacedByPairs || said.code == RemarkCode::kPlacedByOrigin ||
+         said.code == RemarkCode::kPlacedByPhoto;
 }
 
 bool IsOfControl(const flight::Remark& said) {

@@ -59,6 +59,9 @@ double ExtentM(const FlightFacts& known);
 void TellOfControl(const std::vector<alignment::ControlReport>& control, const Eigen::Vector3d& moved_m,
                    FlightFacts& facts);
 
+// Is it of whoever placed the map by hand?
+bool IsOfHand(const flight::Remark& said);
+
 // Is it of what a survey had the map say?
 bool IsOfControl(const flight::Remark& said);
 

@@ -114,6 +114,7 @@ std::optional<FlightFacts> MovedToControl(const FlightFacts& known,
   if (tied.size() > 1) {  // they say where it lies, no longer whoever placed it by hand
     moved.is_by_hand = false;
     Forget(flight::RemarkCode::kControlOverruled, moved.flight.warnings);
+    std::erase_if(moved.flight.warnings, IsOfHand);
   }
   const std::vector<flight::Remark> on_points = alignment::RemarksOn(reports);
   moved.flight.warnings.insert(moved.flight.warnings.end(), on_points.begin(), on_points.end());
@@ -273,7 +274,7 @@ Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::Gc
   PlaceRequest request;
   request.control = lists;
   request.is_again = true;
-  SKYQUILT_TRY_ASSIGN(FlightFacts placed, PlaceKnown(known, request, contradict));
+  SKYQUILT_TRY_ASSIGN(FlightFacts placed, PlaceKnown(std::move(known), request, contradict));
   return NotElsewhere(std::move(placed), lists);
 }
 

@@ -297,7 +297,7 @@ void TellPlaced(FlightFacts& flight) {
 
 }  // namespace
 
-Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request, bool* contradict) {
+Result<FlightFacts> PlaceKnown(FlightFacts known, const PlaceRequest& request, bool* contradict) {
   if (known.is_placed && !request.is_again && request.pairs.empty()) {
     return Refused(
         ErrorCode::kConflict,
@@ -312,6 +312,9 @@ Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& req
   if (known.flight.photos.empty()) {
     return Refused(ErrorCode::kUnprocessable, "The map shows no photo, so there is nothing to place.");
   }
+  std::erase_if(known.flight.warnings, [&](const Remark& said) {
+    return IsOfHand(said) || (!request.control.empty() && IsOfControl(said));
+  });
   SKYQUILT_TRY_ASSIGN(FlightFacts placed, request.origin ? PlaceByOrigin(known, request)
                                           : !request.pairs.empty()
                                               ? PlaceByPairs(known, request.pairs)
@@ -350,9 +353,7 @@ bool KeepPlaceByHand(const FlightFacts& placed_by_hand, FlightFacts& anew) {
     anew.align_report->by_images.is_north_guessed = before.is_north_guessed;
   }
   for (const Remark& said : placed_by_hand.flight.warnings) {
-    if (said.code == RemarkCode::kPlacedByPairs || said.code == RemarkCode::kPairsDisagree ||
-        said.code == RemarkCode::kPlacedByOrigin || said.code == RemarkCode::kPlacedByPhoto)
-      anew.flight.warnings.push_back(said);
+    if (IsOfHand(said)) anew.flight.warnings.push_back(said);
   }
   TellPlaced(anew);
   return true;

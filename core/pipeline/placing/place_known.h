@@ -13,9 +13,9 @@
 
 namespace skyquilt::pipeline {
 
-// `contradict`, where given: becomes true where points are refused that no turn, scale and shift fits.
-Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request,
-                               bool* contradict = nullptr);
+// What placed it last is said, and not what did before. `contradict`, where given: becomes true where points
+// are refused that no turn, scale and shift fits.
+Result<FlightFacts> PlaceKnown(FlightFacts known, const PlaceRequest& request, bool* contradict = nullptr);
 
 // Brings a flight that was aligned anew, with other photos too, to where somebody had placed it before.
 // False: too few photos are of both for that, or these do not lie to each other as they did.

@@ -184,12 +184,17 @@ TEST(MoveToControl, TwoPointsSayWhereAMapLiesThatWasPlacedByHand) {
   Displaced flight({0.0, 1.0, {1.0, 0.0}});
   flight.known.is_by_hand = true;
   flight.known.flight.warnings.push_back({flight::RemarkCode::kControlOverruled, {{"points", 4}}});
+  flight.known.flight.warnings.push_back(
+      {flight::RemarkCode::kPlacedByOrigin,
+       {{"lat_deg", 46.8}, {"lon_deg", 7.1}, {"turn_deg", 0.0}, {"times", 1.0}}});
   const auto by_one = ValueOf(MoveToControl(flight.known, flight.Survey(1)));
   EXPECT_TRUE(by_one.is_by_hand) << "it has nothing to be checked against";
   EXPECT_THAT(InWords(by_one.flight.warnings), Contains(HasSubstr("placed by hand now")));
+  EXPECT_THAT(InWords(by_one.flight.warnings), Contains(HasSubstr("the flight cannot tell")));
   const auto by_two = ValueOf(MoveToControl(flight.known, flight.Survey(2)));
   EXPECT_FALSE(by_two.is_by_hand);
   EXPECT_THAT(InWords(by_two.flight.warnings), Not(Contains(HasSubstr("placed by hand now"))));
+  EXPECT_THAT(InWords(by_two.flight.warnings), Not(Contains(HasSubstr("the flight cannot tell"))));
 }
 
 struct Shifted : Displaced {

@@ -303,6 +303,35 @@ TEST(PlaceKnown, ByHandStatesNoAccuracyOfTheSurveyThatPlacedItBefore) {
   EXPECT_THAT(InWords(by_survey.flight.warnings), Each(Not(HasSubstr("placed by hand now"))));
 }
 
+TEST(PlaceKnown, SaysWhatPlacedItLastAndNotWhatDidBefore) {
+  const Nowhere flight;
+  const auto by_pairs = ValueOf(PlaceKnown(flight.known, ByPairs(flight, {0, 7, 12, 19})));
+  EXPECT_THAT(InWords(by_pairs.flight.warnings), Contains(HasSubstr("by 4 places on it")));
+  FlightFacts anew = flight.known;
+  ASSERT_TRUE(KeepPlaceByHand(by_pairs, anew));
+  EXPECT_THAT(InWords(anew.flight.warnings), Contains(HasSubstr("by 4 places on it")));
+
+  PlaceRequest request;
+  request.origin = geo::LatLon{46.9, 7.1};
+  request.is_again = true;
+  const auto by_origin = ValueOf(PlaceKnown(by_pairs, request));
+  EXPECT_THAT(InWords(by_origin.flight.warnings), Each(Not(HasSubstr("by 4 places on it"))));
+  EXPECT_THAT(InWords(by_origin.flight.warnings), Contains(HasSubstr("its origin lies at 46.9000000")));
+  request.origin->lat_deg = 46.8;
+  const auto elsewhere = ValueOf(PlaceKnown(by_origin, request));
+  EXPECT_THAT(InWords(elsewhere.flight.warnings), Each(Not(HasSubstr("its origin lies at 46.9000000"))));
+  EXPECT_THAT(InWords(elsewhere.flight.warnings), Contains("3 photos are blurred."));
+
+  PlaceRequest survey = flight.BySurvey(4);
+  survey.is_again = true;
+  const auto surveyed = ValueOf(PlaceKnown(elsewhere, survey));
+  EXPECT_THAT(InWords(surveyed.flight.warnings), Each(Not(HasSubstr("placed by hand"))));
+  EXPECT_THAT(InWords(surveyed.flight.warnings), Contains(HasSubstr("was placed by 4 surveyed points")));
+  survey.control = flight.Survey(5);
+  const auto again = ValueOf(PlaceKnown(surveyed, survey));
+  EXPECT_THAT(InWords(again.flight.warnings), Each(Not(HasSubstr("was placed by 4 surveyed points"))));
+}
+
 // Nothing recorded said how large the flight is, nor where north is.
 struct GuessedNowhere : Nowhere {
   GuessedNowhere() {
