@@ -77,6 +77,7 @@ void DescribeMap(const FlightFacts& facts, const PlannedMap& planned,
                          .alignment = facts.align_report ? &*facts.align_report : nullptr,
                          .seams = seam_shift,
                          .gsd_m = report.gsd_m,
+                         .photo_gsd_m = plan.gsd_m,
                          .is_placed = facts.is_placed,
                          .is_by_images = facts.is_by_images,
                          .is_by_hand = facts.is_by_hand};

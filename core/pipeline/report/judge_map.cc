@@ -52,7 +52,8 @@ Vector2d MissOf(const alignment::ControlReport& point) { return {point.miss_east
 
 // Of survey and marks, one axis.
 double ExpectedSquareM2(const JudgedMap& map, const alignment::ControlReport& point) {
-  return kSurveySigmaM * kSurveySigmaM + std::pow(kMarkSigmaPx * map.gsd_m, 2) / std::max(1, point.sightings);
+  return kSurveySigmaM * kSurveySigmaM +
+         std::pow(kMarkSigmaPx * map.photo_gsd_m, 2) / std::max(1, point.sightings);
 }
 
 ControlFit FitOf(const JudgedMap& map) {
@@ -311,8 +312,8 @@ RelativeAccuracy RelativeOf(const JudgedMap& map, bool is_scale_guessed) {
     relative = {map.seams.median_m, map.seams.median_m / map.gsd_m, RelativeSupport::kSeams,
                 map.seams.reliable};
   } else if (map.alignment->tie_points > 0) {
-    const double error_px = map.alignment->residual_rms_px;
-    relative = {error_px * map.gsd_m, error_px, RelativeSupport::kTiePoints, map.alignment->tie_points};
+    const double error_m = map.alignment->residual_rms_px * map.photo_gsd_m;
+    relative = {error_m, error_m / map.gsd_m, RelativeSupport::kTiePoints, map.alignment->tie_points};
   } else {
     return relative;
   }

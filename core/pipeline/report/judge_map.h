@@ -34,7 +34,8 @@ struct JudgedMap {
   const poses::PoseReport& poses;
   const alignment::AlignReport* alignment = nullptr;  // null: no photos were compared
   render::SeamShift seams = {};
-  double gsd_m = 0.0;
+  double gsd_m = 0.0;        // of the map
+  double photo_gsd_m = 0.0;  // of its photos, in which points and marks are found
   bool is_placed = true;
   bool is_by_images = false;
   bool is_by_hand = false;

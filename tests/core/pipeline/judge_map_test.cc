@@ -182,6 +182,17 @@ TEST(JudgeMap, IsLimitedWhereACheckPointIsMissedByMoreThanBothSidesErrBy) {
   EXPECT_TRUE(checked(false, 0, 9.0).IsLimitedBy(LimitKind::kChecksMissed));
 }
 
+// Marks and points are found in its photos, however coarse the map is drawn.
+TEST(JudgeMap, StatesOfACoarseMapWhatItsPhotosTell) {
+  JudgedFlight flight(18);
+  JudgedMap coarse = flight.Map();
+  coarse.gsd_m = 0.4;
+  EXPECT_EQ(JudgeMap(coarse).relative.error_m, 0.01);  // half a pixel of 2 cm
+  EXPECT_EQ(JudgeMap(coarse).relative.error_px, 0.025);
+  for (int k = 0; k < 5; ++k) flight.Surveyed(false, 0.0, 0.0, true);
+  EXPECT_EQ(JudgeMap(coarse).absolute, flight.Judge().absolute);
+}
+
 // What survey and marks do not explain is the map's own shape, and many points do not make it less.
 TEST(JudgeMap, DoesNotAverageOutWhatControlPointsFindOfTheMapsShape) {
   JudgedFlight flight(18);

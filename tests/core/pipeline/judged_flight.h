@@ -64,7 +64,9 @@ struct JudgedFlight {
     if (is_predicted) point.left_out = alignment::ControlPrediction{east_m, north_m, 0.0};
     report.control.push_back(point);
   }
-  JudgedMap Map() const { return {.flight = flight, .poses = poses, .alignment = &report, .gsd_m = 0.02}; }
+  JudgedMap Map() const {
+    return {.flight = flight, .poses = poses, .alignment = &report, .gsd_m = 0.02, .photo_gsd_m = 0.02};
+  }
   MapQuality Judge() const { return JudgeMap(Map()); }
 };
 

@@ -36,7 +36,9 @@ struct LineFlight {
       if (has_gimbal) photo.photo.attitude.emplace();
     }
   }
-  JudgedMap Map() const { return {.flight = flight, .poses = poses, .alignment = &report, .gsd_m = 0.02}; }
+  JudgedMap Map() const {
+    return {.flight = flight, .poses = poses, .alignment = &report, .gsd_m = 0.02, .photo_gsd_m = 0.02};
+  }
   JudgedMap Forecast() const { return {.flight = flight, .poses = poses, .is_forecast = true}; }
 };
 
