@@ -319,6 +319,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   } else if (memory != nullptr) {
     std::optional<Recalled> recalled = RecallPlaced(*memory, options, inputs);
     if (recalled && recalled->facts.is_by_hand && read->gcp_lists.empty()) placed_by_hand = recalled->facts;
+    if (!recalled && read->gcp_lists.empty()) placed_by_hand = RecallPlacedByHand(*memory, options, inputs);
     if (recalled && HasAllPhotosOf(recalled->facts.flight, *read)) {
       if (recalled->added.empty()) {
         facts = std::move(recalled->facts);

@@ -1,6 +1,7 @@
 #include "core/pipeline/placing/recall_flight.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -91,6 +92,26 @@ std::optional<Recalled> RecallPlaced(const pyramid::MapMemory& memory, const Mos
   // An earlier version did not ask whether anything leans.
   if (recalled && options.surface == MapGround::kAuto && !recalled->facts.ground_choice) return std::nullopt;
   return recalled;
+}
+
+std::optional<FlightFacts> RecallPlacedByHand(const pyramid::MapMemory& memory, const MosaicOptions& options,
+                                              const std::vector<NamedDigest>& inputs) {
+  if (memory.Recall().empty()) return std::nullopt;
+  Result<FlightFacts> facts = ParseFacts(memory.Recall());
+  if (!facts || !facts->is_by_hand || facts->options != DigestOfPlacing(options)) return std::nullopt;
+  std::map<std::string, Digest> given;
+  for (const NamedDigest& input : inputs) given.emplace(input.file.name, input.digest);
+  std::set<std::string> still;
+  for (const NamedDigest& input : facts->inputs) {
+    const auto same = given.find(input.file.name);
+    if (same != given.end() && same->second == input.digest) still.insert(input.file.name);
+  }
+  const std::vector<alignment::AlignedPhoto>& photos = facts->flight.photos;
+  const auto shown = std::count_if(photos.begin(), photos.end(), [&](const alignment::AlignedPhoto& photo) {
+    return still.contains(photo.photo.name);
+  });
+  if (2 * static_cast<std::size_t>(shown) <= photos.size()) return std::nullopt;
+  return *std::move(facts);
 }
 
 bool MayAppend(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {

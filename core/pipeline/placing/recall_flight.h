@@ -33,6 +33,11 @@ std::optional<Recalled> RecallFiles(const pyramid::MapMemory& memory, const std:
 std::optional<Recalled> RecallPlaced(const pyramid::MapMemory& memory, const MosaicOptions& options,
                                      const std::vector<NamedDigest>& inputs);
 
+// The map that somebody placed by hand, of a run that was asked for the same, while most of its photos are the
+// same files: whatever else came or went, one that is aligned anew goes there.
+std::optional<FlightFacts> RecallPlacedByHand(const pyramid::MapMemory& memory, const MosaicOptions& options,
+                                              const std::vector<NamedDigest>& inputs);
+
 // Whether the files that came are photos to be placed against the others. A flight that doubles is better
 // aligned as a whole; so is one that was not finished, got other files than photos, or has photos that no
 // record places: the new ones may be like them.

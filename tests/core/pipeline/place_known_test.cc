@@ -7,8 +7,10 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/placing/place_by_lists.h"
+#include "core/pipeline/placing/recall_flight.h"
 #include "core/pipeline/report/judge_map.h"
 #include "tests/core/pipeline/displaced_flight.h"
+#include "tests/support/facts_alone.h"
 #include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
@@ -367,6 +369,32 @@ TEST(PlaceKnown, OnePlaceLeavesAGuessedScaleAndNorthWhatTheyAre) {
   anew = flight.known;
   ASSERT_TRUE(KeepPlaceByHand(by_one, anew));
   EXPECT_EQ(JudgedPlace(anew).limits, both);
+}
+
+TEST(RecallPlacedByHand, TakesTheMapWhileMostOfItsPhotosAreTheSameFiles) {
+  Displaced flight({0.0, 1.0, {}});
+  FlightFacts& map = flight.known;
+  map.is_by_hand = true;
+  map.options = DigestOfPlacing({});
+  map.appearance.reset();
+  map.thumbnails.resize(map.flight.photos.size());
+  for (const alignment::AlignedPhoto& photo : map.flight.photos)
+    map.inputs.push_back({{photo.photo.name, photo.photo.path}, Digest{1}});
+  map.inputs.push_back({{"log.csv", "/then/log.csv"}, Digest{1}});
+  test::FactsAlone memory;
+  EXPECT_FALSE(RecallPlacedByHand(memory, {}, map.inputs));
+  ASSERT_TRUE(memory.Remember(WriteFacts(map)).ok());
+  std::vector<NamedDigest> inputs = map.inputs;
+  inputs.resize(11);  // of twenty, and no log
+  EXPECT_TRUE(RecallPlacedByHand(memory, {}, inputs));
+  MosaicOptions others;
+  others.max_look_deg = 40.0;
+  EXPECT_FALSE(RecallPlacedByHand(memory, others, inputs));
+  inputs.back().digest = Digest{2};
+  EXPECT_FALSE(RecallPlacedByHand(memory, {}, inputs)) << "ten are";
+  map.is_by_hand = false;
+  ASSERT_TRUE(memory.Remember(WriteFacts(map)).ok());
+  EXPECT_FALSE(RecallPlacedByHand(memory, {}, map.inputs));
 }
 
 TEST(PlaceKnown, RefusesPlacesThatTellNothing) {

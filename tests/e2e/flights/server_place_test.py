@@ -55,6 +55,11 @@ class PlaceOnTheServer(ServerTestCase):
         self.assertEqual(self.bounds(server, flight), scaled)
         warnings = " ".join(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["warnings"])
         self.assertIn("placed by hand", warnings)
+        # Also where a photo goes, and the others are aligned anew.
+        self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}/files/{self.photos[5][0]}")[0], 204)
+        server.remade(flight)
+        warnings = " ".join(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["warnings"])
+        self.assertIn("placed by hand", warnings)
 
     def test_control_points_are_kept_and_place_the_map(self):
         server = self.serve()
