@@ -142,11 +142,17 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
     first_unused.emplace("pictures", unused);
     flight.warnings.push_back({RemarkCode::kPanelsUnused, first_unused});
   }
+  const auto is_told_by_targets = [&](const std::string& band) {
+    return std::any_of(captures.targets.begin(), captures.targets.end(), [&](const auto& target) {
+      return ReflectanceOf(target.reflectance, band).has_value();
+    });
+  };
   std::vector<std::string> without;
   for (const Band& band : std::vector<Band>(captures.bands)) {
     const auto found = by_band.find(band.name);
     if (found == by_band.end()) {
-      if (band.calibration != Calibration::kKelvin) without.push_back(band.name);
+      if (band.calibration != Calibration::kKelvin && !is_told_by_targets(band.name))
+        without.push_back(band.name);
       continue;
     }
     std::vector<double> factors;

@@ -302,6 +302,16 @@ TEST_F(CalibrateByPanelsTest, PicturesThatCannotBeUsedAreTold) {
               HasSubstr("its values are radiance, those of the photos of the ground relative"));
 }
 
+// Targets are measured when the map is there.
+TEST_F(CalibrateByPanelsTest, ABandThatATargetTellsOfIsNotSaidToBeWithout) {
+  PutApart(1);
+  source_.pictures["1_red.tif"] = Draw({.grey = 65'400});
+  captures_.targets.emplace_back().reflectance.bands["red"] = 0.1;
+  CalibrateByPanels(flight_, captures_, source_);
+  ASSERT_THAT(flight_.warnings, SizeIs(1));
+  EXPECT_EQ(flight_.warnings[0].code, flight::RemarkCode::kPanelsUnused);
+}
+
 TEST_F(CalibrateByPanelsTest, PicturesThatContradictAreTold) {
   PutApart(1);
   captures_.panels.push_back(captures_.panels[0]);
