@@ -242,6 +242,8 @@ AlignedFlight AddedAndAround(const AlignedFlight& flight, std::size_t finished) 
 Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const poses::PosedFlight& posed,
                                                 const MosaicOptions& options,
                                                 const flight::PhotoSource& source, Progress& progress) {
+  // All of the flight goes where its records put it now.
+  if (!known.is_placed && posed.is_placed) return std::optional<FlightFacts>();
   const std::optional<alignment::Similarity3> known_from_posed = KnownFromPosed(known, posed);
   if (!known_from_posed) return std::optional<FlightFacts>();
   std::set<std::string> finished, left_out;
@@ -285,6 +287,8 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   align_options.fixed = FixedOf(part, finished);
 
   FlightFacts grown = known;
+  grown.poses_report = posed.report;
+  grown.poses_report.is_placed = known.is_placed;  // by somebody since, whatever the records say
   std::vector<flight::Remark>& warnings = grown.flight.warnings;
   TellPosed(posed.warnings, known.is_placed, warnings);
   // What is assumed of the new ones alone; the map's own assumptions were told with what became of them.

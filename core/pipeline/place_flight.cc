@@ -256,7 +256,6 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   std::vector<render::Thumbnail> thumbnails = known.thumbnails;
   thumbnails.insert(thumbnails.end(), checked.thumbnails.begin(), checked.thumbnails.end());
   (*grown)->thumbnails = Ordered((*grown)->flight, thumbnails);
-  (*grown)->poses_report = posed.report;
   return grown;
 }
 

@@ -187,6 +187,19 @@ TEST(AppendPhotos, GoWhereTheyWereRecordedOnAMapThatErrsAsReceiversDo) {
   EXPECT_LT(near.WorstAddedM(near.OnMovedMap()), 0.1);
 }
 
+TEST(AppendPhotos, LeaveAMapPlacedThatSomebodyPlacedAndNoneNowhereThatTheyPlace) {
+  Added map({0.0, 1.0, {0.0, 0.0}});
+  poses::PosedFlight nowhere = Posed(map.truth);
+  nowhere.is_placed = nowhere.report.is_placed = false;
+  EXPECT_TRUE(AppendByRecords(map.known, nowhere).poses_report.is_placed);
+  map.known.is_placed = false;
+  EXPECT_FALSE(AppendByRecords(map.known, nowhere).poses_report.is_placed);
+  SilentProgress progress;
+  const auto grown = AppendPhotos(map.known, Posed(map.truth), {}, flight::FilePhotoSource(), progress);
+  ASSERT_TRUE(grown.ok());
+  EXPECT_FALSE(grown->has_value()) << "better to place the flight as a whole";
+}
+
 TEST(AppendPhotos, TellOfAllThatCameLaterTogether) {
   Added map({0.0, 1.0, {0.0, 0.0}});
   poses::PosedFlight posed = Posed(map.truth);
