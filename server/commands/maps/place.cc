@@ -4,18 +4,14 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/base/text/json_io.h"
 #include "core/base/text/printable.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/render/map_layer.h"
 #include "server/commands/arguments.h"
 #include "server/commands/commands.h"
 #include "server/commands/maps/map_notes.h"
@@ -107,25 +103,17 @@ pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
   return request;
 }
 
-std::string TitleOf(const fs::path& map_dir) {
-  std::ifstream file(map_dir / "report.json", std::ios::binary);
-  const auto report = ParseJson(file);
-  return report.is_object() ? report.value("title", "") : std::string();
-}
-
-// What was asked for when the map was made, as far as the folder shows it.
+// What was asked for when the map was made, and which files the folder has.
 StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
   StitchJobOptions options;
+  // Its pixels go with it, and its photos lie above an elevation model as they do.
+  OrFail(kCommand, TakeOptionsOfMap(arguments.map_dir, {"--gsd", "--dem"}, options.mosaic));
   const auto has = [&](const std::string& name) { return fs::exists(arguments.map_dir / name); };
   options.write_cog = has("mosaic.tif");
   options.write_pmtiles = has("mosaic.pmtiles");
   options.mosaic.write_utm = has("mosaic_utm.tif");
   options.write_kmz = has("mosaic.kmz");
   options.mosaic.heights = HeightsIn(arguments.map_dir);
-  for (const render::MapLayer layer : render::kMapLayers) {
-    if (has(render::LayerFileName(layer))) options.mosaic.layers.push_back(layer);
-  }
-  options.mosaic.title = TitleOf(arguments.map_dir);
   options.mosaic.threads = arguments.threads;
   options.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   const auto tiles = OrFail(kCommand, storage::MbtilesReader::Open(arguments.map_dir / "mosaic.mbtiles"));

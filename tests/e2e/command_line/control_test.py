@@ -210,6 +210,14 @@ class Place(ScratchCase):
         located = run("locate", folder, "--photo", photo["name"], "--pixel", "399.5,299.5").stdout
         self.assertIn("with an unknown error", located)
 
+    def test_the_map_is_drawn_again_as_it_was_asked_for(self):
+        usual, small = self.map("usual_tiles"), self.scratch / "small_tiles"
+        run("stitch", self.scratch / "sim/photos", "-o", small, "--quality", "20", "--title", "Field 7")
+        self.assertEqual(self.placed(small, "--origin", "46.8,7.1")["title"], "Field 7")
+        self.placed(usual, "--origin", "46.8,7.1")
+        size = lambda folder: (folder / "mosaic.mbtiles").stat().st_size
+        self.assertLess(size(small), 0.7 * size(usual))
+
     def test_refusals_say_what_to_do_and_leave_the_map(self):
         folder = self.map("refused")
         digest = lambda: hashlib.sha256((folder / "mosaic.mbtiles").read_bytes()).hexdigest()
