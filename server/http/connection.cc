@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -106,11 +107,19 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
   }
 
   Awaitable<void> Write(std::string_view head, std::span<const std::uint8_t> body) override {
-    const std::array<net::const_buffer, 2> buffers = {net::buffer(head.data(), head.size()),
-                                                      net::buffer(body.data(), body.size())};
-    SetDeadline(settings_.slice_deadline);  // also where a body is answered before it was read
-    SystemError error;
-    co_await net::async_write(socket_, buffers, net::redirect_error(net::use_awaitable, error));
+    std::array<net::const_buffer, 2> buffers = {net::buffer(head.data(), head.size()),
+                                                net::buffer(body.data(), body.size())};
+    // What the system takes at once needs no turn of the loop, but for who sent several requests together:
+    // others have their turns between his answers. What fails here fails again below.
+    SystemError error, untaken;
+    const std::size_t sent = buffer_.size() == 0 ? socket_.write_some(buffers, untaken) : 0;
+    if (sent < head.size() + body.size()) {
+      const std::size_t sent_of_head = std::min(sent, head.size());
+      buffers[0] += sent_of_head;
+      buffers[1] += sent - sent_of_head;
+      SetDeadline(settings_.slice_deadline);  // also where a body is answered before it was read
+      co_await net::async_write(socket_, buffers, net::redirect_error(net::use_awaitable, error));
+    }
     EndDeadline();
     if (error) has_failed_ = true;
   }
@@ -268,6 +277,7 @@ std::shared_ptr<Connection> TakeConnection(net::io_context& io, int fd, std::str
   net::ip::tcp::socket socket(io);
   SystemError error;
   socket.assign(net::ip::tcp::v4(), fd, error);
+  if (!error) socket.non_blocking(true, error);  // Write tries before it waits
   if (error) {
     LogFailure("-", "accept", error.message());
     return nullptr;
