@@ -19,6 +19,7 @@ struct AheadFile {
   sqlite3_int64 id = 0;
   sqlite3_int64 bytes = 0;
   sqlite3_int64 next = -1;  // where the last read ended
+  int step = 0;             // how much was read at once of pages that follow each other
 };
 
 // What a thread read ahead of one file. Of ids none is ever given twice.
@@ -38,8 +39,11 @@ int ReadAhead(sqlite3_file* file, void* out, int size, sqlite3_int64 offset) {
   AheadFile& ahead = Ahead(file);
   const bool follows = offset == ahead.next;
   ahead.next = offset + size;
+  if (!follows) ahead.step = size;
   const bool is_here = buffer.id == ahead.id && offset >= buffer.begin && ahead.next <= buffer.end;
-  const sqlite3_int64 end = std::min(offset + kAheadBytes, ahead.bytes);
+  // Twice as much each time: of a small value hardly more is read than it has.
+  if (!is_here && follows) ahead.step = std::min(2 * ahead.step, kAheadBytes);
+  const sqlite3_int64 end = std::min(offset + ahead.step, ahead.bytes);
   if (!is_here && follows && end > ahead.next) {
     buffer.id = 0;
     buffer.bytes.resize(kAheadBytes);

@@ -131,6 +131,33 @@ TEST_F(SqliteDbTest, ReadsWhatNeverChangesAsItWasWritten) {
   EXPECT_EQ(first, written);
 }
 
+// What this thread has read so far; absent: the system does not say.
+std::optional<std::int64_t> BytesRead() {
+  std::ifstream io("/proc/thread-self/io");
+  std::string name;
+  std::int64_t bytes = 0;
+  if (io >> name >> bytes && name == "rchar:") return bytes;
+  return std::nullopt;
+}
+
+TEST_F(SqliteDbTest, ReadsLittleMoreThanASmallValueHas) {
+  {
+    auto db = Open();
+    ASSERT_TRUE(
+        db->Exec("CREATE TABLE t(id INTEGER PRIMARY KEY, value BLOB);"
+                 "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i+1 FROM n WHERE i<30)"
+                 " INSERT INTO t SELECT i, randomblob(10000) FROM n"));
+  }
+  auto db = Open("a.db", OpenMode::kReadOnlyImmutable);
+  auto one = db->Prepare("SELECT value FROM t WHERE id=2");
+  const std::optional<std::int64_t> before = BytesRead();
+  if (!before) GTEST_SKIP() << "the system does not say what a thread reads";
+  ASSERT_TRUE(*one->Step());
+  EXPECT_EQ(one->ColumnBlob(0).size(), 10'000U);
+  // The table's root behind the page before it, a leaf, two pages beside it: 8 + 4 + 4 + 8 KiB.
+  EXPECT_LT(*BytesRead() - *before, 32'000);
+}
+
 TEST_F(SqliteDbTest, SaysThatAFileWasCutOffWhileItIsRead) {
   {
     auto db = Open();
