@@ -146,6 +146,29 @@ std::string UriOf(const std::filesystem::path& path) {
 
 }  // namespace
 
+void SqliteBlobs::Closer::operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
+
+std::optional<std::string> SqliteBlobs::Read(std::int64_t row_id) {
+  if (db_ == nullptr) return std::nullopt;
+  int code = SQLITE_OK;
+  if (blob_ != nullptr) {
+    code = sqlite3_blob_reopen(blob_.get(), row_id);
+  } else {
+    sqlite3_blob* opened = nullptr;
+    code = sqlite3_blob_open(db_, "main", table_.c_str(), column_.c_str(), row_id, 0, &opened);
+    blob_.reset(opened);
+  }
+  std::string bytes;
+  if (code == SQLITE_OK) {
+    bytes.resize(static_cast<std::size_t>(sqlite3_blob_bytes(blob_.get())));
+    code = sqlite3_blob_read(blob_.get(), bytes.data(), static_cast<int>(bytes.size()), 0);
+  }
+  if (code == SQLITE_OK) return bytes;
+  blob_.reset();
+  db_ = nullptr;
+  return std::nullopt;
+}
+
 Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode) {
   sqlite3* handle = nullptr;
   // NOMUTEX: the connection is used by one thread at a time, which this class demands of its caller.

@@ -6,13 +6,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/result.h"
 #include "storage/db/sql_connection.h"
 
 struct sqlite3;
+struct sqlite3_blob;
 
 namespace skyquilt::storage {
 
@@ -24,6 +27,25 @@ enum class OpenMode {
                        // this process's memory, and a page that cannot be read would end it
 };
 
+// SqliteBlobs: values of one column of a table with row ids, read straight into the caller's memory, where a
+// statement copies them once more. After the first one that it cannot read (no such row or table, no bytes,
+// a damaged file) it reads none: a statement says what is wrong. Must not outlive its database.
+class SqliteBlobs {
+ public:
+  SqliteBlobs() = default;
+  SqliteBlobs(sqlite3* db, std::string table, std::string column)
+      : db_(db), table_(std::move(table)), column_(std::move(column)) {}
+  std::optional<std::string> Read(std::int64_t row_id);
+
+ private:
+  struct Closer {
+    void operator()(sqlite3_blob* blob) const;
+  };
+  sqlite3* db_ = nullptr;  // null: none is to be read
+  std::string table_, column_;
+  std::unique_ptr<sqlite3_blob, Closer> blob_;  // goes from row to row
+};
+
 class SqliteDb final : public SqlConnection {
  public:
   static Result<SqliteDb> Open(const std::filesystem::path& path, OpenMode mode);
@@ -32,6 +54,9 @@ class SqliteDb final : public SqlConnection {
   Result<void> Exec(const std::string& sql) override;
   Result<Statement> Prepare(std::string_view sql) override;
   std::int64_t Changes() const override;
+  SqliteBlobs Blobs(std::string table, std::string column) const {
+    return {handle_.get(), std::move(table), std::move(column)};
+  }
   Dialect dialect() const override { return Dialect::kSqlite; }
   bool is_open() const { return handle_ != nullptr; }
   // Closes now, so that a failure to flush can be seen. Statements must be gone.

@@ -2,6 +2,7 @@
 
 #include <xxhash.h>
 
+#include <optional>
 #include <utility>
 
 #include "core/base/try.h"
@@ -33,8 +34,9 @@ std::string BlobOf(const Statement& row) {
 
 struct MbtilesReader::Connection {
   SqliteDb db;
-  Statement find;  // kFindId or kFindBytes
-  Statement load;  // kLoadById, or nothing
+  Statement find;     // kFindId or kFindBytes
+  Statement load;     // kLoadById, or nothing
+  SqliteBlobs bytes;  // the same; what it cannot read, `load` says
 };
 
 MbtilesReader::MbtilesReader(std::filesystem::path path) : path_(std::move(path)) {}
@@ -63,6 +65,7 @@ Result<std::unique_ptr<MbtilesReader::Connection>> MbtilesReader::Connect() cons
   SKYQUILT_TRY_ASSIGN(connection->find, connection->db.Prepare(is_deduplicated_ ? kFindId : kFindBytes));
   if (is_deduplicated_) {
     SKYQUILT_TRY_ASSIGN(connection->load, connection->db.Prepare(kLoadById));
+    connection->bytes = connection->db.Blobs("tiles_data", "tile_data");
   }
   return connection;
 }
@@ -110,8 +113,9 @@ Result<std::optional<FoundTile>> MbtilesReader::Find(const geo::TileId& tile) {
 Result<std::string> MbtilesReader::Load(FoundTile tile) {
   if (tile.bytes) return *std::move(tile.bytes);
   SKYQUILT_TRY_ASSIGN(const Borrowed connection, Borrow());
-  SKYQUILT_TRY_ASSIGN(const bool row,
-                      connection->load.Bind(1, static_cast<std::int64_t>(tile.content_id)).Step());
+  const auto id = static_cast<std::int64_t>(tile.content_id);
+  if (std::optional<std::string> bytes = connection->bytes.Read(id)) return *std::move(bytes);
+  SKYQUILT_TRY_ASSIGN(const bool row, connection->load.Bind(1, id).Step());
   if (!row) {
     return Error{ErrorCode::kCorrupt, "The tileset lacks the bytes of a tile. Stitch the flight again.",
                  path_.string()};

@@ -49,6 +49,20 @@ TEST(MbtilesReader, FindsWithoutBytesWhereKeysAreIntegers) {
   EXPECT_FALSE((*reader->Find(Tile(1, 0, 1)))->bytes.has_value());
 }
 
+TEST(MbtilesReader, SaysThatBytesAreMissingAndGoesOn) {
+  test::TemporaryFolder dir;
+  const std::string large(20'000, 'a');
+  WriteSmallTileset(dir.path() / "a.mbtiles", TilesetSchema::kIntegerKeys,
+                    {{1, 0, 0, large}, {1, 1, 0, "b"}});
+  const auto reader = *MbtilesReader::Open(dir.path() / "a.mbtiles");
+  const FoundTile first = **reader->Find(Tile(1, 0, 1)), second = **reader->Find(Tile(1, 1, 1));
+  EXPECT_EQ(*reader->Load(first), large);
+  EXPECT_EQ(*reader->Load(second), "b");
+  EXPECT_EQ(reader->Load(FoundTile{1, std::nullopt}).error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(*reader->Load(second), "b");
+  EXPECT_EQ(*reader->Load(first), large);
+}
+
 // What the writer says of tiles, and how readers take it.
 TEST(EncodingOf, IsWhatTheWriterPut) {
   using image::TileEncoding;

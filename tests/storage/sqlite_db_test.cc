@@ -131,6 +131,31 @@ TEST_F(SqliteDbTest, ReadsWhatNeverChangesAsItWasWritten) {
   EXPECT_EQ(first, written);
 }
 
+TEST_F(SqliteDbTest, ReadsBlobsWithoutAStatement) {
+  {
+    auto db = Open();
+    ASSERT_TRUE(
+        db->Exec("CREATE TABLE t(id INTEGER PRIMARY KEY, value);"
+                 "INSERT INTO t VALUES(1, x'616263'), (2, zeroblob(50000)), (3, x''), (4, NULL);"
+                 "CREATE TABLE w(id INTEGER PRIMARY KEY, value BLOB) WITHOUT ROWID;"
+                 "INSERT INTO w VALUES(1, x'61')"));
+  }
+  auto db = Open("a.db", OpenMode::kReadOnlyImmutable);
+  ASSERT_TRUE(db);
+  SqliteBlobs blobs = db->Blobs("t", "value");
+  EXPECT_EQ(blobs.Read(1), "abc");
+  EXPECT_EQ(blobs.Read(2), std::string(50'000, '\0'));
+  EXPECT_EQ(blobs.Read(3), "");
+  EXPECT_EQ(blobs.Read(1), "abc");
+  for (const std::int64_t none : {4, 5}) {
+    SqliteBlobs others = db->Blobs("t", "value");
+    EXPECT_EQ(others.Read(none), std::nullopt);
+    EXPECT_EQ(others.Read(1), std::nullopt);
+  }
+  EXPECT_EQ(db->Blobs("w", "value").Read(1), std::nullopt);
+  EXPECT_EQ(db->Blobs("none", "value").Read(1), std::nullopt);
+}
+
 // What this thread has read so far; absent: the system does not say.
 std::optional<std::int64_t> BytesRead() {
   std::ifstream io("/proc/thread-self/io");
