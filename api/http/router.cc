@@ -131,27 +131,23 @@ void Router::SetFallback(Handler handler) {
 }
 
 // Literal first, then parameter, with a way back: patterns of few segments, so that the search stays tiny.
-const Router::Node* Router::Walk(const std::vector<std::string>& segments,
-                                 std::vector<std::string>* values) const {
-  const std::function<const Node*(const Node*, std::size_t)> step = [&](const Node* node,
-                                                                        std::size_t depth) -> const Node* {
-    if (depth == segments.size()) return node->routes.empty() ? nullptr : node;
-    const auto literal = node->literals.find(segments[depth]);
-    if (literal != node->literals.end()) {
-      if (const Node* found = step(literal->second.get(), depth + 1)) return found;
-    }
-    if (node->any == nullptr) return nullptr;
-    values->push_back(segments[depth]);
-    if (const Node* found = step(node->any.get(), depth + 1)) return found;
-    values->pop_back();
-    return nullptr;
-  };
-  return step(root_.get(), 0);
+const Router::Node* Router::Walk(const Node& node, std::span<const std::string> segments,
+                                 std::vector<std::string_view>& values) {
+  if (segments.empty()) return node.routes.empty() ? nullptr : &node;
+  const auto literal = node.literals.find(segments.front());
+  if (literal != node.literals.end()) {
+    if (const Node* found = Walk(*literal->second, segments.subspan(1), values)) return found;
+  }
+  if (node.any == nullptr) return nullptr;
+  values.emplace_back(segments.front());
+  if (const Node* found = Walk(*node.any, segments.subspan(1), values)) return found;
+  values.pop_back();
+  return nullptr;
 }
 
 std::string Router::Allowed(const std::vector<std::string>& segments) const {
-  std::vector<std::string> values;
-  const Node* node = Walk(segments, &values);
+  std::vector<std::string_view> values;
+  const Node* node = Walk(*root_, segments, values);
   if (node == nullptr) return fallback_ ? "GET, HEAD, OPTIONS" : "";
   std::string allow;
   for (const auto& [method, route] : node->routes) {
@@ -165,8 +161,9 @@ std::string Router::Allowed(const std::vector<std::string>& segments) const {
 
 Router::Match Router::Find(Method method, const std::vector<std::string>& segments) const {
   Match match;
-  std::vector<std::string> values;
-  const Node* node = Walk(segments, &values);
+  std::vector<std::string_view> values;
+  values.reserve(segments.size());
+  const Node* node = Walk(*root_, segments, values);
   if (node == nullptr) {
     if (fallback_ && method == Method::kGet) match.route = &*fallback_;
     return match;
@@ -178,8 +175,8 @@ Router::Match Router::Find(Method method, const std::vector<std::string>& segmen
   }
   match.route = &route->second;
   const std::vector<std::string>& names = node->names.at(method);
-  for (std::size_t i = 0; i < names.size(); ++i)
-    match.parameters.emplace_back(names[i], std::move(values[i]));
+  match.parameters.reserve(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) match.parameters.emplace_back(names[i], values[i]);
   return match;
 }
 

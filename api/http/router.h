@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -100,7 +101,8 @@ class Router {
  private:
   struct Node;
   Route& Insert(Method method, std::string_view pattern);
-  const Node* Walk(const std::vector<std::string>& segments, std::vector<std::string>* values) const;
+  static const Node* Walk(const Node& node, std::span<const std::string> segments,
+                          std::vector<std::string_view>& values);
   std::unique_ptr<Node> root_;
   std::optional<Route> fallback_;
 };
