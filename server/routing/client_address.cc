@@ -62,6 +62,7 @@ bool IsFromThisMachine(const std::string& peer, const api::Headers& headers) {
 }
 
 bool IsTrustedProxy(const std::string& peer, const HttpSettings& settings) {
+  if (settings.trusted_proxies.empty()) return false;
   const std::optional<AddressBytes> address = ParseAddress(peer);
   return address && IsTrusted(*address, settings);
 }
