@@ -42,7 +42,10 @@ class Headers {
  public:
   Headers() = default;
   Headers(std::initializer_list<std::pair<std::string, std::string>> list) : list_(list) {}
-  void Add(std::string name, std::string value) { list_.emplace_back(std::move(name), std::move(value)); }
+  void Add(std::string name, std::string value) {
+    if (list_.empty()) list_.reserve(8);  // as many as most have
+    list_.emplace_back(std::move(name), std::move(value));
+  }
   void Set(std::string_view name, std::string value);
   void Remove(std::string_view name);
   // One more field of the request that the answer depends on; in one line, since some caches read one alone.

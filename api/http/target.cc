@@ -49,6 +49,7 @@ Result<std::string> Decode(std::string_view text, std::string_view also_allowed,
 
 Result<std::vector<std::string>> ParsePath(std::string_view path) {
   std::vector<std::string> segments;
+  segments.reserve(8);  // more than tiles have
   while (path.size() > 1) {
     path.remove_prefix(1);
     const std::size_t end = std::min(path.find('/'), path.size());

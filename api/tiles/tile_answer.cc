@@ -59,10 +59,11 @@ const char* CacheControl(const Request& request, const storage::Tileset& tileset
   return revision && *revision == std::to_string(tileset.revision.revision) ? kImmutable : kRevalidated;
 }
 
-Response TaggedHead(const Request& request, const char* cache_control, const std::string& etag) {
+Response TaggedHead(const Request& request, const char* cache_control, std::string etag) {
   Response response;
-  response.headers = {{"Cache-Control", cache_control}, {"ETag", etag}};
   if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) response.status = 304;
+  response.headers.Add("Cache-Control", cache_control);
+  response.headers.Add("ETag", std::move(etag));
   return response;
 }
 

@@ -21,7 +21,7 @@ Result<std::shared_ptr<const storage::Tileset>> MapFor(Service& service, const R
 // An address that names the revision it shows never changes its bytes.
 const char* CacheControl(const Request& request, const storage::Tileset& tileset);
 // How long an answer holds, and its tag. 304: the client has it.
-Response TaggedHead(const Request& request, const char* cache_control, const std::string& etag);
+Response TaggedHead(const Request& request, const char* cache_control, std::string etag);
 // Where the map has nothing: as the parameter "empty" says, or else as the address has it. Errors:
 // kInvalidArgument (the parameter), kNotFound (where that is the answer).
 Result<Response> BlankAnswer(const Request& request, EmptyTile otherwise, int side_px,
