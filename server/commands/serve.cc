@@ -40,6 +40,7 @@
 #include "server/webhooks/post_message.h"
 #include "server/webhooks/webhook_sender.h"
 #include "server/workers/worker_pool.h"
+#include "storage/db/sqlite_db.h"
 #include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 
@@ -232,6 +233,7 @@ void RunServer(const ServeOptions& options) {
   }
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();
+  storage::SqliteDb::CountNoMemory();
   const Result<void> loaded = TryLate();  // a library that is missing is no surprise of the first request
   if (!loaded) Fail("skyquilt serve", loaded.error());
   KeepFreedMemory();

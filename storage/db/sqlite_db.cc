@@ -204,6 +204,8 @@ Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode
   return db;
 }
 
+void SqliteDb::CountNoMemory() { static_cast<void>(sqlite3_config(SQLITE_CONFIG_MEMSTATUS, 0)); }
+
 void SqliteDb::Closer::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 
 Result<void> SqliteDb::Exec(const std::string& sql) {

@@ -49,6 +49,8 @@ class SqliteBlobs {
 class SqliteDb final : public SqlConnection {
  public:
   static Result<SqliteDb> Open(const std::filesystem::path& path, OpenMode mode);
+  // Called before anything uses SQLite, whose count of its memory takes a lock of the process at each block.
+  static void CountNoMemory();
   SqliteDb() = default;
 
   Result<void> Exec(const std::string& sql) override;
