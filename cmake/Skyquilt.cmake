@@ -60,6 +60,13 @@ function(skyquilt_compile_cheaply target)
   endif()
 endfunction()
 
+# skyquilt_compile_fully(sources...): of a COLD library, what every tile runs through.
+function(skyquilt_compile_fully)
+  if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O2)
+  endif()
+endfunction()
+
 # skyquilt_library(name [LARGE] [COLD] SOURCES a.cc ... HEADERS a.h ... DEPS public... PRIVATE_DEPS private...)
 # A COLD library has no loop that a user waits for (texts, documents, options, statements): -O1 compiles it in half the time.
 function(skyquilt_library name)
