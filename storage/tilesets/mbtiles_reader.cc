@@ -2,7 +2,9 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "core/base/try.h"
@@ -34,9 +36,10 @@ std::string BlobOf(const Statement& row) {
 
 struct MbtilesReader::Connection {
   SqliteDb db;
-  Statement find;     // kFindId or kFindBytes
-  Statement load;     // kLoadById, or nothing
-  SqliteBlobs bytes;  // the same; what it cannot read, `load` says
+  Statement find;        // kFindId or kFindBytes
+  Statement load;        // kLoadById, or nothing
+  SqliteBlobs bytes;     // the same; what it cannot read, `load` says
+  std::thread::id user;  // the last one, in whose processor's cache its pages are
 };
 
 MbtilesReader::MbtilesReader(std::filesystem::path path) : path_(std::move(path)) {}
@@ -82,15 +85,20 @@ struct MbtilesReader::Returner {
 };
 
 Result<MbtilesReader::Borrowed> MbtilesReader::Borrow() {
+  const std::thread::id me = std::this_thread::get_id();
   {
     const std::lock_guard lock(mutex_);
     if (!idle_.empty()) {
-      Borrowed connection(idle_.back().release(), Returner{*this});
-      idle_.pop_back();
+      auto taken = std::find_if(idle_.begin(), idle_.end(), [&](const auto& one) { return one->user == me; });
+      if (taken == idle_.end()) --taken;
+      Borrowed connection(taken->release(), Returner{*this});
+      idle_.erase(taken);
+      connection->user = me;
       return connection;
     }
   }
   SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> made, Connect());
+  made->user = me;
   return Borrowed(made.release(), Returner{*this});
 }
 
