@@ -16,12 +16,21 @@
 #include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
+namespace {
+
+// Each found once: otherwise OpenSSL looks for it, under its locks, at the beginning of every digest.
+const EVP_MD* KindOf(DigestAlgorithm algorithm) {
+  static const EVP_MD* const md5 = EVP_MD_fetch(nullptr, "MD5", nullptr);
+  static const EVP_MD* const sha1 = EVP_MD_fetch(nullptr, "SHA1", nullptr);
+  static const EVP_MD* const sha256 = EVP_MD_fetch(nullptr, "SHA256", nullptr);
+  return algorithm == DigestAlgorithm::kMd5 ? md5 : algorithm == DigestAlgorithm::kSha1 ? sha1 : sha256;
+}
+
+}  // namespace
 
 RawDigest::RawDigest(DigestAlgorithm algorithm) : context_(EVP_MD_CTX_new()) {
-  const EVP_MD* kind = algorithm == DigestAlgorithm::kMd5    ? EVP_md5()
-                       : algorithm == DigestAlgorithm::kSha1 ? EVP_sha1()
-                                                             : EVP_sha256();
-  SKYQUILT_CHECK(EVP_DigestInit_ex(context_.get(), kind, nullptr) == 1, "a digest that OpenSSL always has");
+  SKYQUILT_CHECK(EVP_DigestInit_ex(context_.get(), KindOf(algorithm), nullptr) == 1,
+                 "a digest that OpenSSL always has");
 }
 
 void RawDigest::Free::operator()(evp_md_ctx_st* context) const { EVP_MD_CTX_free(context); }
