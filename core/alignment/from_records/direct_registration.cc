@@ -205,17 +205,13 @@ bool Agrees(const std::vector<View>& views, const Track& tie) {
   });
 }
 
-std::vector<DirectSupport> SupportOf(const std::vector<View>& views, const std::vector<Track>& tracks) {
-  std::vector<DirectSupport> support(views.size());
-  for (const Track& track : tracks) {
-    if (!Agrees(views, track)) continue;
-    for (const Observation& one : track.observations) {
-      const double error_px = ReprojectionErrorPx(views[one.photo], one, track.point_in_enu);
-      ++support[one.photo].ties;
-      support[one.photo].square_px += error_px * error_px;
-    }
+std::vector<int> CountTies(const std::vector<View>& views, const std::vector<Track>& ties) {
+  std::vector<int> counts(views.size(), 0);
+  for (const Track& tie : ties) {
+    if (!Agrees(views, tie)) continue;
+    for (const Observation& one : tie.observations) ++counts[one.photo];
   }
-  return support;
+  return counts;
 }
 
 }  // namespace skyquilt::alignment

@@ -20,11 +20,7 @@ std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<Ca
 // Whether a tie agrees with where both photos now lie.
 bool Agrees(const std::vector<View>& views, const Track& tie);
 
-// How many of the ties agree with where each photo now lies, and their reprojection errors.
-struct DirectSupport {
-  int ties = 0;
-  double square_px = 0.0;  // summed
-};
-std::vector<DirectSupport> SupportOf(const std::vector<View>& views, const std::vector<Track>& tracks);
+// By photo, how many of the ties agree with where it now lies.
+std::vector<int> CountTies(const std::vector<View>& views, const std::vector<Track>& ties);
 
 }  // namespace skyquilt::alignment

@@ -195,7 +195,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
   const std::vector<std::string> names = extracted.Names();
   std::vector<Support> support;
   const std::vector<int> component = FindAligned(problem, support);
-  const std::vector<DirectSupport> direct = SupportOf(ViewsOf(problem), problem.soft_tracks);
+  const std::vector<int> direct = CountTies(ViewsOf(problem), problem.soft_tracks);
   std::map<int, int> component_sizes;
   std::map<int, std::vector<Eigen::Vector3d>> turns, shifts;
   std::vector<Eigen::Vector3d> all_turns, all_shifts;
@@ -243,9 +243,9 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
       photo.error_radius_m = shared_error_m.value_or(sigma_position);
       photo.height_above_ground_m =
           std::max(0.5, photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
-    } else if (direct[i].ties > 0) {
+    } else if (direct[i] > 0) {
       photo.placement_remarks = {
-          {RemarkCode::kByPoseMovedToFit, {{"photos", direct[i].ties}, {"points", support[i].observations}}}};
+          {RemarkCode::kByPoseMovedToFit, {{"photos", direct[i]}, {"points", support[i].observations}}}};
     } else {
       const auto of_line = turns.find(problem.photos[i].line);
       const bool line_known = of_line != turns.end() && of_line->second.size() >= 2;
