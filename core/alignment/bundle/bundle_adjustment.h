@@ -95,20 +95,13 @@ struct BundleOptions {
   bool estimate_lens_sigma = false;
 };
 
-enum class BundleTermination {
-  kConverged,
-  kIterationLimit,  // usable, but the costs were still falling
-  kFailed,          // no usable solution
-};
-
 struct BundleSummary {
   double rms_px = 0.0;
   int observations = 0;
   int dropped = 0;
   int iterations = 0;
-  std::string solver;                                             // and, where the last round failed, why
-  BundleTermination termination = BundleTermination::kConverged;  // of the last round
-  int failed_rounds = 0;
+  std::string solver;       // and, where the last round failed, why
+  bool has_failed = false;  // the last round: Ceres found no usable solution
 };
 
 BundleSummary AdjustBundle(BundleProblem& problem, const BundleOptions& options);

@@ -118,15 +118,11 @@ class Round {
     ceres::Solve(options, &ceres_, &solved);
     summary.iterations += static_cast<int>(solved.iterations.size());
     summary.solver = is_dense ? "dense_schur" : "sparse_schur";
-    if (!solved.IsSolutionUsable()) {
-      summary.termination = BundleTermination::kFailed;
+    summary.has_failed = !solved.IsSolutionUsable();
+    if (summary.has_failed) {
       summary.solver += " (failed: " + solved.message + ")";
-      ++summary.failed_rounds;
       return;
     }
-    summary.termination = solved.termination_type == ceres::NO_CONVERGENCE
-                              ? BundleTermination::kIterationLimit
-                              : BundleTermination::kConverged;
     if (options_.estimate_lens_sigma) EstimateLensSigma();
     ReadBack(line_bias);
   }

@@ -349,7 +349,7 @@ void PredictControl(const BundleProblem& problem, std::vector<ControlReport>& re
   for (std::size_t left = 0; left < points; ++left) {
     BundleProblem others = problem;
     others.control.erase(others.control.begin() + static_cast<std::ptrdiff_t>(left));
-    if (AdjustBundle(others, {.cuts_px = {0.0}}).termination == BundleTermination::kFailed) continue;
+    if (AdjustBundle(others, {.cuts_px = {0.0}}).has_failed) continue;
     const BundleControl& point = problem.control[left];
     const std::optional<Eigen::Vector3d> apart = SeenFromSurveyed(ViewsOf(others), point);
     if (!apart) continue;

@@ -82,8 +82,7 @@ TEST(AdjustBundle, BringsADisplacedPhotoBack) {
   Scene scene;
   scene.Displace(3);
   const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {400.0, 20.0}});
-  EXPECT_EQ(summary.termination, BundleTermination::kConverged);
-  EXPECT_EQ(summary.failed_rounds, 0);
+  EXPECT_FALSE(summary.has_failed);
   EXPECT_EQ(summary.solver, "dense_schur");
   EXPECT_EQ(summary.dropped, 0);
   EXPECT_EQ(summary.observations, 4 * 63);
@@ -112,22 +111,13 @@ TEST(AdjustBundle, LeavesFixedPhotosWhereTheyAre) {
   EXPECT_LT(scene.FarOffM(3), 0.05);
 }
 
-TEST(AdjustBundle, SaysWhenItStoppedAtTheIterationLimit) {
-  Scene scene;
-  scene.Displace(3);
-  const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {400.0}, .max_iterations = 1});
-  EXPECT_EQ(summary.termination, BundleTermination::kIterationLimit);
-  EXPECT_EQ(summary.failed_rounds, 0);
-}
-
 TEST(AdjustBundle, KeepsTheStateWhereNoSolutionIsUsable) {
   Scene scene;
   scene.Displace(3);
   scene.problem.tracks.push_back(BehindAllCameras());
   const BundleProblem before = scene.problem;
   const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {400.0}});
-  EXPECT_EQ(summary.termination, BundleTermination::kFailed);
-  EXPECT_EQ(summary.failed_rounds, 1);
+  EXPECT_TRUE(summary.has_failed);
   EXPECT_NE(summary.solver.find("failed: "), std::string::npos) << summary.solver;
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(scene.problem.photos[i].cam_from_enu.translation, before.photos[i].cam_from_enu.translation);
@@ -142,8 +132,7 @@ TEST(AdjustBundle, GoesOnOnceThePointThatFailedIsDropped) {
   scene.Displace(3);
   scene.problem.tracks.push_back(BehindAllCameras());
   const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {400.0, 400.0, 20.0}});
-  EXPECT_EQ(summary.failed_rounds, 1);
-  EXPECT_EQ(summary.termination, BundleTermination::kConverged);
+  EXPECT_FALSE(summary.has_failed);
   EXPECT_EQ(summary.solver, "dense_schur");
   EXPECT_EQ(scene.problem.tracks.size(), 63u);
   EXPECT_LT(scene.FarOffM(3), 0.05);
