@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <opencv2/calib3d.hpp>
 #include <utility>
 
 #include "core/geo/rigid3.h"
@@ -18,22 +19,66 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+constexpr double kHomographyConfidence = 0.999;
+constexpr int kHomographyRefinements = 3;
+constexpr double kMinDepth = 1e-3;  // of the middle's: nearer to the horizon nothing is believed
+
 // To the mean zero and the mean distance of sqrt(2).
-Matrix3d Unit(const std::vector<RayPair>& pairs, const std::vector<int>& used, bool second) {
+Matrix3d Unit(const std::vector<RayPair>& pairs, const std::vector<int>& used, Vector2d RayPair::*side) {
   Vector2d mean = Vector2d::Zero();
-  const auto at = [&](int k) -> const Vector2d& {
-    const RayPair& pair = pairs[k];
-    return second ? pair.second : pair.first;
-  };
-  for (const int k : used) mean += at(k);
+  for (const int k : used) mean += pairs[k].*side;
   mean /= static_cast<double>(used.size());
   double spread = 0.0;
-  for (const int k : used) spread += (at(k) - mean).norm();
+  for (const int k : used) spread += (pairs[k].*side - mean).norm();
   spread /= static_cast<double>(used.size());
   const double scale = spread > 1e-12 ? std::sqrt(2.0) / spread : 1.0;
   Matrix3d unit;
   unit << scale, 0.0, -scale * mean.x(), 0.0, scale, -scale * mean.y(), 0.0, 0.0, 1.0;
   return unit;
+}
+
+// The same of all pairs; nothing where they lie in one place.
+std::optional<Matrix3d> Normaliser(const std::vector<RayPair>& pairs, Vector2d RayPair::*side) {
+  const auto count = static_cast<double>(pairs.size());
+  Vector2d mean = Vector2d::Zero();
+  for (const RayPair& pair : pairs) mean += pair.*side / count;
+  double distance = 0.0;
+  for (const RayPair& pair : pairs) distance += (pair.*side - mean).norm() / count;
+  if (distance < 1e-9) return std::nullopt;
+  const double scale = std::sqrt(2.0) / distance;
+  Matrix3d normaliser;
+  normaliser << scale, 0.0, -scale * mean.x(), 0.0, scale, -scale * mean.y(), 0.0, 0.0, 1.0;
+  return normaliser;
+}
+
+// The map whose nine numbers the normal equations of normalised pairs leave least of; nothing where they
+// leave a second one `open_share` of the most.
+std::optional<Matrix3d> LeastMap(const Eigen::Matrix<double, 9, 9>& normal, double open_share,
+                                 const Matrix3d& of_first, const Matrix3d& of_second) {
+  const geo::SymmetricEigen eigen = geo::EigenOfSymmetric(normal);
+  if (!eigen.converged || eigen.values[1] < open_share * eigen.values[8]) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> found = eigen.vectors.col(0);
+  const Matrix3d unit = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(found.data());
+  const Matrix3d map = of_second.inverse() * unit * of_first;
+  return map;
+}
+
+std::vector<int> FindInliers(const std::vector<RayPair>& pairs, const Matrix3d& second_from_first,
+                             double tolerance) {
+  std::vector<int> inliers;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Vector3d mapped = second_from_first * pairs[k].first.homogeneous();
+    if (mapped.z() < kMinDepth * second_from_first(2, 2)) continue;
+    const Vector2d place = mapped.hnormalized();
+    if ((place - pairs[k].second).norm() <= tolerance) inliers.push_back(static_cast<int>(k));
+  }
+  return inliers;
+}
+
+std::vector<RayPair> Chosen(const std::vector<RayPair>& pairs, const std::vector<int>& which) {
+  std::vector<RayPair> chosen;
+  for (const int k : which) chosen.push_back(pairs[k]);
+  return chosen;
 }
 
 int InFront(const geo::Rigid3& pose, const std::vector<RayPair>& pairs, const std::vector<int>& used) {
@@ -86,7 +131,8 @@ Cubic Times(const Quadratic& a, const Linear& b) {
 
 std::optional<Matrix3d> FitHomography(const std::vector<RayPair>& pairs, const std::vector<int>& used) {
   if (used.size() < 4) return std::nullopt;
-  const Matrix3d of_first = Unit(pairs, used, false), of_second = Unit(pairs, used, true);
+  const Matrix3d of_first = Unit(pairs, used, &RayPair::first);
+  const Matrix3d of_second = Unit(pairs, used, &RayPair::second);
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   for (const int k : used) {
     const RayPair& pair = pairs[k];
@@ -97,16 +143,64 @@ std::optional<Matrix3d> FitHomography(const std::vector<RayPair>& pairs, const s
         a.transpose(), -b.y() * a.transpose();
     normal += rows.transpose() * rows;
   }
-  const geo::SymmetricEigen eigen = geo::EigenOfSymmetric(normal);
   // Two ways to map them alike well: three of four lie on a line.
-  if (!eigen.converged || eigen.values[1] < 1e-9 * eigen.values[8]) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> found = eigen.vectors.col(0);
-  const Matrix3d unit = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(found.data());
-  const Matrix3d homography = of_second.inverse() * unit * of_first;
-  const double determinant = homography.determinant();
-  const double size = homography.norm();
+  const std::optional<Matrix3d> homography = LeastMap(normal, 1e-9, of_first, of_second);
+  if (!homography) return std::nullopt;
+  const double determinant = homography->determinant();
+  const double size = homography->norm();
   if (!std::isfinite(size) || std::abs(determinant) < 1e-9 * size * size * size) return std::nullopt;
-  return homography / std::cbrt(determinant);  // determinant 1: no mirror, and points in front stay there
+  return *homography / std::cbrt(determinant);  // determinant 1: no mirror, and points in front stay there
+}
+
+std::optional<Matrix3d> FitHomography(const std::vector<RayPair>& pairs) {
+  if (pairs.size() < 4) return std::nullopt;
+  const std::optional<Matrix3d> of_first = Normaliser(pairs, &RayPair::first);
+  const std::optional<Matrix3d> of_second = Normaliser(pairs, &RayPair::second);
+  if (!of_first || !of_second) return std::nullopt;
+  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+  for (const RayPair& pair : pairs) {
+    const Vector3d from = *of_first * pair.first.homogeneous();
+    const Vector3d to = *of_second * pair.second.homogeneous();
+    Eigen::Matrix<double, 2, 9> rows;
+    rows << Eigen::RowVector3d::Zero(), -from.transpose(), to.y() * from.transpose(),  //
+        from.transpose(), Eigen::RowVector3d::Zero(), -to.x() * from.transpose();
+    normal += rows.transpose() * rows;
+  }
+  std::optional<Matrix3d> homography = LeastMap(normal, 1e-12, *of_first, *of_second);
+  if (!homography || std::abs((*homography)(2, 2)) < 1e-12 * homography->norm()) return std::nullopt;
+  *homography /= (*homography)(2, 2);
+  return homography;
+}
+
+std::optional<RobustFit> RobustHomography(const std::vector<RayPair>& pairs, double tolerance,
+                                          int max_trials) {
+  const auto count = static_cast<int>(pairs.size());
+  if (count < 8) return std::nullopt;
+  std::vector<cv::Point2d> from, to;
+  for (const RayPair& pair : pairs) {
+    from.emplace_back(pair.first.x(), pair.first.y());
+    to.emplace_back(pair.second.x(), pair.second.y());
+  }
+  const cv::Mat found = cv::findHomography(from, to, cv::USAC_MAGSAC, tolerance, cv::noArray(), max_trials,
+                                           kHomographyConfidence);
+  if (found.empty()) return std::nullopt;
+  RobustFit best;
+  Matrix3d& map = best.second_from_first;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) map(r, c) = found.at<double>(r, c);
+  }
+  if (!map.allFinite() || std::abs(map(2, 2)) < 1e-12 * map.norm()) return std::nullopt;
+  map /= map(2, 2);
+  best.inliers = FindInliers(pairs, map, tolerance);
+  for (int round = 0; round < kHomographyRefinements && best.inliers.size() >= 4; ++round) {
+    const std::optional<Matrix3d> refined = FitHomography(Chosen(pairs, best.inliers));
+    if (!refined) break;
+    std::vector<int> inliers = FindInliers(pairs, *refined, tolerance);
+    if (inliers.size() < best.inliers.size()) break;
+    best = {*refined, std::move(inliers)};
+  }
+  if (static_cast<double>(best.inliers.size()) <= 5.9 + 0.22 * count) return std::nullopt;
+  return best;
 }
 
 double TransferError2(const Matrix3d& second_from_first, const RayPair& pair) {

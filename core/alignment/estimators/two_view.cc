@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "core/alignment/estimators/epipolar.h"
-#include "core/alignment/estimators/plane_homography.h"
 #include "core/alignment/estimators/sampler.h"
 #include "core/base/median.h"
 #include "core/geo/solvers/dense_solvers.h"
@@ -276,7 +275,7 @@ std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPh
       static_cast<double>(flat.inliers.size()) > kFlatShare * static_cast<double>(loose.size());
   std::vector<geo::Rigid3> starts;
   if (static_cast<int>(flat.inliers.size()) >= least) {
-    starts = PosesOfHomography(flat.to_from, pairs, flat.inliers);
+    starts = PosesOfHomography(flat.second_from_first, pairs, flat.inliers);
   }
   if (!is_flat || starts.empty()) {
     if (const std::optional<geo::Rigid3> found = FindByFive(pairs, loose, tolerance, sampler)) {

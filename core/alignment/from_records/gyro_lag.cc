@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/alignment/bundle/readout_motion.h"
-#include "core/alignment/estimators/plane_homography.h"
+#include "core/alignment/estimators/epipolar.h"
 #include "core/alignment/matching/match_descriptors.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
@@ -87,7 +87,7 @@ int Fitting(const poses::PosedFlight& posed, const std::vector<const PhotoFeatur
   const flight::Photo& second = posed.photos[pair.second].photo;
   const camera::RowMotion of_first = TurnsWithLag(posed.photos[pair.first], lag_s);
   const camera::RowMotion of_second = TurnsWithLag(posed.photos[pair.second], lag_s);
-  std::vector<PlanePair> places;
+  std::vector<RayPair> places;
   const std::size_t step = (pair.matches.size() + effort.max_matches - 1) / effort.max_matches;
   for (std::size_t k = 0; k < pair.matches.size(); k += step) {
     const Keypoint& from = features[pair.first]->keypoints[pair.matches[k].first];

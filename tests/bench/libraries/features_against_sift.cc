@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/estimators/plane_homography.h"
+#include "core/alignment/estimators/epipolar.h"
 #include "core/alignment/estimators/sampler.h"
 #include "core/alignment/features/features.h"
 #include "core/alignment/matching/match_descriptors.h"
@@ -154,12 +154,13 @@ void Judge(const Views& views, const std::function<PhotoFeatures(const cv::Mat&)
                                       (2.0 * static_cast<double>(views.first.total())));
   const std::vector<KeypointMatch> matches = MatchDescriptors(first, second, kMaxFeatures);
   std::vector<double> errors;
-  std::vector<PlanePair> pairs;
+  std::vector<RayPair> pairs;
   for (const KeypointMatch& match : matches) {
     pairs.push_back({PlaceOf(first.keypoints[static_cast<std::size_t>(match.first)]),
                      PlaceOf(second.keypoints[static_cast<std::size_t>(match.second)])});
+    const RayPair& pair = pairs.back();
     const double error =
-        ((views.second_from_first * pairs.back().from.homogeneous()).hnormalized() - pairs.back().to).norm();
+        ((views.second_from_first * pair.first.homogeneous()).hnormalized() - pair.second).norm();
     if (error < kRightPx) {
       errors.push_back(error);
     } else {

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/estimators/plane_homography.h"
+#include "core/alignment/estimators/epipolar.h"
 #include "core/alignment/estimators/two_view.h"
 #include "core/alignment/scene/matches.h"
 #include "core/base/median.h"
@@ -133,13 +133,13 @@ Outcome JudgePose(const Problem& problem, const Eigen::Quaterniond& rotation, co
 
 Solver OurHomography() {
   return [](const Problem& problem) -> std::optional<Outcome> {
-    std::vector<PlanePair> pairs;
+    std::vector<RayPair> pairs;
     for (std::size_t k = 0; k < problem.from.size(); ++k) {
       pairs.push_back({{problem.from[k].x, problem.from[k].y}, {problem.to[k].x, problem.to[k].y}});
     }
     const std::optional<RobustFit> fit = RobustHomography(pairs, 4.0);
     if (!fit) return std::nullopt;
-    return JudgeHomography(problem, fit->to_from);
+    return JudgeHomography(problem, fit->second_from_first);
   };
 }
 

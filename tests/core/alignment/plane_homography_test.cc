@@ -1,4 +1,4 @@
-#include "core/alignment/estimators/plane_homography.h"
+#include "core/alignment/estimators/epipolar.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -9,10 +9,10 @@
 namespace skyquilt::alignment {
 namespace {
 
-std::vector<PlanePair> PairsOf(const Eigen::Matrix3d& to_from, int right, int wrong) {
+std::vector<RayPair> PairsOf(const Eigen::Matrix3d& to_from, int right, int wrong) {
   std::mt19937 random(11);
   const auto coordinate = [&] { return static_cast<double>(random() % 4000) - 2000.0; };
-  std::vector<PlanePair> pairs;
+  std::vector<RayPair> pairs;
   for (int k = 0; k < right; ++k) {
     const Eigen::Vector2d from(coordinate(), coordinate());
     pairs.push_back({from, (to_from * from.homogeneous()).hnormalized()});
@@ -35,13 +35,13 @@ RC_GTEST_PROP(FitHomography, BringsBackWhatMadeThePairs, ()) {
       1e-4 * small(), 1.0;
   const auto found = FitHomography(PairsOf(made, 12, 0));
   RC_ASSERT(found.has_value());
-  for (const PlanePair& pair : PairsOf(made, 12, 0)) {
-    RC_ASSERT((*MapPlace(*found, pair.from) - pair.to).norm() < 1e-6);
+  for (const RayPair& pair : PairsOf(made, 12, 0)) {
+    RC_ASSERT(TransferError2(*found, pair) < 1e-12);
   }
 }
 
 TEST(FitHomography, SaysNothingOfPairsOnOneLine) {
-  std::vector<PlanePair> pairs;
+  std::vector<RayPair> pairs;
   for (int k = 0; k < 10; ++k) pairs.push_back({{10.0 * k, 5.0 * k}, {7.0 * k, 2.0 * k}});
   EXPECT_FALSE(FitHomography(pairs));
   EXPECT_FALSE(FitHomography({}));
@@ -52,7 +52,7 @@ TEST(RobustHomography, FindsTheRightPairsAmongAsManyWrongOnes) {
   ASSERT_TRUE(fit);
   EXPECT_GE(fit->inliers.size(), 60U);
   EXPECT_LE(fit->inliers.size(), 62U);
-  EXPECT_LT((fit->to_from - SomeHomography()).norm() / SomeHomography().norm(), 1e-3);
+  EXPECT_LT((fit->second_from_first - SomeHomography()).norm() / SomeHomography().norm(), 1e-3);
 }
 
 TEST(RobustHomography, BelievesNoneOfPairsThatOnlyChanceMade) {
