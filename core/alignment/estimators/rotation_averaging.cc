@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/alignment/scene/matches.h"
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {
@@ -20,22 +19,29 @@ constexpr double kMinResidualRad = 1e-4;
 constexpr double kWidthRad = 0.087;  // 5 degrees: beyond it a pair loses its say
 constexpr double kStillRad = 1e-5;
 
-Vector3d Residual(const RelativeRotation& pair, const std::vector<Quaterniond>& rotations) {
+const Quaterniond& RotationOf(const GraphPair& pair) { return pair.view.poses.front().rotation; }
+
+// How well the pair is supported.
+double Weight(const GraphPair& pair) {
+  return std::min(1.0, static_cast<double>(pair.view.matches.size()) / 100.0);
+}
+
+Vector3d Residual(const GraphPair& pair, const std::vector<Quaterniond>& rotations) {
   const Quaterniond expected = rotations[pair.second] * rotations[pair.first].conjugate();
   // In the world's axes: R_second' (R12 R1 R2') R_second
-  const Quaterniond apart = pair.second_from_first * expected.conjugate();
+  const Quaterniond apart = RotationOf(pair) * expected.conjugate();
   const Quaterniond& second = rotations[pair.second];
   return second.conjugate() * geo::VectorFromRotation(apart.normalized());
 }
 
 // Best supported pairs first, from the photo that most hang on.
-void FollowTree(int photos, const std::vector<RelativeRotation>& pairs, AveragedRotations& averaged) {
+void FollowTree(int photos, const std::vector<GraphPair>& pairs, AveragedRotations& averaged) {
   std::vector<std::vector<int>> of_photo(photos);
   std::vector<double> support(photos, 0.0);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     for (const int end : {pairs[p].first, pairs[p].second}) {
       of_photo[end].push_back(static_cast<int>(p));
-      support[end] += pairs[p].weight;
+      support[end] += Weight(pairs[p]);
     }
   }
   std::vector<int> order(photos);
@@ -45,10 +51,8 @@ void FollowTree(int photos, const std::vector<RelativeRotation>& pairs, Averaged
   for (const int root : order) {
     if (averaged.component[root] >= 0 || of_photo[root].empty()) continue;
     averaged.component[root] = components;
-    const auto weight = [](const RelativeRotation& pair) { return pair.weight; };
-    FollowStrongest(pairs, of_photo, {root}, weight, [&](const RelativeRotation& pair, int from, int to) {
-      const Quaterniond to_from =
-          from == pair.first ? pair.second_from_first : pair.second_from_first.conjugate();
+    FollowStrongest(pairs, of_photo, {root}, &Weight, [&](const GraphPair& pair, int from, int to) {
+      const Quaterniond to_from = from == pair.first ? RotationOf(pair) : RotationOf(pair).conjugate();
       averaged.cam_from_world[to] = (to_from * averaged.cam_from_world[from]).normalized();
       averaged.component[to] = components;
     });
@@ -58,14 +62,14 @@ void FollowTree(int photos, const std::vector<RelativeRotation>& pairs, Averaged
 
 // One weighted step of all rotations; the largest turn. Every photo is held a little where it is, which fixes
 // what no pair tells.
-double Step(const std::vector<RelativeRotation>& pairs, const std::vector<double>& weights,
+double Step(const std::vector<GraphPair>& pairs, const std::vector<double>& weights,
             std::vector<Quaterniond>& rotations) {
   const auto count = static_cast<Eigen::Index>(rotations.size());
   std::vector<Eigen::Triplet<double>> terms;
   Eigen::Matrix<double, Eigen::Dynamic, 3> right = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(count, 3);
   for (Eigen::Index i = 0; i < count; ++i) terms.emplace_back(i, i, 1e-9);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const RelativeRotation& pair = pairs[p];
+    const GraphPair& pair = pairs[p];
     const double weight = weights[p];
     // Rotations turn as R <- R Exp(w): the residual becomes residual - (w2 - w1).
     const Eigen::RowVector3d residual = Residual(pair, rotations).transpose();
@@ -93,7 +97,7 @@ double Step(const std::vector<RelativeRotation>& pairs, const std::vector<double
 
 }  // namespace
 
-AveragedRotations AverageRotations(int photos, const std::vector<RelativeRotation>& pairs) {
+AveragedRotations AverageRotations(int photos, const std::vector<GraphPair>& pairs) {
   AveragedRotations averaged;
   averaged.cam_from_world.assign(photos, Quaterniond::Identity());
   averaged.component.assign(photos, -1);
@@ -101,7 +105,7 @@ AveragedRotations AverageRotations(int photos, const std::vector<RelativeRotatio
   std::vector<double> weights(pairs.size());
   const auto weigh = [&](auto&& of_residual) {
     for (std::size_t p = 0; p < pairs.size(); ++p) {
-      weights[p] = pairs[p].weight * of_residual(Residual(pairs[p], averaged.cam_from_world).norm());
+      weights[p] = Weight(pairs[p]) * of_residual(Residual(pairs[p], averaged.cam_from_world).norm());
     }
   };
   for (int round = 0; round < kAbsoluteRounds && !pairs.empty(); ++round) {
@@ -115,7 +119,7 @@ AveragedRotations AverageRotations(int photos, const std::vector<RelativeRotatio
     });
     if (Step(pairs, weights, averaged.cam_from_world) < kStillRad) break;
   }
-  for (const RelativeRotation& pair : pairs)
+  for (const GraphPair& pair : pairs)
     averaged.residual_rad.push_back(Residual(pair, averaged.cam_from_world).norm());
   return averaged;
 }

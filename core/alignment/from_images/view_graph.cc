@@ -115,15 +115,6 @@ std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs,
   return chosen;
 }
 
-std::vector<RelativeRotation> Rotations(const std::vector<GraphPair>& pairs) {
-  std::vector<RelativeRotation> rotations;
-  for (const GraphPair& pair : pairs) {
-    rotations.push_back({pair.first, pair.second, pair.view.poses.front().rotation,
-                         std::min(1.0, static_cast<double>(pair.view.matches.size()) / 100.0)});
-  }
-  return rotations;
-}
-
 void SortOnce(std::vector<GraphPair>& pairs) {
   std::sort(pairs.begin(), pairs.end(), [](const GraphPair& a, const GraphPair& b) {
     return std::pair(a.first, a.second) < std::pair(b.first, b.second);
@@ -145,7 +136,7 @@ void AgreeOnRotations(int photos, ViewGraph& graph) {
   SortOnce(graph.pairs);
   graph.report.pairs_verified = static_cast<int>(graph.pairs.size());
   graph.report.pairs_refused = 0;
-  AveragedRotations averaged = AverageRotations(photos, Rotations(graph.pairs));
+  AveragedRotations averaged = AverageRotations(photos, graph.pairs);
   bool is_changed = false;
   for (GraphPair& pair : graph.pairs) {
     if (pair.view.poses.size() < 2) continue;
@@ -157,7 +148,7 @@ void AgreeOnRotations(int photos, ViewGraph& graph) {
       is_changed = true;
     }
   }
-  if (is_changed) averaged = AverageRotations(photos, Rotations(graph.pairs));
+  if (is_changed) averaged = AverageRotations(photos, graph.pairs);
   if (graph.pairs.empty()) return;
   const double refused_rad = std::max(kMinRefusedRad, kRefusedMedians * Median(averaged.residual_rad));
   std::size_t p = 0;

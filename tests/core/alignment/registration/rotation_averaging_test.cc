@@ -14,22 +14,30 @@ Eigen::Vector3d Random(Sampler& sampler, double most) {
                                 2.0 * Uniform(sampler) - 1.0);
 }
 
+// By as many matches as count for the most.
+GraphPair Turned(int first, int second, const Eigen::Quaterniond& second_from_first) {
+  GraphPair pair{first, second, {}};
+  pair.view.matches.resize(100);
+  pair.view.poses.push_back({second_from_first, Eigen::Vector3d::Zero()});
+  return pair;
+}
+
 TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
   Sampler sampler(5);
   constexpr int kPhotos = 40;
   std::vector<Eigen::Quaterniond> truth;
   for (int i = 0; i < kPhotos; ++i) truth.push_back(geo::RotationFromVector(Random(sampler, 2.0)));
-  std::vector<RelativeRotation> pairs;
+  std::vector<GraphPair> pairs;
   std::vector<char> is_wrong;
   for (int i = 0; i < kPhotos; ++i) {
     for (int step = 1; step <= 6; ++step) {
       const int j = (i + step) % kPhotos;
-      RelativeRotation pair{std::min(i, j), std::max(i, j), {}, 1.0};
-      pair.second_from_first =
-          geo::RotationFromVector(Random(sampler, 0.01)) * truth[pair.second] * truth[pair.first].conjugate();
+      const int first = std::min(i, j), second = std::max(i, j);
+      Eigen::Quaterniond second_from_first =
+          geo::RotationFromVector(Random(sampler, 0.01)) * truth[second] * truth[first].conjugate();
       const bool wrong = Uniform(sampler) < 0.2;
-      if (wrong) pair.second_from_first = geo::RotationFromVector(Random(sampler, 2.0));
-      pairs.push_back(pair);
+      if (wrong) second_from_first = geo::RotationFromVector(Random(sampler, 2.0));
+      pairs.push_back(Turned(first, second, second_from_first));
       is_wrong.push_back(wrong ? 1 : 0);
     }
   }
@@ -54,7 +62,7 @@ TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
 
 TEST(RotationAveraging, PhotosWithoutPairsBelongToNoComponent) {
   const AveragedRotations averaged = AverageRotations(
-      5, {{0, 1, Eigen::Quaterniond::Identity(), 1.0}, {3, 4, Eigen::Quaterniond::Identity(), 1.0}});
+      5, {Turned(0, 1, Eigen::Quaterniond::Identity()), Turned(3, 4, Eigen::Quaterniond::Identity())});
   EXPECT_EQ(averaged.component[0], averaged.component[1]);
   EXPECT_EQ(averaged.component[3], averaged.component[4]);
   EXPECT_NE(averaged.component[0], averaged.component[3]);
