@@ -26,9 +26,9 @@ struct RobustFit {
 std::optional<Eigen::Matrix3d> FitHomography(const std::vector<RayPair>& pairs, const std::vector<int>& used);
 // The same of all pairs, the last number 1; nothing only of pairs on one line.
 std::optional<Eigen::Matrix3d> FitHomography(const std::vector<RayPair>& pairs);
-// Found among wrong pairs by OpenCV's MAGSAC (Barath and others, CVPR 2019), with a fixed seed: the same pairs
-// give the same map. `tolerance`: in units of `second`. Believed by the rule of Brown and Lowe (Automatic
-// Panoramic Image Stitching, 2007): more inliers than 5.9 and 0.22 of the pairs.
+// Found among wrong pairs by OpenCV's MAGSAC (Barath and others, CVPR 2019), with a fixed seed: the same
+// pairs give the same map. `tolerance`: in units of `second`. Believed by the rule of Brown and Lowe
+// (Automatic Panoramic Image Stitching, 2007): more inliers than 5.9 and 0.22 of the pairs.
 std::optional<RobustFit> RobustHomography(const std::vector<RayPair>& pairs, double tolerance,
                                           int max_trials = 1000);
 // Of the second ray from the first's image; infinite behind the plane's horizon.

@@ -96,13 +96,15 @@ int EnoughSamples(double share, int sample, int most) {
   return std::min(most, static_cast<int>(std::log(1.0 - kConfidence) / std::log(1.0 - all_good)) + 1);
 }
 
-std::vector<int> Mapped(const Matrix3d& homography, const std::vector<RayPair>& pairs,
-                        const std::vector<int>& among, double tolerance) {
-  std::vector<int> mapped;
+// Of `among`, the pairs whose squared error by a homography or an essential matrix is small enough.
+template <double (*kError2)(const Matrix3d&, const RayPair&)>
+std::vector<int> Near(const Matrix3d& matrix, const std::vector<RayPair>& pairs,
+                      const std::vector<int>& among, double tolerance) {
+  std::vector<int> near;
   for (const int k : among) {
-    if (TransferError2(homography, pairs[k]) < tolerance * tolerance) mapped.push_back(k);
+    if (kError2(matrix, pairs[k]) < tolerance * tolerance) near.push_back(k);
   }
-  return mapped;
+  return near;
 }
 
 RobustFit FindHomography(const std::vector<RayPair>& pairs, const std::vector<int>& among, double tolerance,
@@ -110,7 +112,7 @@ RobustFit FindHomography(const std::vector<RayPair>& pairs, const std::vector<in
   RobustFit best;
   int samples = kMaxHomographies;
   const auto take = [&](const Matrix3d& homography) {
-    std::vector<int> inliers = Mapped(homography, pairs, among, tolerance);
+    std::vector<int> inliers = Near<TransferError2>(homography, pairs, among, tolerance);
     if (inliers.size() <= best.inliers.size()) return false;
     best = {homography, std::move(inliers)};
     return true;
@@ -132,15 +134,6 @@ RobustFit FindHomography(const std::vector<RayPair>& pairs, const std::vector<in
   return best;
 }
 
-std::vector<int> NearEpipolar(const Matrix3d& essential, const std::vector<RayPair>& pairs,
-                              const std::vector<int>& among, double tolerance) {
-  std::vector<int> near;
-  for (const int k : among) {
-    if (Sampson2(essential, pairs[k]) < tolerance * tolerance) near.push_back(k);
-  }
-  return near;
-}
-
 std::optional<geo::Rigid3> FindByFive(const std::vector<RayPair>& pairs, const std::vector<int>& among,
                                       double tolerance, Sampler& sampler) {
   Matrix3d best = Matrix3d::Zero();
@@ -153,7 +146,7 @@ std::optional<geo::Rigid3> FindByFive(const std::vector<RayPair>& pairs, const s
       five[k] = pairs[among[drawn[k]]];
     }
     for (const Matrix3d& essential : EssentialsOfFive(five)) {
-      std::vector<int> near = NearEpipolar(essential, pairs, among, tolerance);
+      std::vector<int> near = Near<Sampson2>(essential, pairs, among, tolerance);
       if (near.size() <= inliers.size()) continue;
       inliers = std::move(near);
       best = essential;
@@ -182,7 +175,7 @@ Eigen::Quaterniond FitTurn(const std::vector<RayPair>& pairs, const std::vector<
 // Near its epipolar line and before both cameras.
 std::vector<int> Fitting(const geo::Rigid3& pose, const std::vector<RayPair>& pairs,
                          const std::vector<int>& among, double tolerance) {
-  std::vector<int> fitting = NearEpipolar(EssentialOfPose(pose), pairs, among, tolerance);
+  std::vector<int> fitting = Near<Sampson2>(EssentialOfPose(pose), pairs, among, tolerance);
   std::erase_if(fitting, [&](int k) {
     const std::optional<Vector2d> depths = Depths(pose, pairs[k]);
     return !depths || depths->x() <= 0.0 || depths->y() <= 0.0;
