@@ -33,13 +33,8 @@ const camera::Intrinsics& Block::Lens(int photo) const {
   return lenses_[input_->photos[photo].lens].intrinsics;
 }
 
-Eigen::Vector2d Block::PixelOf(const TrackElement& element) const {
-  const Keypoint& keypoint = input_->photos[element.photo].features->keypoints[element.keypoint];
-  return {keypoint.x_px, keypoint.y_px};
-}
-
-double Block::SigmaPx(const TrackElement& element) const {
-  return KeypointSigmaPx(*input_->photos[element.photo].features, element.keypoint);
+Observation Block::ObservationOf(const TrackElement& element) const {
+  return alignment::ObservationOf(*input_->photos[element.photo].features, element);
 }
 
 void Block::FindRays(int photo) {
@@ -50,7 +45,7 @@ void Block::FindRays(int photo) {
   for (const int t : scene_->of_photo[photo]) {
     for (const TrackElement& element : scene_->tracks[t]) {
       if (element.photo == photo) {
-        rays[element.keypoint] = lens.Unproject(PixelOf(element)).normalized();
+        rays[element.keypoint] = lens.Unproject(ObservationOf(element).pixel_in_image).normalized();
       }
     }
   }
@@ -65,7 +60,8 @@ void Block::Place(int photo, const geo::Rigid3& cam_from_world) {
 double Block::ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const {
   const Eigen::Vector3d in_cam = Pose(element.photo) * point;
   if (in_cam.z() <= 1e-6) return std::numeric_limits<double>::infinity();
-  return (Lens(element.photo).ProjectBeyondFold(in_cam) - PixelOf(element)).norm() / SigmaPx(element);
+  const Observation seen = ObservationOf(element);
+  return (Lens(element.photo).ProjectBeyondFold(in_cam) - seen.pixel_in_image).norm() / seen.sigma_px;
 }
 
 // Where the rays come nearest; the observation with the largest residual goes until all agree.
@@ -137,10 +133,8 @@ void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
 Track Block::TrackOf(int track) const {
   Track observed;
   observed.point_in_enu = point_[track];
-  for (const int s : seen_by_[track]) {
-    const TrackElement& element = scene_->tracks[track][s];
-    observed.observations.push_back({element.photo, PixelOf(element), SigmaPx(element)});
-  }
+  for (const int s : seen_by_[track])
+    observed.observations.push_back(ObservationOf(scene_->tracks[track][s]));
   return observed;
 }
 
@@ -160,7 +154,8 @@ std::vector<int> Block::ChooseTracks(const PhotoSet& adjusted, int observations_
     spread.BeginTrack();
     for (const int s : SeenBy(t)) {
       const TrackElement& element = scene_->tracks[t][s];
-      if (adjusted.Has(element.photo)) spread.SeenBy(element.photo, PixelOf(element), Lens(element.photo));
+      if (adjusted.Has(element.photo))
+        spread.SeenBy(element.photo, ObservationOf(element).pixel_in_image, Lens(element.photo));
     }
   }
   std::vector<int> chosen;
@@ -261,7 +256,7 @@ std::vector<double> Block::ResidualsPx() const {
   for (std::size_t t = 0; t < seen_by_.size(); ++t) {
     for (const int s : seen_by_[t]) {
       const TrackElement& element = scene_->tracks[t][s];
-      const double residual = ResidualSigmas(element, point_[t]) * SigmaPx(element);
+      const double residual = ResidualSigmas(element, point_[t]) * ObservationOf(element).sigma_px;
       square[element.photo] += residual * residual;
     }
   }

@@ -40,8 +40,7 @@ class Block {
   const Eigen::Vector3d& Point(int track) const { return point_[track]; }
   // Indices into the track of the observations that agree.
   const std::vector<int>& SeenBy(int track) const { return seen_by_[track]; }
-  Eigen::Vector2d PixelOf(const TrackElement& element) const;
-  double SigmaPx(const TrackElement& element) const;
+  Observation ObservationOf(const TrackElement& element) const;
 
   // Bundle adjustment of `free` photos (all: an empty list), the others fixed and no lens adjusted; points
   // are triangulated anew.

@@ -83,7 +83,8 @@ std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidate) 
   for (const int t : candidate.tracks) {
     for (const TrackElement& element : block.scene().tracks[t]) {
       if (element.photo != candidate.photo) continue;
-      observations.push_back({block.PixelOf(element), block.Point(t), block.SigmaPx(element)});
+      const Observation seen = block.ObservationOf(element);
+      observations.push_back({seen.pixel_in_image, block.Point(t), seen.sigma_px});
     }
   }
   const int min_inliers =

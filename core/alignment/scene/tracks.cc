@@ -60,8 +60,10 @@ Eigen::Vector3d RayInEnu(const View& view, const geo::Rigid3& cam_from_enu, cons
 
 }  // namespace
 
-double KeypointSigmaPx(const PhotoFeatures& features, int keypoint) {
-  return features.sigma_px * Coarseness(features, keypoint);
+Observation ObservationOf(const PhotoFeatures& features, const TrackElement& element) {
+  const Keypoint& seen = features.keypoints[element.keypoint];
+  return {element.photo, Eigen::Vector2d(seen.x_px, seen.y_px),
+          features.sigma_px * Coarseness(features, element.keypoint)};
 }
 
 PhotoSet ObservingPhotos(std::size_t photos, const std::vector<Track>& tracks) {
@@ -148,11 +150,6 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
   }
   std::vector<Track> tracks;
   std::vector<bool> is_contradictory(members.size(), false);
-  const auto observe = [&](const TrackElement& one) {
-    const Keypoint& seen = features[one.photo]->keypoints[one.keypoint];
-    return Observation{one.photo, Eigen::Vector2d(seen.x_px, seen.y_px),
-                       KeypointSigmaPx(*features[one.photo], one.keypoint)};
-  };
   for (std::size_t set = 0; set < members.size(); ++set) {
     const std::vector<TrackElement>& group = members[set];
     if (group.size() < 2) continue;
@@ -164,7 +161,7 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
         if (!IsOnePlace(*features[photo], group[m - 1].keypoint, keypoint)) is_contradictory[set] = true;
         continue;
       }
-      track.observations.push_back(observe(group[m]));
+      track.observations.push_back(ObservationOf(*features[photo], group[m]));
     }
     if (!is_contradictory[set] && track.observations.size() >= 2) tracks.push_back(std::move(track));
   }
@@ -174,7 +171,8 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
       const TrackElement first{pair.first, match.first}, second{pair.second, match.second};
       if (!is_contradictory[set_of(first)] || !is_located(first) || !is_located(second)) continue;
       Track track;
-      track.observations = {observe(first), observe(second)};
+      track.observations = {ObservationOf(*features[first.photo], first),
+                            ObservationOf(*features[second.photo], second)};
       tracks.push_back(std::move(track));
     }
   }

@@ -15,6 +15,11 @@
 
 namespace skyquilt::alignment {
 
+struct TrackElement {
+  int photo = 0;
+  int keypoint = 0;
+};
+
 struct Observation {
   int photo = 0;
   Eigen::Vector2d pixel_in_image = Eigen::Vector2d::Zero();
@@ -27,8 +32,8 @@ struct Track {
   double angle_rad = 0.0;  // the widest angle between two of its rays
 };
 
-// How well a keypoint is located: worse than the photo's finest where it stands for a large patch.
-double KeypointSigmaPx(const PhotoFeatures& features, int keypoint);
+// Of a keypoint of that photo: worse located than its finest where it stands for a large patch.
+Observation ObservationOf(const PhotoFeatures& features, const TrackElement& element);
 
 // Which of so many photos see any of the tracks.
 PhotoSet ObservingPhotos(std::size_t photos, const std::vector<Track>& tracks);
@@ -63,11 +68,6 @@ bool Triangulate(const std::vector<View>& views, Track& track);
 // it.
 double ReprojectionErrorPx(const View& view, const Observation& observation,
                            const Eigen::Vector3d& point_in_enu);
-
-struct TrackElement {
-  int photo = 0;
-  int keypoint = 0;
-};
 
 // Tracks while photos are being placed. By keypoints, a sixth of an observation's size: all of a flight's are
 // kept.
