@@ -256,10 +256,10 @@ std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPh
   TwoView view;
   if (static_cast<int>(flat.inliers.size()) >= least) {
     const Eigen::Quaterniond turn = FitTurn(pairs, flat.inliers);
-    if (MedianAngle(turn, pairs, flat.inliers) < kNoParallaxRad) {
-      view.scene = Scene::kNoParallax;
+    const double angle_rad = MedianAngle(turn, pairs, flat.inliers);
+    if (angle_rad < kNoParallaxRad) {
       view.poses.push_back({turn, Vector3d::Zero()});
-      view.angle_rad = MedianAngle(turn, pairs, flat.inliers);
+      view.angle_rad = angle_rad;
       TakeMatches(matches, flat.inliers, view);
       return view;
     }
@@ -298,7 +298,6 @@ std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPh
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.frontal > b.frontal; });
   const Candidate& best = candidates.front();
-  view.scene = is_flat ? Scene::kFlat : Scene::kRelief;
   view.poses.push_back(best.pose);
   for (std::size_t k = 1; k < candidates.size() && view.poses.size() < 2; ++k) {
     const Candidate& other = candidates[k];

@@ -35,7 +35,7 @@ std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const PhotoSet& us
   for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
     const GraphPair& pair = graph.pairs[p];
     if (used.Has(pair.first) || used.Has(pair.second)) continue;
-    if (pair.view.scene == Scene::kNoParallax || pair.view.angle_rad < kMinAngleRad) continue;
+    if (pair.view.angle_rad < kMinAngleRad) continue;
     const double score =
         static_cast<double>(pair.view.matches.size()) * std::min(1.0, pair.view.angle_rad / kWideAngleRad);
     ranked.emplace_back(-score, p);

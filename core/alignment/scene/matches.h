@@ -53,10 +53,7 @@ struct VerifiedPair {
   double rms_m = 0.0;
 };
 
-enum class Scene { kFlat, kRelief, kNoParallax };
-
 struct TwoView {
-  Scene scene = Scene::kRelief;
   std::vector<KeypointMatch> matches;  // those that fit
   // second_from_first, the length of the shift unknown (1, or 0 without parallax). The likeliest first; a
   // second where the matches fit it nearly as well.

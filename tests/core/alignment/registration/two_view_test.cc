@@ -25,7 +25,7 @@ double TurnError(const SyntheticScene& scene, int i, int j, const TwoView& view)
   return least;
 }
 
-TEST(TwoView, FlatGroundIsToldFromReliefAndTheTurnIsFoundInBoth) {
+TEST(TwoView, TheTurnIsFoundOverFlatGroundAndOverRelief) {
   SyntheticOptions options;
   options.columns = 2;
   options.rows = 1;
@@ -33,12 +33,10 @@ TEST(TwoView, FlatGroundIsToldFromReliefAndTheTurnIsFoundInBoth) {
   options.relief_m = 0.0;
   const SyntheticScene flat = MakeScene(options);
   const auto of_flat = test::ValueOf(View(flat, 0, 1));
-  EXPECT_EQ(of_flat.scene, Scene::kFlat);
   EXPECT_LT(TurnError(flat, 0, 1, of_flat), 0.02);
   options.relief_m = 15.0;
   const SyntheticScene hills = MakeScene(options);
   const auto of_hills = test::ValueOf(View(hills, 0, 1));
-  EXPECT_EQ(of_hills.scene, Scene::kRelief);
   EXPECT_LT(TurnError(hills, 0, 1, of_hills), 0.01);
 }
 
@@ -77,7 +75,8 @@ TEST(TwoView, ACameraThatOnlyTurnedHasNoParallax) {
     keypoint.angle_rad += 3.14159265F;
   }
   const auto view = test::ValueOf(View(scene, 0, 1));
-  EXPECT_EQ(view.scene, Scene::kNoParallax);
+  EXPECT_TRUE(view.poses.front().translation.isZero());
+  EXPECT_LT(view.angle_rad, 0.005);
 }
 
 TEST(TwoView, PhotosOfDifferentPlacesAreNotTied) {
