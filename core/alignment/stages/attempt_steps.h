@@ -8,6 +8,7 @@
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/alignment/stages/align_options.h"
+#include "core/alignment/stages/doubt_photos.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"
@@ -47,6 +48,13 @@ Result<Attempt> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_rec
 
 // The last matching pass, on the relief that the first adjustment found, and the last adjustment.
 Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& progress);
+
+// Which photos count as aligned, where the others go, how far off each may be, and the tie points worth
+// modelling the ground from. ground_tracks: with points that agree with the adjusted poses. Fills the
+// report's photos, components and residuals. Pure; any thread.
+AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attempt,
+                          const std::vector<Track>& ground_tracks, const std::vector<PhotoDoubt>& doubts,
+                          AlignReport& report);
 
 // From an adjusted attempt to the flight that the map is made of, and what is told of it: fills the whole
 // report but its total time. Errors: kUnprocessable where no photo is left to place.

@@ -10,7 +10,6 @@
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/stages/attempt_steps.h"
 #include "core/alignment/stages/doubt_photos.h"
-#include "core/alignment/stages/place_photos.h"
 #include "core/base/median.h"
 #include "core/base/trace.h"
 #include "core/base/try.h"

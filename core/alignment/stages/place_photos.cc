@@ -1,5 +1,3 @@
-#include "core/alignment/stages/place_photos.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,6 +5,7 @@
 
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/stages/attempt_steps.h"
 #include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 
