@@ -154,10 +154,9 @@ void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight
 
 // Cameras record their absolute heights; how high above the ground they were is recorded of another ground,
 // or guessed, until the photos show it. Then the map goes to where its cameras are recorded, ground and all.
-void HangOnCameras(const ExtractedFlight& extracted, const poses::PosedFlight& posed,
-                   const AlignReport& report, AlignedFlight& flight) {
+void HangOnCameras(const ExtractedFlight& extracted, const poses::PosedFlight& posed, bool is_surveyed,
+                   AlignedFlight& flight) {
   constexpr double kRefutedShare = 0.25;  // of the height above the ground; below it both fit
-  const bool is_surveyed = ControlErrorM(report).has_value();
   if (!posed.hangs_on_cameras || !posed.is_placed || posed.dem_zero_m || is_surveyed) return;
   std::vector<double> below_m, flown_m;
   for (std::size_t i = 0; i < flight.photos.size(); ++i) {
@@ -310,7 +309,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
   }
   if (report.components > 0) FindTiedLooks(ground_tracks, component, flight);
   TellAssumptions(posed, report.aligned, flight);
-  HangOnCameras(extracted, posed, report, flight);
+  HangOnCameras(extracted, posed, shared_error_m.has_value(), flight);
   const PhotoSet far_away = LeaveOutFarAway(flight);
   for (std::size_t i = 0; i < far_away.Photos(); ++i) {
     if (far_away.Has(i)) report.photo_reports[i].faults.push_back(PhotoFault::kFarAway);
