@@ -137,13 +137,10 @@ std::optional<Track> RegisterDirectly(const MatchingInput& input, int first, int
                                       const Relief& relief) {
   if (!input.features[first] || !input.features[second]) return std::nullopt;
   Eigen::Vector3d middle_first, middle_second;
-  const auto middle_pixel = [](const View& view) {
-    return Eigen::Vector2d(0.5 * (view.intrinsics.width_px - 1), 0.5 * (view.intrinsics.height_px - 1));
-  };
   const View& a = input.views[first];
   const View& b = input.views[second];
-  if (!MeetGround(a, relief, middle_pixel(a), &middle_first)) return std::nullopt;
-  if (!MeetGround(b, relief, middle_pixel(b), &middle_second)) return std::nullopt;
+  if (!MeetGround(a, relief, a.intrinsics.MiddleOfCell(0, 0, 1), &middle_first)) return std::nullopt;
+  if (!MeetGround(b, relief, b.intrinsics.MiddleOfCell(0, 0, 1), &middle_second)) return std::nullopt;
   Eigen::Vector3d place_in_enu = 0.5 * (middle_first + middle_second);
   place_in_enu.z() = relief.HeightAt(place_in_enu.head<2>());
   const double shorter_m = std::min(a.GsdM() * std::min(a.intrinsics.width_px, a.intrinsics.height_px),
