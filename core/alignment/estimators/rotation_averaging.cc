@@ -47,16 +47,15 @@ void FollowTree(int photos, const std::vector<GraphPair>& pairs, AveragedRotatio
   std::vector<int> order(photos);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return support[a] > support[b]; });
-  int components = 0;
+  PhotoSet reached(photos);
   for (const int root : order) {
-    if (averaged.component[root] >= 0 || of_photo[root].empty()) continue;
-    averaged.component[root] = components;
+    if (reached.Has(root) || of_photo[root].empty()) continue;
+    reached.Add(root);
     FollowStrongest(pairs, of_photo, {root}, &Weight, [&](const GraphPair& pair, int from, int to) {
       const Quaterniond to_from = from == pair.first ? RotationOf(pair) : RotationOf(pair).conjugate();
       averaged.cam_from_world[to] = (to_from * averaged.cam_from_world[from]).normalized();
-      averaged.component[to] = components;
+      reached.Add(to);
     });
-    ++components;
   }
 }
 
@@ -100,7 +99,6 @@ double Step(const std::vector<GraphPair>& pairs, const std::vector<double>& weig
 AveragedRotations AverageRotations(int photos, const std::vector<GraphPair>& pairs) {
   AveragedRotations averaged;
   averaged.cam_from_world.assign(photos, Quaterniond::Identity());
-  averaged.component.assign(photos, -1);
   FollowTree(photos, pairs, averaged);
   std::vector<double> weights(pairs.size());
   const auto weigh = [&](auto&& of_residual) {

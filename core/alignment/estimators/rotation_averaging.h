@@ -13,7 +13,6 @@ namespace skyquilt::alignment {
 
 struct AveragedRotations {
   std::vector<Eigen::Quaterniond> cam_from_world;  // by photo
-  std::vector<int> component;                      // photos tied together; negative: no pair at all
   std::vector<double> residual_rad;                // by pair
 };
 
