@@ -98,7 +98,6 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
       AtMost(image, std::min(kSharpnessPixels, static_cast<int>(image.total()) / kSharpnessShrink));
   features.detail = MeasureDetail(small.cols, small.rows, small.data);
   features.thumbnail = MakeThumbnail(grey);
-  if (options.max_features == 0) return;
   std::vector<Octave> octaves = BuildScaleSpace(image.cols, image.rows, image.data);
   std::vector<ScalePoint> found = FindScalePoints(octaves, kContrast);
   if (static_cast<int>(found.size()) < kFewFeatures) {

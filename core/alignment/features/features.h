@@ -20,7 +20,7 @@ namespace skyquilt::alignment {
 
 struct FeatureOptions {
   int detector_pixels = 1'500'000;  // of the image given to the detector
-  int max_features = 2000;          // 0: the thumbnail alone
+  int max_features = 2000;
 };
 
 // What a photo is shrunk by when it is decoded for its features.
