@@ -110,10 +110,9 @@ bool AreSpread(const std::vector<PlacePair>& pairs, const FittedSimilarity& fitt
 }
 
 // A level block that surveyed heights tip over: they are wrong, or of points that have none.
-bool IsTipped(const FittedSimilarity& fitted, const std::optional<UpDirection>& up) {
-  if (!up) return false;
-  const Vector3d up_in_enu = fitted.target_from_source.rotation * up->in_source.normalized();
-  return std::acos(std::clamp(up_in_enu.z(), -1.0, 1.0)) > kTippedSigmas * up->sigma_rad;
+bool IsTipped(const FittedSimilarity& fitted, const UpDirection& up) {
+  const Vector3d up_in_enu = fitted.target_from_source.rotation * up.in_source.normalized();
+  return std::acos(std::clamp(up_in_enu.z(), -1.0, 1.0)) > kTippedSigmas * up.sigma_rad;
 }
 
 // The upward normal of the plane through most of the points; nothing of fewer than ten.
@@ -181,7 +180,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   std::optional<FittedSimilarity> by_control = FitRobustly(control, up);
   const bool has_heights = std::any_of(control.begin(), control.end(),
                                        [](const PlacePair& pair) { return std::isfinite(pair.sigma.z()); });
-  if (has_heights && (!by_control || IsTipped(*by_control, up))) {
+  if (has_heights && (!by_control || IsTipped(*by_control, *up))) {
     for (PlacePair& pair : control) pair.sigma.z() = kUnknownHeightM;
     by_control = FitRobustly(control, up);
     place.ignores_surveyed_heights = by_control.has_value();
