@@ -79,8 +79,8 @@ class Round {
 
   void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
     for (int l = 0; l < bundle_.lines; ++l) Eigen::Map<Eigen::Vector3d>(Bias(l)) = line_bias[l];
-    AddLenses();
     AddObservations();
+    AddLenses();
     AddControl();
     std::vector<std::size_t> in_use;  // photos that see anything
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
@@ -133,16 +133,6 @@ class Round {
     ceres_.AddResidualBlock(Derived<kSize, kSize>(prior), loss, block);
   }
 
-  void AddLenses() {
-    for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
-      const camera::Intrinsics& now = bundle_.lenses[c].intrinsics;
-      const camera::Intrinsics& was = bundle_.lenses[c].recorded;
-      Eigen::Map<Eigen::Matrix<double, kLensSize, 1>> lens(Lens(c));
-      lens << std::log(now.focal_x_px / was.focal_x_px), now.center_x_px - was.center_x_px,
-          now.center_y_px - was.center_y_px, now.k1, now.k2, now.p1, now.p2;
-    }
-  }
-
   void AddObservations() {
     for (std::size_t n = 0; n < points_.size() - bundle_.control.size(); ++n) AddPoint(n);
     for (std::size_t t = 0; t < bundle_.soft_tracks.size(); ++t) {
@@ -150,15 +140,23 @@ class Round {
           bundle_.photos[bundle_.soft_tracks[t].observations.front().photo].height_above_ground_m;
       AddPlaneOf({bundle_.ground_z_in_enu_m, 0.0, 0.0, kReliefShare * height}, bundle_.tracks.size() + t);
     }
+  }
+
+  void AddLenses() {
     for (std::size_t c = 0; c < bundle_.lenses.size(); ++c) {
+      const BundleLens& lens = bundle_.lenses[c];
+      const camera::Intrinsics& now = lens.intrinsics;
+      const camera::Intrinsics& was = lens.recorded;
+      Eigen::Map<Eigen::Matrix<double, kLensSize, 1>> state(Lens(c));
+      state << std::log(now.focal_x_px / was.focal_x_px), now.center_x_px - was.center_x_px,
+          now.center_y_px - was.center_y_px, now.k1, now.k2, now.p1, now.p2;
       if (!ceres_.HasParameterBlock(Lens(c))) continue;
-      if (!options_.adjust_lens || bundle_.lenses[c].is_fixed) {
+      if (!options_.adjust_lens || lens.is_fixed) {
         ceres_.SetParameterBlockConstant(Lens(c));
         continue;
       }
-      const BundleLens& lens = bundle_.lenses[c];
       PriorResidual<kLensSize> prior;
-      prior.expected << 0.0, 0.0, 0.0, lens.recorded.k1, lens.recorded.k2, lens.recorded.p1, lens.recorded.p2;
+      prior.expected << 0.0, 0.0, 0.0, was.k1, was.k2, was.p1, was.p2;
       prior.sigma << lens.sigma_focal_share, lens.sigma_center_px, lens.sigma_center_px, lens.sigma_k,
           lens.sigma_k, lens.sigma_p, lens.sigma_p;
       AddPrior(prior, Lens(c));
