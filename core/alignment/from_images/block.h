@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <concepts>
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
@@ -22,24 +23,24 @@ class Block {
   // Keeps references to all three.
   Block(const RegistrationInput& input, const SceneTracks& scene, std::vector<BundleLens> lenses);
 
-  bool Has(int photo) const { return placed_.Has(photo); }
+  bool Has(std::integral auto photo) const { return placed_.Has(photo); }
   int size() const { return placed_.Count(); }
-  const geo::Rigid3& Pose(int photo) const { return cam_from_world_[photo]; }
+  const geo::Rigid3& Pose(std::integral auto photo) const { return cam_from_world_[photo]; }
   const camera::Intrinsics& Lens(int photo) const;
   const std::vector<BundleLens>& lenses() const { return lenses_; }
   const RegistrationInput& input() const { return *input_; }
   const SceneTracks& scene() const { return *scene_; }
 
   void Place(int photo, const geo::Rigid3& cam_from_world);
-  void Remove(int photo) { placed_.Remove(photo); }
+  void Remove(std::integral auto photo) { placed_.Remove(photo); }
 
   // Points from all placed photos that agree on them.
   void TriangulateAll(int threads);
   void TriangulateSeenBy(const std::vector<int>& photos, int threads);
-  bool HasPoint(int track) const { return !seen_by_[track].empty(); }
-  const Eigen::Vector3d& Point(int track) const { return point_[track]; }
+  bool HasPoint(std::integral auto track) const { return !seen_by_[track].empty(); }
+  const Eigen::Vector3d& Point(std::integral auto track) const { return point_[track]; }
   // Indices into the track of the observations that agree.
-  const std::vector<int>& SeenBy(int track) const { return seen_by_[track]; }
+  const std::vector<int>& SeenBy(std::integral auto track) const { return seen_by_[track]; }
   Observation ObservationOf(const TrackElement& element) const;
 
   // Bundle adjustment of `free` photos (all: an empty list), the others fixed and no lens adjusted; points

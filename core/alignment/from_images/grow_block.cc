@@ -66,7 +66,7 @@ struct NextPhoto {
 std::vector<NextPhoto> PhotosThatSee(const Block& block, const PhotoSet& used) {
   std::vector<NextPhoto> candidates;
   for (std::size_t i = 0; i < used.Photos(); ++i) {
-    if (used.Has(i) || block.Has(static_cast<int>(i))) continue;
+    if (used.Has(i) || block.Has(i)) continue;
     NextPhoto one{static_cast<int>(i), {}};
     for (const int t : block.scene().of_photo[i]) {
       if (block.HasPoint(t)) one.tracks.push_back(t);
@@ -126,7 +126,7 @@ void AdjustWhole(int threads, Block& block) {
   const std::vector<int> seen = block.PointsSeen();
   const int before = block.size();
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (seen[i] < kMinKept) block.Remove(static_cast<int>(i));
+    if (seen[i] < kMinKept) block.Remove(i);
   }
   if (block.size() < before) block.TriangulateAll(threads);
 }
@@ -220,7 +220,7 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
   Tried tried{std::move(block), 0};
   // Points of three and more photos: two agree on anything.
   for (std::size_t t = 0; t < scene.tracks.size(); ++t) {
-    const auto seen = static_cast<int>(tried.block.SeenBy(static_cast<int>(t)).size());
+    const auto seen = static_cast<int>(tried.block.SeenBy(t).size());
     if (seen >= 3) tried.observations += seen;
   }
   return tried;

@@ -27,9 +27,8 @@ constexpr double kMinShareHeld = 0.3;
 std::optional<Similarity3> FindJoint(const Block& larger, const Block& smaller) {
   std::vector<PlacePair> shared;
   for (std::size_t t = 0; t < larger.scene().tracks.size(); ++t) {
-    const int track = static_cast<int>(t);
-    if (larger.HasPoint(track) && smaller.HasPoint(track)) {
-      shared.push_back({smaller.Point(track), larger.Point(track), Eigen::Vector3d::Ones()});
+    if (larger.HasPoint(t) && smaller.HasPoint(t)) {
+      shared.push_back({smaller.Point(t), larger.Point(t), Eigen::Vector3d::Ones()});
     }
   }
   const int count = static_cast<int>(shared.size());
@@ -105,9 +104,9 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
     const std::vector<double> residuals = block.ResidualsPx();
     int size = 0;
     for (std::size_t i = 0; i < registration.photos.size(); ++i) {
-      if (!block.Has(static_cast<int>(i)) || seen[i] < kMinSeen) continue;
+      if (!block.Has(i) || seen[i] < kMinSeen) continue;
       RegisteredPhoto& photo = registration.photos[i];
-      photo.cam_from_world = block.Pose(static_cast<int>(i));
+      photo.cam_from_world = block.Pose(i);
       photo.block = static_cast<int>(b);
       square += residuals[i] * residuals[i] * seen[i];
       observations += seen[i];
@@ -137,7 +136,7 @@ std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& g
     // The largest knows the lenses best: the others start from there.
     if (blocks.empty()) lenses = begun->lenses();
     for (std::size_t i = 0; i < used.Photos(); ++i) {
-      if (begun->Has(static_cast<int>(i))) used.Add(i);
+      if (begun->Has(i)) used.Add(i);
     }
     TraceDecision("group grown", {{"photos", begun->size()}});
     blocks.push_back(*std::move(begun));

@@ -28,9 +28,9 @@ class BlockGround {
   explicit BlockGround(const Block& block) : block_(&block), level_(block.input().photos.size(), 0.0) {
     std::vector<int> points;
     for (std::size_t t = 0; t < block.scene().tracks.size(); ++t) {
-      if (!block.HasPoint(static_cast<int>(t))) continue;
+      if (!block.HasPoint(t)) continue;
       points.push_back(static_cast<int>(t));
-      middle_ += block.Point(static_cast<int>(t));
+      middle_ += block.Point(t);
     }
     if (static_cast<int>(points.size()) < kMinPointsOfGround) return;
     middle_ /= static_cast<double>(points.size());
@@ -39,8 +39,7 @@ class BlockGround {
     Vector3d up = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
     double above = 0.0;
     for (std::size_t i = 0; i < level_.size(); ++i) {
-      if (block.Has(static_cast<int>(i)))
-        above += up.dot(block.Pose(static_cast<int>(i)).TargetOriginInSource() - middle_);
+      if (block.Has(i)) above += up.dot(block.Pose(i).TargetOriginInSource() - middle_);
     }
     if (above < 0.0) up = -up;
     ground_from_world_ = geo::RotationToZ(up);
