@@ -113,6 +113,19 @@ void FillFromAround(std::vector<float>& heights_m, int columns, int rows) {
   }
 }
 
+// Where `bounds` reach across the antimeridian, longitudes go on across it as theirs do.
+geo::Boundary GoingOnAs(const geo::LatLonBounds& bounds, geo::Boundary area) {
+  if (bounds.west_deg >= -180.0 && bounds.east_deg <= 180.0) return area;
+  const double middle_deg = bounds.Middle().lon_deg;
+  for (geo::Boundary::Polygon& polygon : area.polygons) {
+    for (geo::Boundary::Ring& ring : polygon) {
+      for (geo::LatLon& corner : ring)
+        corner.lon_deg = middle_deg + std::remainder(corner.lon_deg - middle_deg, 360.0);
+    }
+  }
+  return area;
+}
+
 // So far apart, in cells; not where nothing is known.
 void AddHeightsAlong(const geo::RingEdge& edge, double apart, HeightCells& cells) {
   const Eigen::Vector2d from(edge.x0, edge.y0), along(edge.x1 - edge.x0, edge.y1 - edge.y0);
@@ -190,7 +203,7 @@ bool HeightRaster::FindAround(const geo::MapProjection& zone) {
       if (!place) return false;
       const geo::LatLonBounds here{place->lon_deg, place->lat_deg, place->lon_deg, place->lat_deg};
       if (is_first) around_ = here;
-      around_.Include(here);
+      around_.Include(here.Beside(around_));
       is_first = false;
     }
   }
@@ -339,7 +352,7 @@ Result<std::vector<float>> HeightRaster::GoingOnOver(const MercGrid& grid) {
 HeightRaster::RingsInCells HeightRaster::RingsOf(const geo::Boundary& area,
                                                  const geo::MapProjection& zone) const {
   RingsInCells rings;
-  for (const geo::Boundary::Polygon& polygon : geo::CutTo(area, around_).polygons) {
+  for (const geo::Boundary::Polygon& polygon : geo::CutTo(GoingOnAs(around_, area), around_).polygons) {
     std::vector<geo::RingEdge>& edges = rings.polygons.emplace_back();
     for (const geo::Boundary::Ring& ring : polygon) {
       for (std::size_t i = 0; i < ring.size(); ++i) {

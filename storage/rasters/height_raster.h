@@ -99,7 +99,7 @@ class HeightRaster {
   int epsg_ = 0;
   double west_m_ = 0.0, north_m_ = 0.0, cell_m_ = 1.0;  // of the zone
   int columns_ = 0, rows_ = 0;
-  geo::LatLonBounds around_;  // an eighth of it beyond its sides
+  geo::LatLonBounds around_;  // an eighth of it beyond its sides, and on beyond the antimeridian
   Sketch sketch_;
 };
 

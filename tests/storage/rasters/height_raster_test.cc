@@ -12,6 +12,7 @@
 #include <functional>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include "core/geo/web_mercator.h"
 #include "storage/rasters/gdal_steps.h"
@@ -27,17 +28,22 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 // By place in metres from the north-west corner; nothing is known in the eastern fifth.
 double SlopeAt(double x_m, double y_m) { return 400.0 + 0.05 * x_m - 0.02 * y_m; }
 
+struct Corner {
+  int epsg = 32632;
+  double west_m = kWestM, north_m = kNorthM;
+};
+
 void WriteRaster(const std::filesystem::path& path, GDALDataType type, int columns,
-                 const std::function<float(int, int)>& value) {
+                 const std::function<float(int, int)>& value, const Corner& corner = {}) {
   RegisterGdalOnce();
   const std::array<const char*, 5> options = {"TILED=YES", "BLOCKXSIZE=256", "BLOCKYSIZE=256",
                                               "COMPRESS=DEFLATE", nullptr};
   GDALDataset* file = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
       path.c_str(), columns, kRows, 1, type, const_cast<char**>(options.data()));
   OGRSpatialReference zone;
-  zone.importFromEPSG(32632);
+  zone.importFromEPSG(corner.epsg);
   file->SetSpatialRef(&zone);
-  std::array<double, 6> transform = {kWestM, kCellM, 0, kNorthM, 0, -kCellM};
+  std::array<double, 6> transform = {corner.west_m, kCellM, 0, corner.north_m, 0, -kCellM};
   file->SetGeoTransform(transform.data());
   if (type == GDT_Float32) file->GetRasterBand(1)->SetNoDataValue(std::nan(""));
   std::vector<float> row(static_cast<std::size_t>(columns));
@@ -184,6 +190,32 @@ TEST_F(HeightRasterTest, AnAreaMayBeAllTheWorldAndItsEdgeEndless) {
   // A side far longer than the raster is looked at cell by cell where it crosses it.
   const geo::Boundary wide{{{{At(-4000.0, 60.0), At(4000.0, 60.0), At(0.0, 4000.0)}}}};
   EXPECT_GT((**Opened()->Within(wide)).edge.size(), 500u);
+}
+
+// Across the 180th meridian GeoJSON counts from the other end of the Earth.
+TEST_F(HeightRasterTest, AnAreaMayLieOnEitherSideOfTheAntimeridianAndOnBoth) {
+  constexpr int kZone60South = 32760;
+  const geo::MapProjection zone = *geo::MapProjection::OfEpsg(kZone60South);
+  const Eigen::Vector2d on_it = *zone.PlaceOf({-17.0, 180.0});
+  const Corner corner{kZone60South, std::floor(on_it.x()) - 90.0, std::floor(on_it.y()) + 60.0};
+  WriteRaster(
+      heights_, GDT_Float32, kColumns, [](int, int) { return 7.0f; }, corner);
+  WriteRaster(
+      measured_, GDT_Byte, kColumns, [](int, int) { return 3.0f; }, corner);
+  const auto at = [&](double x_m, double y_m) {
+    return *zone.LatLonOf({corner.west_m + x_m, corner.north_m - y_m});
+  };
+  EXPECT_GT(at(80.0, 60.0).lon_deg, 179.9);
+  EXPECT_LT(at(100.0, 60.0).lon_deg, -179.9);
+  for (const auto& [west_m, east_m] :
+       {std::pair(95.0, 105.0), std::pair(70.0, 80.0), std::pair(60.0, 120.0)}) {
+    const geo::Boundary area{{{{at(west_m, 30.0), at(east_m, 30.0), at(east_m, 70.0), at(west_m, 70.0)}}}};
+    const std::optional<HeightCells> cells = *Opened()->Within(area);
+    ASSERT_TRUE(cells) << west_m;
+    EXPECT_EQ(std::count(cells->is_inside.begin(), cells->is_inside.end(), 1),
+              std::lround((east_m - west_m) / kCellM) * 160)
+        << west_m;
+  }
 }
 
 TEST_F(HeightRasterTest, FilesThatAreNoHeightsAreDamaged) {
