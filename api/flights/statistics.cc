@@ -66,7 +66,7 @@ struct BandCount {
 // Of what polygon and map have in common; absent: nothing.
 std::optional<geo::Bounds2> CommonInMerc(const storage::Boundary& boundary,
                                          const storage::Revision& revision) {
-  geo::LatLonBounds common = storage::Common(boundary.Bounds(), revision.bounds);
+  geo::LatLonBounds common = storage::Common(revision.bounds, boundary.Bounds());
   common.south_deg = std::max(common.south_deg, -85.05);
   common.north_deg = std::min(common.north_deg, 85.05);
   if (!(common.west_deg < common.east_deg) || !(common.south_deg < common.north_deg)) return std::nullopt;

@@ -115,7 +115,7 @@ Result<void> ClipTileset(const std::filesystem::path& mbtiles, const std::filesy
   written.attribution = TilesetText(metadata, "attribution");
   written.generator = "Skyquilt";
   written.bounds =
-      options.boundary == nullptr ? facts.bounds : Common(facts.bounds, options.boundary->Bounds());
+      options.boundary == nullptr ? facts.bounds : Common(facts.bounds, options.boundary->Bounds()).OnEarth();
   written.min_zoom = clip.min_zoom();
   written.max_zoom = clip.max_zoom();
   written.tile_size_px = facts.tile_size_px;

@@ -294,8 +294,16 @@ int ZoomOfExport(const ExportRequest& request, const MapFacts& map) {
 }
 
 geo::LatLonBounds Common(const geo::LatLonBounds& a, const geo::LatLonBounds& b) {
-  return {std::max(a.west_deg, b.west_deg), std::max(a.south_deg, b.south_deg),
-          std::min(a.east_deg, b.east_deg), std::min(a.north_deg, b.north_deg)};
+  geo::LatLonBounds common{a.east_deg, std::max(a.south_deg, b.south_deg), a.west_deg,
+                           std::min(a.north_deg, b.north_deg)};
+  for (const double turn_deg : {-360.0, 0.0, 360.0}) {
+    const double west_deg = std::max(a.west_deg, b.west_deg + turn_deg),
+                 east_deg = std::min(a.east_deg, b.east_deg + turn_deg);
+    if (west_deg >= east_deg) continue;
+    common.west_deg = std::min(common.west_deg, west_deg);
+    common.east_deg = std::max(common.east_deg, east_deg);
+  }
+  return common;
 }
 
 }  // namespace skyquilt::storage

@@ -75,7 +75,8 @@ Result<void> CheckExport(const ExportRequest& request, const MapFacts& map);
 // The zoom down to which a tileset is exported: the coarsest whose pixels are not larger than asked for.
 int ZoomOfExport(const ExportRequest& request, const MapFacts& map);
 
-// What both cover; of two that do not meet, something without area.
+// What both cover, as the numbers of `a` go: across the antimeridian `b` may lie a turn off, or in two parts
+// at both ends of the Earth. Of two that do not meet, something without area.
 geo::LatLonBounds Common(const geo::LatLonBounds& a, const geo::LatLonBounds& b);
 
 }  // namespace skyquilt::storage

@@ -387,6 +387,26 @@ TEST(FactsOfTileset, BoundsBeginOnEarth) {
   EXPECT_NEAR(facts->bounds.east_deg, 180.0006, 1e-9);
 }
 
+// GeoJSON counts from -180 on beyond 180 degrees, and cuts areas there.
+TEST(Common, OfAMapOnTheAntimeridianAreasLieOnBothSides) {
+  MapFacts map;
+  map.bounds = {179.9994, -17.1, 180.0006, -17.0};
+  const geo::LatLonBounds east = Common(map.bounds, {-179.9998, -17.08, -179.9996, -17.05});
+  EXPECT_NEAR(east.west_deg, 180.0002, 1e-9);
+  EXPECT_NEAR(east.east_deg, 180.0004, 1e-9);
+  EXPECT_EQ(east.south_deg, -17.08);
+  EXPECT_EQ(east.north_deg, -17.05);
+  const geo::LatLonBounds both = Common(map.bounds, {-180.0, -18.0, 180.0, -16.0});
+  EXPECT_EQ(both, map.bounds);
+  const geo::LatLonBounds beside = Common(map.bounds, {-179.9, -17.08, -179.8, -17.05});
+  EXPECT_GT(beside.west_deg, beside.east_deg);
+  ExportRequest request;
+  request.boundary = *ParseBoundary(BoxText({-179.9998, -17.08, -179.9996, -17.05}));
+  EXPECT_TRUE(CheckExport(request, map).ok());
+  request.boundary = *ParseBoundary(BoxText({-179.9, -17.08, -179.8, -17.05}));
+  EXPECT_FALSE(CheckExport(request, map).ok());
+}
+
 TEST(RemarkOnCrs, SaysToWhatAnOlderDatumIsKnown) {
   const auto remark = RemarkOnCrs("EPSG:3003", {45.0, 9.0});  // Monte Mario
   ASSERT_TRUE(remark);
