@@ -67,10 +67,12 @@ Result<TargetCrs> FindTargetCrs(int epsg, const geo::LatLon& middle) {
   const std::unique_ptr<OGRCoordinateTransformation> transform(
       OGRCreateCoordinateTransformation(&wgs84, &reference));
   if (!transform) return Unfit(epsg, flight::RemarkCode::kExportSystemUnreachable);
-  // Where the middle comes to lie, and points some hundred metres east and north of it.
+  // Where the middle comes to lie, and points some hundred metres beside and north of it: east, or west where
+  // the step would lead across the antimeridian, to the other end of many systems.
   constexpr double kStepDeg = 0.001;
   const double lon = std::remainder(middle.lon_deg, 360.0), lat = middle.lat_deg;
-  double x[3] = {lon, lon + kStepDeg, lon}, y[3] = {lat, lat, lat + kStepDeg};
+  const double beside = lon + kStepDeg > 180.0 ? lon - kStepDeg : lon + kStepDeg;
+  double x[3] = {lon, beside, lon}, y[3] = {lat, lat, lat + kStepDeg};
   if (!transform->Transform(3, x, y) || !std::isfinite(x[0] + x[1] + x[2] + y[0] + y[1] + y[2]))
     return Unfit(epsg, flight::RemarkCode::kExportSystemUnreachable);
   const double sin_lat = std::sin(geo::DegToRad(lat));

@@ -426,6 +426,9 @@ TEST(FindTargetCrs, KnowsHowLongAMetreIs) {
   EXPECT_TRUE(FindTargetCrs(32632, {46.8, 13.0}).ok());  // a little beyond the zone
   EXPECT_FALSE(FindTargetCrs(2263, {46.8, 7.1}).ok());
   EXPECT_TRUE(FindTargetCrs(3832, {-17.0, 179.9}).ok());  // across the antimeridian
+  const double merc_per_m = 1 / std::cos(17.0 * M_PI / 180);
+  for (const double lon_deg : {179.9995, 180.0, 180.0005})
+    EXPECT_NEAR(FindTargetCrs(3857, {-17.0, lon_deg})->units_per_m_east, merc_per_m, 0.01) << lon_deg;
 }
 
 }  // namespace
