@@ -105,7 +105,7 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
       !GDALInvGeoTransform(model_from_pixel.data(), raster->pixel_from_model.data())) {
     return refuse("does not say where on Earth it lies");
   }
-  raster->is_ellipsoidal = system->IsGeographic() && system->GetAxesCount() == 3;
+  raster->is_ellipsoidal = !system->IsCompound() && system->GetAxesCount() == 3;
   OGRSpatialReference horizontal(*system);
   if (horizontal.IsCompound()) horizontal.StripVertical();
   horizontal.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);

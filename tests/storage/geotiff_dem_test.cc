@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/flight/lists/file_kinds.h"
+#include "storage/files/publish_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
@@ -27,6 +28,7 @@ struct Model {
   std::optional<double> hole;
   std::string unit;
   double scale = 1.0, offset = 0.0;
+  bool is_above_egm96 = false;  // says the system
 };
 
 class GeotiffDemTest : public ::testing::Test {
@@ -43,6 +45,8 @@ class GeotiffDemTest : public ::testing::Test {
       file->SetGeoTransform(corner);
       OGRSpatialReference system;
       system.importFromEPSG(model.epsg);
+      if (model.is_above_egm96)
+        system.SetFromUserInput(("EPSG:" + std::to_string(model.epsg) + "+5773").c_str());
       file->SetSpatialRef(&system);
     }
     GDALRasterBand* band = file->GetRasterBand(1);
@@ -147,6 +151,29 @@ TEST_F(GeotiffDemTest, TakesTheGeoidOffEllipsoidalHeights) {
   // The geoid lies 46 to 49 m above the ellipsoid there.
   EXPECT_GT(sea_m - ellipsoid_m, 45.0);
   EXPECT_LT(sea_m - ellipsoid_m, 50.0);
+}
+
+// With eastings too, where the key of the vertical system names one above the ellipsoid (GeoTIFF 1.1).
+TEST_F(GeotiffDemTest, TakesTheGeoidOffEllipsoidalHeightsInMetres) {
+  Model model;
+  model.epsg = 32632;
+  model.west = 461'000.0;
+  model.north = 5'253'000.0;
+  model.cell = 50.0;
+  model.is_above_egm96 = true;
+  model.height = [](double, double) { return 450.0; };
+  const std::filesystem::path path = Write(model);
+  const auto height_m = [&] { return (*GeotiffDem::Open(path))->GroundHeightM({47.418, 8.503}).value(); };
+  EXPECT_NEAR(height_m(), 450.0, 1e-6);
+  // Which GDAL does not write: EPSG:4979 instead of EPSG:5773.
+  const std::string above_sea("\x00\x10\x00\x00\x01\x00\x8d\x16", 8);
+  std::string bytes = *ReadWholeFile(path);
+  const std::size_t at = bytes.find(above_sea);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at + 6, 2, "\x73\x13");
+  ASSERT_TRUE(WriteFileAtomically(path, bytes));
+  EXPECT_GT(450.0 - height_m(), 45.0);
+  EXPECT_LT(450.0 - height_m(), 50.0);
 }
 
 TEST_F(GeotiffDemTest, IsKnownAmongAFlightsFilesByItsBandAndItsPlace) {
