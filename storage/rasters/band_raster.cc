@@ -14,6 +14,7 @@
 #include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "core/geo/web_mercator.h"
 #include "storage/rasters/gdal_steps.h"
 
 namespace skyquilt::storage {
@@ -132,8 +133,13 @@ Result<std::vector<std::vector<float>>> BandRaster::Read(const MercGrid& grid,
     return Error{ErrorCode::kInvalidArgument, "More pixels are asked for than are read at once.", ""};
   const auto pixels = static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px);
   std::vector<std::vector<float>> planes(bands.size(), std::vector<float>(pixels, kUnknown));
+  // A raster across the antimeridian goes on beyond the web map's square, where tiles lie at its other end.
+  const double off_m = west_m_ + 0.5 * pixel_m_ * width_px_ - grid.west_m -
+                       0.5 * grid.pixel_width_m * static_cast<double>(grid.width_px);
+  constexpr double kWorldM = 2.0 * geo::kMercHalfWidthM;
+  const double west_m = grid.west_m + kWorldM * std::round(off_m / kWorldM);
   const std::optional<Overlap> x =
-      OverlapOf((grid.west_m - west_m_) / pixel_m_, grid.pixel_width_m / pixel_m_, grid.width_px, width_px_);
+      OverlapOf((west_m - west_m_) / pixel_m_, grid.pixel_width_m / pixel_m_, grid.width_px, width_px_);
   const std::optional<Overlap> y = OverlapOf((north_m_ - grid.north_m) / pixel_m_,
                                              grid.pixel_height_m / pixel_m_, grid.height_px, height_px_);
   if (!x || !y) return planes;

@@ -14,6 +14,7 @@
 #include <limits>
 #include <thread>
 
+#include "core/geo/web_mercator.h"
 #include "storage/rasters/class_outlines.h"
 #include "storage/rasters/open_rasters.h"
 #include "tests/storage/rasters/band_file.h"
@@ -101,6 +102,19 @@ TEST_F(BandRasterTest, BesideItNothingIsKnown) {
   const auto fine = *raster->Read({1020.0, 5000.0, 0.25, 0.25, 8, 8}, kNirAndGreen);
   EXPECT_EQ(fine[1][0], fine[1][1]);
   EXPECT_EQ(fine[1][2], 0.041f);
+}
+
+TEST_F(BandRasterTest, AcrossTheAntimeridianTilesAtBothEndsOfTheWebMapShowIt) {
+  for (const double turn : {0.0, -1.0}) {
+    test::BandFile file = Sample();
+    // The antimeridian lies at column 150.
+    file.west_m = (1.0 + 2.0 * turn) * geo::kMercHalfWidthM - 75.0;
+    const auto raster = Opened(file);
+    const auto east = *raster->Read({-geo::kMercHalfWidthM, 5000.0, 0.5, 0.5, 8, 8}, kNirAndGreen);
+    EXPECT_EQ(east[1].front(), 0.150f) << turn;
+    const auto west = *raster->Read({geo::kMercHalfWidthM - 4.0, 5000.0, 0.5, 0.5, 8, 8}, kNirAndGreen);
+    EXPECT_EQ(west[1].front(), 0.142f) << turn;
+  }
 }
 
 TEST_F(BandRasterTest, RefusesWhatIsNoSuchFile) {
