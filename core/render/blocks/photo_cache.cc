@@ -121,11 +121,23 @@ Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Phot
   }
   entry.box = DecodedBox(wanted, more, whole);
   lock.unlock();
-  Result<image::DecodedPart> decoded = [&] {
+  const auto decode = [&] {
     const TraceSpan span("decode for the map", photo.name);
     return source_.DecodePart(photo, denominator, entry.box, spare_->Take());
+  };
+  Result<image::DecodedPart> decoded = [&] {
+    try {
+      Result<image::DecodedPart> part = decode();
+      if (part && observer_) observer_(photo_index, denominator, *part);
+      return part;
+    } catch (...) {  // want of memory: whoever waits for it must not wait for ever
+      lock.lock();
+      recency_.erase(entry.recency);
+      entries_.erase(key);
+      ready_.notify_all();
+      throw;
+    }
   }();
-  if (decoded && observer_) observer_(photo_index, denominator, *decoded);
   lock.lock();
   entry.is_ready = true;
   ready_.notify_all();

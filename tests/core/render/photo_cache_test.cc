@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <new>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -65,6 +66,19 @@ class Places final : public flight::PhotoSource {
     }
     return image;
   }
+};
+
+// The first time that it is asked.
+class ShortOfMemory final : public flight::PhotoSource {
+ public:
+  Result<DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+    if (!was_asked_.exchange(true)) throw std::bad_alloc();
+    return places_.Decode(photo, denominator);
+  }
+
+ private:
+  const Places places_;
+  mutable std::atomic<bool> was_asked_{false};
 };
 
 flight::Photo Named(const char* name) {
@@ -147,6 +161,13 @@ TEST_F(PhotoCacheTest, ForgetsWhatIsDroppedAndRemembersWhatIsDamaged) {
   EXPECT_EQ(cache_.Get(1, damaged, 1, {0, 0, 1, 1}).error().code, ErrorCode::kCorrupt);
   EXPECT_EQ(cache_.Get(1, damaged, 1, {0, 0, 1, 1}).error().code, ErrorCode::kCorrupt);
   EXPECT_EQ(parts_.decodes, 3);
+}
+
+TEST_F(PhotoCacheTest, NobodyWaitsForWhatThereWasNoMemoryFor) {
+  const ShortOfMemory source;
+  PhotoCache cache(source, std::int64_t{1} << 20);
+  EXPECT_THROW(static_cast<void>(cache.Get(0, photo_, 1, {0, 0, 1, 1})), std::bad_alloc);
+  ExpectHolds(**cache.Get(0, photo_, 1, {0, 0, 1, 1}), {0, 0, 201, 101});
 }
 
 TEST(PhotoRegions, MakeTheMapOfTheWholePhotosFromLess) {
