@@ -11,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <utility>
 
 #include "core/base/try.h"
 #include "storage/rasters/gdal_steps.h"
@@ -159,9 +160,7 @@ Result<std::string> OutlineClasses(const ClassGrid& grid, std::span<const ClassF
               : nullptr;
   if (layer == nullptr) return OutlineFailure("no file can be made");
   SKYQUILT_TRY(FillLayer(*layer, polygons, facts, *to_degrees));
-  CPLErrorReset();
-  written.reset();  // writes what is left
-  if (CPLGetLastErrorType() >= CE_Failure) return OutlineFailure("the file cannot be finished");
+  if (!IsClosedWell(std::move(written))) return OutlineFailure("the file cannot be finished");
   return file.Bytes();
 }
 
