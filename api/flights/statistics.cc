@@ -212,11 +212,18 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
     of_index.emplace(service.bands, *tileset, boundary, zoom, *look);
   }
   if (common) {
-    const geo::TileId first = geo::TileId::AtMerc(zoom, {common->min.x(), common->max.y()});
-    const geo::TileId last = geo::TileId::AtMerc(zoom, {common->max.x(), common->min.y()});
-    for (std::int64_t y = first.y(); y <= last.y(); ++y) {
-      for (std::int64_t x = first.x(); x <= last.x(); ++x) {
-        SKYQUILT_TRY_ASSIGN(const geo::TileId tile, geo::TileId::Make(zoom, x, y));
+    // Across the antimeridian columns go on at the other end.
+    const std::int64_t around = std::int64_t{1} << zoom;
+    const auto column_at = [&](double x_m) {
+      return static_cast<std::int64_t>(std::floor((x_m + geo::kMercHalfWidthM) / geo::TileSizeInMercM(zoom)));
+    };
+    const std::int64_t west = std::max<std::int64_t>(column_at(common->min.x()), 0),
+                       east = std::min(column_at(common->max.x()), west + around - 1);
+    const std::int64_t north = geo::TileId::AtMerc(zoom, {0.0, common->max.y()}).y(),
+                       south = geo::TileId::AtMerc(zoom, {0.0, common->min.y()}).y();
+    for (std::int64_t y = north; y <= south; ++y) {
+      for (std::int64_t x = west; x <= east; ++x) {
+        SKYQUILT_TRY_ASSIGN(const geo::TileId tile, geo::TileId::Make(zoom, x % around, y));
         SKYQUILT_TRY(counter.Add(tile));
         if (of_index) SKYQUILT_TRY(of_index->Add(tile));
       }

@@ -98,6 +98,22 @@ TEST_F(StatisticsTest, BesideTheMapThereIsNothing) {
   EXPECT_EQ(json::parse(Post(Box(-180, -90, 180, 90)).body)["pixels"], 256 * 128);  // the world
 }
 
+// GeoJSON cuts what lies across the antimeridian in two.
+TEST_F(StatisticsTest, OfAMapAcrossTheAntimeridianBothSidesCount) {
+  storage::Revision facts;
+  facts.bounds = {180.0 - kTileDeg, 0.0, 180.0 + kTileDeg, kTileDeg};
+  flight_ = sample_.NewFlight();
+  storage::PublishSmallTileset(sample_.dir(), sample_.service().db, flight_,
+                               {{10, 1023, 512, HalfTile()}, {10, 0, 512, HalfTile()}}, 256, facts);
+  const std::string west = Box(180.0 - kTileDeg, 0, 180, 1), east = Box(-180, 0, -180 + kTileDeg / 2, 1);
+  EXPECT_EQ(json::parse(Post(west).body)["pixels"], 256 * 128);
+  EXPECT_EQ(json::parse(Post(east).body)["pixels"], 128 * 128);
+  const json both = {
+      {"type", "MultiPolygon"},
+      {"coordinates", json::array({json::parse(west)["coordinates"], json::parse(east)["coordinates"]})}};
+  EXPECT_EQ(json::parse(Post(both.dump()).body)["pixels"], (256 + 128) * 128);
+}
+
 TEST_F(StatisticsTest, RefusesWhatIsNoPolygon) {
   for (const char* body : {"", "x", "[]", "7"}) EXPECT_EQ(Post(body).status, 400) << body;
   for (const char* body :
