@@ -109,7 +109,9 @@ Result<std::shared_ptr<BandRaster>> BandRaster::Open(const std::filesystem::path
                          std::abs(transform[1] + transform[5]) < 1e-9 * transform[1] && transform[2] == 0.0 &&
                          transform[4] == 0.0;
   if (!is_placed) return raster->files_.Damaged("it does not lie on the grid of the web map");
-  raster->west_m_ = transform[0];
+  // From the west of the antimeridian on, as the bounds of a map across it are.
+  const bool is_beyond = transform[0] < -geo::kMercHalfWidthM - transform[1];
+  raster->west_m_ = transform[0] + (is_beyond ? 2.0 * geo::kMercHalfWidthM : 0.0);
   raster->north_m_ = transform[3];
   raster->pixel_m_ = transform[1];
   raster->width_px_ = file.GetRasterXSize();

@@ -110,6 +110,7 @@ TEST_F(BandRasterTest, AcrossTheAntimeridianTilesAtBothEndsOfTheWebMapShowIt) {
     // The antimeridian lies at column 150.
     file.west_m = (1.0 + 2.0 * turn) * geo::kMercHalfWidthM - 75.0;
     const auto raster = Opened(file);
+    EXPECT_NEAR(raster->BoundsInMerc().min.x(), geo::kMercHalfWidthM - 75.0, 1e-6) << turn;
     const auto east = *raster->Read({-geo::kMercHalfWidthM, 5000.0, 0.5, 0.5, 8, 8}, kNirAndGreen);
     EXPECT_EQ(east[1].front(), 0.150f) << turn;
     const auto west = *raster->Read({geo::kMercHalfWidthM - 4.0, 5000.0, 0.5, 0.5, 8, 8}, kNirAndGreen);
