@@ -10,7 +10,6 @@ namespace {
 
 using std::chrono::microseconds;
 constexpr std::int64_t kMicro = 1'000'000;
-constexpr std::int64_t kWeekUs = 604'800 * kMicro;
 
 // Days since 1970-01-01 of the first UTC day after each leap second.
 constexpr std::chrono::sys_days Day(int y, unsigned m) {
@@ -39,8 +38,8 @@ UtcTime UtcFromGpsCalendar(UtcTime as_written) {
 }
 
 std::optional<UtcTime> UtcFromGpsWeek(std::int64_t week, std::int64_t time_of_week_us) {
-  if (week < 1 || week > 10'000 || time_of_week_us < 0 || time_of_week_us > kWeekUs) return std::nullopt;
-  const std::int64_t gps_us = week * kWeekUs + time_of_week_us;
+  if (week < 1 || week > 10'000 || time_of_week_us < 0 || time_of_week_us > kGpsWeekUs) return std::nullopt;
+  const std::int64_t gps_us = week * kGpsWeekUs + time_of_week_us;
   return UtcTime(microseconds(kGpsEpochUnixUs + gps_us - LeapSecondsAtGps(gps_us) * kMicro));
 }
 

@@ -12,6 +12,7 @@
 namespace skyquilt::flight {
 
 inline constexpr std::int64_t kGpsEpochUnixUs = 315'964'800'000'000;  // 1980-01-06
+inline constexpr std::int64_t kGpsWeekUs = 604'800'000'000;
 
 // Old receivers count their weeks anew after 1,024: their dates are off by multiples of this.
 inline constexpr double kGpsWeeksRunOverS = 1024.0 * 7.0 * 86'400.0;

@@ -98,9 +98,12 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
     const auto week = ParseInteger(words[0]);
     const auto tow_s = ParseNumber(words[1]);
     if (!week || !tow_s || std::abs(*tow_s) > 1e6) return std::nullopt;
-    const auto time = UtcFromGpsWeek(*week, std::llround(*tow_s * 1e6));
+    const std::int64_t tow_us = std::llround(*tow_s * 1e6);
+    const auto time = UtcFromGpsWeek(*week, tow_us);
     if (!time) return std::nullopt;
-    solution.time = *time;
+    // Told to write UTC, it counts the weeks of that, without leap seconds.
+    const UtcTime by_utc(std::chrono::microseconds(kGpsEpochUnixUs + *week * kGpsWeekUs + tow_us));
+    solution.time = header.is_utc ? by_utc - header.ahead_of_utc : *time;
   }
   std::size_t at = 2;
   const auto number = [&](std::size_t i) { return i < words.size() ? ParseNumber(words[i]) : std::nullopt; };

@@ -33,6 +33,11 @@ TEST(ParseRtklibPos, ReadsItsCoordinateAndTimeForms) {
   const auto by_week = ValueOf(ParseRtklibPos("b.pos", BytesOf(weeks)));
   EXPECT_EQ(*by_week.utc_at_zero, *log.utc_at_zero);
   EXPECT_FALSE(by_week.gnss.at(0).is_rtk_fixed);
+  // Told to write UTC, it counts weeks of that.
+  std::string utc_weeks = weeks;
+  utc_weeks.replace(utc_weeks.find("GPST"), 4, "UTC ");
+  const auto by_utc_week = ValueOf(ParseRtklibPos("u.pos", BytesOf(utc_weeks)));
+  EXPECT_EQ(*by_utc_week.utc_at_zero, *UtcFromCivil(2005, 4, 2, 0, 0, 0.0));
   const geo::Wgs84 place{35.16, 139.61, 31.9};
   const Eigen::Vector3d ecef = geo::EcefFromWgs84(place);
   const std::string text =
