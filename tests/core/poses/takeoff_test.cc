@@ -55,6 +55,18 @@ TEST_F(FindTakeoffTest, TrustsTheBarometerFirst) {
   EXPECT_NEAR(takeoff.middle->lat_deg, 50.8 + 1e-5 * 176, 2e-5);
 }
 
+TEST_F(FindTakeoffTest, ReadsTablesOfARowEveryFiveSeconds) {
+  const std::vector<flight::GnssSample> all = std::move(log_.gnss);
+  log_.gnss.clear();
+  for (std::size_t k = 0; k < all.size(); k += 25) {
+    log_.gnss.push_back(all[k]);
+    log_.baro.push_back({all[k].t_s, AboveM(all[k].t_s)});
+  }
+  const Takeoff takeoff = Find();
+  EXPECT_NEAR(takeoff.height_ellipsoid_m, 100.0, 1e-6);
+  EXPECT_TRUE(takeoff.is_above_ellipsoid);
+}
+
 TEST_F(FindTakeoffTest, MovesTheGroundToWhereTheRangeFinderSeesIt) {
   AddBarometer();
   AddRange(4.0);
