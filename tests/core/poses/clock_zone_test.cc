@@ -163,6 +163,30 @@ TEST(ChooseZone, DoubtsAnHourOfALogThatWasCutWhereItStoodBefore) {
   ExpectOpen(ExpectTied(EveryFiveSeconds(-5 * kHourS), log, -5), {"UTC-04:45"});
 }
 
+// From ten o'clock on, of a recorder that runs from arming to landing: at rest for eight seconds, on legs, at
+// rest for the last ten.
+FlightLog ArmedFor(double duration_s) {
+  return TrackFrom(0.0, duration_s, [duration_s](double t_s) {
+    return OnLegs(std::clamp(t_s - 8.0, 0.0, duration_s - 18.0));
+  });
+}
+
+TEST(ChooseZone, TakesALogBesidePhotosOfTheGround) {
+  std::vector<Photo> tried_before = EveryFiveSeconds(2 * kHourS);
+  tried_before.insert(tried_before.begin(), PhotoTakenAt(-60.0, 2 * kHourS));
+  const TimeSync sync = ExpectTied(tried_before, ArmedFor(120.0), 2);
+  EXPECT_LT(sync.sigma_s, 10.0);
+  EXPECT_THAT(sync.notes, ::testing::Contains(HasSubstr("covers 19 of 20")));
+  // A camera that takes a photo every two seconds, from before the start until after the landing.
+  std::vector<Photo> all_the_while, beyond_the_end;
+  for (double t_s = -10.0; t_s <= 206.0; t_s += 2.0) {
+    all_the_while.push_back(PhotoTakenAt(t_s, 2 * kHourS));
+    if (t_s >= 30.0) beyond_the_end.push_back(all_the_while.back());
+  }
+  ExpectTied(all_the_while, ArmedFor(200.0), 2);
+  EXPECT_FALSE(MatchPhotosToLog(beyond_the_end, ArmedFor(200.0)).ok()) << "by a clock that is late";
+}
+
 TEST(ChooseZone, SaysBothSpansWhereTheClockIsWrong) {
   // Photos go on although the aircraft has landed: it is no part of a flight, the clock is wrong.
   const FlightLog landed = TrackFrom(0.0, 60.0, [](double t_s) { return OnLegs(std::min(t_s, 50.0)); });
