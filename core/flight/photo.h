@@ -172,7 +172,7 @@ struct LeftOutPhoto {
 // What took it, as a person says it: many makers repeat themselves in the model's name.
 std::string MakeAndModel(const Photo& photo);
 
-// The order of a flight: by time of capture, then by name; photos without a time come last.
+// The order of a flight: by time of capture, then by name, "9" before "10"; photos without a time come last.
 bool ComesBefore(const Photo& a, const Photo& b);
 
 const char* FocalSourceName(FocalSource source);

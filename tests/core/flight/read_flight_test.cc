@@ -54,6 +54,15 @@ TEST(ReadFlight, OrdersByTimeThenNameAndPutsPhotosWithoutTimeLast) {
   EXPECT_EQ(Names(Read(folder)), (std::vector<std::string>{"c.jpg", "d.jpg", "b.jpg", "a.jpg"}));
 }
 
+TEST(ReadFlight, OrdersByTheNumbersInNames) {
+  const TemporaryFolder folder;
+  folder.Write("frame_10.jpg", PhotoAt(1.0, "2021:06:03 12:00:01"));
+  folder.Write("frame_9.jpg", PhotoAt(1.1, "2021:06:03 12:00:01"));
+  folder.Write("frame_0100.jpg", PhotoAt(1.2, "2021:06:03 12:00:01"));
+  EXPECT_EQ(Names(Read(folder)),
+            (std::vector<std::string>{"frame_9.jpg", "frame_10.jpg", "frame_0100.jpg"}));
+}
+
 TEST(ReadFlight, LeavesOutBadFilesWithTheirReasonsAndKeepsTheRest) {
   const TemporaryFolder folder;
   folder.Write("good.jpg", PhotoAt(1.0, "2021:06:03 12:00:00"));
