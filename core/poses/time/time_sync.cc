@@ -263,9 +263,8 @@ class Synchroniser {
   // Frames of films beside photos have another clock than these, in another zone as a rule: searched for by
   // itself where the photos' puts none of them into the log.
   std::optional<TimeSync> OffsetOfItsOwn(const StampedPhotos& camera, bool is_beside_photos,
-                                         const std::vector<double>& times_s) const {
+                                         const LogCover& cover, const std::vector<double>& times_s) const {
     if (camera.is_of_maker || !is_beside_photos) return std::nullopt;
-    const LogCover cover(log_);
     const bool is_covered = std::any_of(times_s.begin(), times_s.end(),
                                         [&](double t_s) { return cover.Covers(t_s + sync_.offset_s); });
     if (is_covered) return std::nullopt;
@@ -273,11 +272,40 @@ class Synchroniser {
     return own ? std::optional(*std::move(own)) : std::nullopt;
   }
 
+  // Photos that say where they were, and do not repeat one place, far from where the log was then: of another
+  // aircraft, or by a clock that is wrong by itself.
+  bool AreElsewhere(const StampedPhotos& camera, const LogCover& cover,
+                    const std::vector<double>& times_s) const {
+    constexpr std::size_t kEnough = 3;
+    constexpr double kElsewhereM = 100.0;  // a receiver's error, and some seconds of flight
+    std::vector<double> apart_m;
+    std::optional<Eigen::Vector2d> first_m;
+    double way_m = 0.0;
+    for (std::size_t k = 0; k < times_s.size(); ++k) {
+      const std::size_t i = camera.photo[k];
+      if (!photos_[i].position || sync_.photos[i]) continue;
+      const auto at_m = cover.PositionAt(times_s[k] + sync_.offset_s);
+      if (!at_m) continue;
+      const Eigen::Vector2d own_m = cover.InPlane(photos_[i].position->position);
+      if (!first_m) first_m = own_m;
+      way_m = std::max(way_m, (own_m - *first_m).norm());
+      apart_m.push_back((own_m - *at_m).norm());
+    }
+    return apart_m.size() >= kEnough && way_m > kStandsWithinM && Median(std::move(apart_m)) > kElsewhereM;
+  }
+
   // Photos without an event get their stamp moved to the log's clock.
   void FillFromOffset(const std::vector<StampedPhotos>& cameras) {
+    const LogCover cover(log_);
+    std::ptrdiff_t elsewhere = 0;
     for (const StampedPhotos& camera : cameras) {
       const RefinedStamps refined = RefineByTriggerInterval(camera.stamp_s, camera.resolution_s);
-      const auto own = OffsetOfItsOwn(camera, cameras.front().is_of_maker, refined.times_s);
+      const auto own = OffsetOfItsOwn(camera, cameras.front().is_of_maker, cover, refined.times_s);
+      if (!own && &camera != &cameras.front() && AreElsewhere(camera, cover, refined.times_s)) {
+        elsewhere += std::count_if(camera.photo.begin(), camera.photo.end(),
+                                   [&](std::size_t i) { return !sync_.photos[i]; });
+        continue;
+      }
       const double offset_s = own ? own->offset_s : sync_.offset_s;
       const double sigma_s = own ? own->sigma_s : sync_.sigma_s;
       if (own) {
@@ -294,7 +322,12 @@ class Synchroniser {
             PhotoTime{refined.times_s[k] + offset_s, std::hypot(refined.sigmas_s[k], sigma_s), std::nullopt};
       }
     }
-    const auto missing = std::count(sync_.photos.begin(), sync_.photos.end(), std::nullopt);
+    if (elsewhere > 0) {
+      sync_.notes.push_back(
+          fmt::format("{} far from where the log then was, and left to what they record",
+                      Counted(elsewhere, "photo of another camera was", "photos of other cameras were")));
+    }
+    const auto missing = std::count(sync_.photos.begin(), sync_.photos.end(), std::nullopt) - elsewhere;
     if (missing > 0)
       sync_.notes.push_back(fmt::format("{} neither an event nor a capture time",
                                         Counted(missing, "photo has", "photos have")));

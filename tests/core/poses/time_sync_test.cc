@@ -208,6 +208,37 @@ TEST(MatchPhotosToLog, LaysPhotoPositionsOnTheTrackWithoutEvents) {
   EXPECT_LT(worst_sigma, 0.2);
 }
 
+// How many of a second camera's photos, at every other moment of the first, are tied to the log of the first.
+std::size_t TiedOfSecondCamera(const Survey& survey, double share_of_way, const Eigen::Vector2d& moved_m) {
+  std::vector<Photo> photos = PhotosOf(survey.exposures_s, 4.25, 1.0);
+  const std::size_t of_first = photos.size();
+  for (std::size_t i = 0; i < of_first; ++i) {
+    photos[i].camera_key = "first";
+    photos[i].position.emplace().position = At(survey.exposures_m[i]);
+  }
+  for (std::size_t i = 0; i < of_first; i += 2) {
+    Photo photo = photos[i];
+    photo.name = "second_" + photo.name;
+    photo.camera_key = "second";
+    photo.position->position = At(share_of_way * survey.exposures_m[i] + moved_m);
+    photos.push_back(std::move(photo));
+  }
+  const auto sync = ValueOf(MatchPhotosToLog(photos, LogOf(survey, {}, 0.3, 3)));
+  EXPECT_EQ(sync.method, TimeSyncMethod::kPositions);
+  const auto second = sync.photos.begin() + static_cast<std::ptrdiff_t>(of_first);
+  EXPECT_EQ(std::count(sync.photos.begin(), second, std::nullopt), 0);
+  return photos.size() - of_first -
+         static_cast<std::size_t>(std::count(second, sync.photos.end(), std::nullopt));
+}
+
+TEST(MatchPhotosToLog, LeavesPhotosOfAnotherAircraftWhereTheyWere) {
+  const Survey survey = Fly(3, false, 2.07);
+  const std::size_t all = (survey.exposures_s.size() + 1) / 2;
+  EXPECT_EQ(TiedOfSecondCamera(survey, 1.0, {0.0, 0.0}), all) << "two cameras of one aircraft";
+  EXPECT_EQ(TiedOfSecondCamera(survey, 1.0, {300.0, 0.0}), 0u);
+  EXPECT_EQ(TiedOfSecondCamera(survey, 0.0, {300.0, 0.0}), all) << "a place that all repeat says nothing";
+}
+
 TEST(MatchPhotosToLog, AdmitsThatWholeSecondIntervalsHideTheFraction) {
   const Survey survey = Fly(2, false, 2.0);
   auto photos = PhotosOf(survey.exposures_s, 4.25, 1.0);
