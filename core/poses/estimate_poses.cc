@@ -11,6 +11,7 @@
 #include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/aside/aside.h"
+#include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geodesic.h"
@@ -108,6 +109,48 @@ void DescribeUse(const flight::FlightLog& log, const LogTie& tie, const PosedFli
     report.logs.push_back(name + ": " + use);
   else
     *line += ": " + use;
+}
+
+// The sample nearest to a time; nothing further than a second away.
+template <typename Sample>
+const Sample* SampleNear(const std::vector<Sample>& samples, double t_s) {
+  constexpr double kWithinS = 1.0;
+  const auto next = std::lower_bound(samples.begin(), samples.end(), t_s,
+                                     [](const Sample& sample, double t) { return sample.t_s < t; });
+  const Sample* nearest = next == samples.end() ? nullptr : &*next;
+  if (next != samples.begin() && (nearest == nullptr || t_s - (next - 1)->t_s < nearest->t_s - t_s))
+    nearest = &*(next - 1);
+  return nearest != nullptr && std::abs(nearest->t_s - t_s) <= kWithinS ? nearest : nullptr;
+}
+
+// Most photos that the track of a plain receiver would place have corrected positions: their own, a list's,
+// or those of camera events.
+bool AreSurveyedBesideTrack(const flight::FlightLog& log, const LogTie& tie) {
+  const auto surveyed = std::count_if(tie.tied.begin(), tie.tied.end(), [&](const TiedPhoto& p) {
+    const auto& position = tie.photos[p.photo].position;
+    return position && position->is_rtk_fixed && position->height_ellipsoid_m;
+  });
+  return !log.gnss.empty() && !CommonErrorOf(log.gnss).is_corrected && 2 * surveyed > std::ssize(tie.tied);
+}
+
+// Photos stand where they say. Of the log they take how they were turned and how high they were, where they
+// do not say it.
+void KeepPositions(const flight::FlightLog& log, LogTie& tie) {
+  std::erase_if(tie.tied, [&](const TiedPhoto& p) {
+    Photo& photo = tie.photos[p.photo];
+    if (!photo.position) return false;
+    const auto* gimbal = SampleNear(log.gimbal, p.t_s);
+    const auto* turned = gimbal != nullptr ? gimbal : SampleNear(log.attitude, p.t_s);
+    if (!photo.attitude && turned != nullptr && turned->has_yaw) {
+      const Eigen::Vector3d angles = flight::YawPitchRollFromNed(turned->ned_from_body);
+      const auto kind = gimbal != nullptr ? flight::AttitudeKind::kGimbal : flight::AttitudeKind::kAirframe;
+      photo.attitude = flight::RecordedAttitude{kind, angles.x(), angles.y(), angles.z(), log.file_name};
+    }
+    const auto* height = SampleNear(log.baro, p.t_s);
+    if (!photo.position->height_above_takeoff_m && height != nullptr)
+      photo.position->height_above_takeoff_m = height->height_above_takeoff_m;
+    return true;
+  });
 }
 
 // The photos that the log covers, in the frame that its take-off sets.
@@ -313,6 +356,11 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   OneFrame one_frame = BringIntoOneFrame(flight.photos, tie.photos);
   posed.report.lists_contradict_m = one_frame.contradict_m;
   Append(std::move(one_frame.warnings), posed.warnings);
+  const bool keeps_positions = log && AreSurveyedBesideTrack(log->log, tie);
+  if (keeps_positions) {
+    posed.report.logs.push_back(log->log.file_name + ": its track gives way to the corrected positions");
+    KeepPositions(log->log, tie);
+  }
   // The track of a log places its photos whatever they repeat.
   const bool has_track = log && !log->log.gnss.empty();
   const auto move_repeated = [&posed](std::vector<Photo>& photos) {
@@ -344,7 +392,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     }
   }
 
-  if (log && !tie.photos.empty()) DescribeUse(log->log, tie, posed, posed.report);
+  if (log && !tie.photos.empty() && !keeps_positions) DescribeUse(log->log, tie, posed, posed.report);
 
   std::vector<Photo> rest;
   for (std::size_t i = 0; i < tie.photos.size(); ++i) {

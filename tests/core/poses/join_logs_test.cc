@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <vector>
 
 #include "core/flight/remarks/remark_words.h"
+#include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/estimate_poses.h"
 #include "tests/support/value_of.h"
 
@@ -234,6 +236,44 @@ TEST(EstimatePoses, PlacesPhotosByATrackAndATableOfExposures) {
     EXPECT_NEAR(at.y() - first.y(), 16.0 * static_cast<double>(k), 1.0);
     EXPECT_NEAR(posed.photos[k].height_above_ground_m, 60.0, 5.0);
   }
+}
+
+TEST(EstimatePoses, PutsCorrectedPositionsOfPhotosBeforeAPlainTrack) {
+  flight::Flight flight = PhotosWithoutPositions(10);
+  FlightLog track = Gnss(1000.0);
+  for (const flight::GnssSample& fix : track.gnss) {
+    track.baro.push_back({fix.t_s, fix.t_s < 5.0 ? 0.0 : 60.0});
+    track.attitude.push_back({fix.t_s, NedFromBody(0.3, -0.1, 0.0), true});
+  }
+  flight.logs = {track, Triggers(1000.0)};
+  // 1.5 m east of the track.
+  const auto place = [](std::size_t k) {
+    const double north_m = 120.0 + 16.0 * static_cast<double>(k);
+    return geo::LatLon{kMeadow.lat_deg + north_m / 111'200.0, kMeadow.lon_deg + 2e-5};
+  };
+  for (std::size_t k = 0; k < 10; ++k) {
+    flight::RecordedPosition& own = flight.photos[k].position.emplace();
+    own.position = place(k);
+    own.height_ellipsoid_m = 570.0;
+    own.sigma_horizontal_m = 0.02;
+    own.is_rtk_fixed = true;
+    own.source = "ppk.csv";
+  }
+  const auto posed = test::ValueOf(EstimatePoses(flight, {}));
+  ASSERT_EQ(posed.photos.size(), 10u);
+  EXPECT_NEAR(posed.frame.origin().height_ellipsoid_m, 510.0, 1e-6) << "by the log's barometer";
+  for (std::size_t k = 0; k < 10; ++k) {
+    const PosedPhoto& photo = posed.photos[k];
+    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    EXPECT_NEAR(at.lat_deg, place(k).lat_deg, 1e-8);
+    EXPECT_NEAR(at.lon_deg, place(k).lon_deg, 1e-8);
+    EXPECT_LT(std::sqrt(photo.covariance(3, 3)), 0.03);
+    EXPECT_EQ(photo.position_source, "ppk.csv");
+    ASSERT_TRUE(photo.photo.attitude);
+    EXPECT_NEAR(photo.photo.attitude->yaw_rad, 0.3, 1e-9) << "the airframe's";
+  }
+  for (flight::Photo& photo : flight.photos) photo.position->is_rtk_fixed = false;
+  EXPECT_EQ(test::ValueOf(EstimatePoses(flight, {})).photos[0].position_source, "gnss.csv");
 }
 
 TEST(EstimatePoses, SaysWhichFilesPlacedNothing) {
