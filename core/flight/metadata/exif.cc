@@ -229,16 +229,18 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
       {ExifIfd::kImage, tag::kDateTimeOriginal, tag::kSubSecTimeOriginal, tag::kOffsetTimeOriginal},
       {ExifIfd::kImage, tag::kDateTime, tag::kSubSecTime, tag::kOffsetTime}};
   for (const Source& source : kSources) {
-    const auto time = ParseExifTime(table.Text(source.ifd, source.time));
+    const std::string own_time = table.Text(source.ifd, source.time);
+    const auto time = ParseExifTime(own_time);
     if (!time) continue;
+    const std::string file_time = table.Text(ExifIfd::kImage, tag::kDateTime);
     std::string sub_seconds = table.Text(ExifIfd::kExif, source.sub_seconds);
     // The same second as of the file's own time, whose fraction alone MicaSense's cameras write.
-    if (sub_seconds.empty() &&
-        table.Text(ExifIfd::kImage, tag::kDateTime) == table.Text(source.ifd, source.time))
+    if (sub_seconds.empty() && file_time == own_time)
       sub_seconds = table.Text(ExifIfd::kExif, tag::kSubSecTime);
     record.taken_at = time->as_written + ReadSubSeconds(sub_seconds);
     record.clock_minus_utc = ParseZone(table.Text(ExifIfd::kExif, source.zone));
-    if (!record.clock_minus_utc)
+    // Of a file that was changed later it is the zone in which that was done.
+    if (!record.clock_minus_utc && (file_time.empty() || file_time == own_time))
       record.clock_minus_utc = ParseZone(table.Text(ExifIfd::kExif, tag::kOffsetTime));
     break;
   }

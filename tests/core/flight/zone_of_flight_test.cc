@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/flight/metadata/capture_time.h"
+#include "core/flight/photos/read_photo.h"
 #include "core/flight/read_flight.h"
 #include "tests/core/flight/synthetic_photo.h"
 #include "tests/support/temporary_folder.h"
@@ -87,6 +88,18 @@ TEST(TakeZoneOfFlight, FindsTheDayAcrossMidnight) {
   std::vector<Photo> odd{TakenAt(15h + 41min, 1h + 34min + 56s)};
   TakeZoneOfFlight(odd);
   EXPECT_EQ(LocalOf(odd), 1) << "the time of no zone";
+}
+
+TEST(ReadPhotoTime, TakesTheZoneOfTheFilesTimeUnlessItWasChangedLater) {
+  const auto zone_of = [](const std::string& changed_at) {
+    ExifWriter exif;
+    exif.Ascii(ExifIfd::kImage, 0x0132, changed_at);
+    exif.Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:34:56");
+    exif.Ascii(ExifIfd::kExif, 0x9010, "+01:00");
+    return test::ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write()}))).clock_minus_utc;
+  };
+  EXPECT_EQ(zone_of("2021:06:03 12:34:56"), 1h);
+  EXPECT_FALSE(zone_of("2021:11:20 09:00:00")) << "exported in winter";
 }
 
 TEST(ReadFlight, TellsTheZoneByMostOfItsPhotos) {
