@@ -10,6 +10,7 @@
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
+#include "core/flight/logs/csv/list_columns.h"
 #include "core/flight/logs/csv/unread_cells.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/texts/list_rows.h"
@@ -101,6 +102,29 @@ RemarkCode WhatIsMissing(const TakenFor& taken, bool names_places) {
   return RemarkCode::kLacksWhatIsTimed;
 }
 
+constexpr std::size_t kCellsOfPoint = 5;  // x y z pixel_x pixel_y, before the photo's name
+
+struct BadCell {
+  std::size_t column = 0;  // from 1
+  std::string_view cell;   // empty: the row ends before it
+};
+
+// The first of `count` cells from `begin` that is no number.
+std::optional<BadCell> FirstBadCell(const std::vector<std::string_view>& cells, std::size_t begin,
+                                    std::size_t count) {
+  for (std::size_t i = begin; i < begin + count; ++i) {
+    if (i >= cells.size()) return BadCell{i + 1, {}};
+    if (!ParseListCoordinate(cells[i])) return BadCell{i + 1, cells[i]};
+  }
+  return std::nullopt;
+}
+
+Remark Explained(RemarkCode list, std::string_view name, std::size_t line_number, const BadCell& bad) {
+  Remark what = RemarkCode::kCellMissing;
+  if (!bad.cell.empty()) what = {RemarkCode::kCellNoNumber, {{"cell", Quoted(bad.cell)}}};
+  return {list, {{"file", name}, {"column", bad.column}, {"line", line_number}, {"what", std::move(what)}}};
+}
+
 }  // namespace
 
 std::optional<Remark> ExplainUnknownTable(LogBytes head, std::string_view name) {
@@ -141,6 +165,10 @@ std::optional<Remark> ExplainUnknownTable(LogBytes head, std::string_view name) 
     return Remark{RemarkCode::kTableWithoutNames,
                   {{"file", name}, {"line", first_number}, {"text", Quoted(first_line)}}};
   }
+  if (HasPixels(MapTolerantColumns(header))) {
+    if (const auto bad = FirstBadCell(row, 0, kCellsOfPoint))
+      return Explained(RemarkCode::kLikeListOfPoints, name, row_number, *bad);
+  }
   TakenFor taken = TakeColumns(header, row, row_number);
   const Remark missing = WhatIsMissing(taken, OrderOfColumns(header).has_value());
   return Remark{RemarkCode::kTableLacks,
@@ -148,29 +176,6 @@ std::optional<Remark> ExplainUnknownTable(LogBytes head, std::string_view name) 
 }
 
 namespace {
-
-constexpr std::size_t kCellsOfPoint = 5;  // x y z pixel_x pixel_y, before the photo's name
-
-struct BadCell {
-  std::size_t column = 0;  // from 1
-  std::string_view cell;   // empty: the row ends before it
-};
-
-// The first of `count` cells from `begin` that is no number.
-std::optional<BadCell> FirstBadCell(const std::vector<std::string_view>& cells, std::size_t begin,
-                                    std::size_t count) {
-  for (std::size_t i = begin; i < begin + count; ++i) {
-    if (i >= cells.size()) return BadCell{i + 1, {}};
-    if (!ParseListCoordinate(cells[i])) return BadCell{i + 1, cells[i]};
-  }
-  return std::nullopt;
-}
-
-Remark Explained(RemarkCode list, std::string_view name, std::size_t line_number, const BadCell& bad) {
-  Remark what = RemarkCode::kCellMissing;
-  if (!bad.cell.empty()) what = {RemarkCode::kCellNoNumber, {{"cell", Quoted(bad.cell)}}};
-  return {list, {{"file", name}, {"column", bad.column}, {"line", line_number}, {"what", std::move(what)}}};
-}
 
 // The name of a row that is one of several words only if they are no prose: quotes would tell.
 bool WantsQuotes(std::string_view line, std::string_view name) {

@@ -128,20 +128,25 @@ void MapAccuracy(const NameAndUnit& name, bool has_horizontal, CsvColumn& column
   }
 }
 
-// Tables of marks that points have in photos: their coordinates are not the photos'. Beside angles px and py
-// are a lens's middle, as RealityCapture writes it.
-bool HasPoints(const std::vector<CsvColumn>& columns) {
-  constexpr std::array<std::string_view, 14> kNames = {"px",     "py",        "imx",     "imy",  "pixelx",
-                                                       "pixely", "u",         "gcp",     "col",  "gcpname",
-                                                       "point",  "pointname", "pointid", "punkt"};
+// Beside angles px and py are a lens's middle, as RealityCapture writes it.
+template <std::size_t kNames>
+bool NamesMarks(const std::vector<CsvColumn>& columns, const std::array<std::string_view, kNames>& names) {
   const bool has_angles = HasColumn(columns, M::kPitch) || HasColumn(columns, M::kPhi);
   return !has_angles && std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& column) {
-    return IsOneOf(LettersOf(column.header), kNames);
+    return IsOneOf(LettersOf(column.header), names);
   });
 }
 
+// Tables of marks that points have in photos: their coordinates are not the photos'. Beside degrees, which
+// stand in tables of all kinds, only pixels tell.
+bool HasPoints(const std::vector<CsvColumn>& columns) {
+  constexpr std::array<std::string_view, 8> kNames = {"u",     "gcp",       "col",     "gcpname",
+                                                      "point", "pointname", "pointid", "punkt"};
+  return HasPixels(columns) || (HasPlane(columns) && NamesMarks(columns, kNames));
+}
+
 bool IsListOfPhotos(const std::vector<CsvColumn>& columns) {
-  return NamesPhotos(columns) && (HasDegrees(columns) || (HasPlane(columns) && !HasPoints(columns)));
+  return NamesPhotos(columns) && (HasDegrees(columns) || HasPlane(columns)) && !HasPoints(columns);
 }
 
 // The image, and the two coordinates, are what their columns say.
@@ -263,6 +268,12 @@ bool HasPlane(const std::vector<CsvColumn>& columns) {
 
 bool NamesPhotos(const std::vector<CsvColumn>& columns) {
   return HasColumn(columns, M::kImage) || HasColumn(columns, M::kIsPhoto);
+}
+
+bool HasPixels(const std::vector<CsvColumn>& columns) {
+  constexpr std::array<std::string_view, 8> kNames = {"px",     "py",     "imx",    "imy",
+                                                      "pixelx", "pixely", "imagex", "imagey"};
+  return NamesMarks(columns, kNames);
 }
 
 std::optional<ListHeading> ReadListHeading(std::string_view line, LineReader below) {

@@ -26,6 +26,7 @@ PairOrder OrderOfPair(const std::vector<CsvColumn>& columns);
 bool HasDegrees(const std::vector<CsvColumn>& columns);  // a latitude and a longitude
 bool HasPlane(const std::vector<CsvColumn>& columns);    // an easting and a northing
 bool NamesPhotos(const std::vector<CsvColumn>& columns);
+bool HasPixels(const std::vector<CsvColumn>& columns);  // of marks that points have in photos
 
 struct ListHeading {
   std::vector<CsvColumn> columns;

@@ -294,6 +294,10 @@ TEST(ExplainUnknownTable, SaysWhatATableLacks) {
   EXPECT_THAT(InWords(no_time), HasSubstr("not recognised are stamp"));
   const auto no_use = ValueOf(ExplainUnknownTable(BytesOf("time_s,battery\n1,46\n2,46\n"), "power.csv"));
   EXPECT_THAT(InWords(no_use), HasSubstr("beside the time"));
+  const auto marks = ValueOf(ExplainUnknownTable(
+      BytesOf("gcp,lat,lon,alt,px,py,image\np1,46.8,7.1,500,10,20,a.jpg\np2,46.8,7.1,500,10,20,b.jpg\n"),
+      "marks.csv"));
+  EXPECT_THAT(InWords(marks), HasSubstr("list of surveyed points, but is not used: column 1 of line 2"));
   EXPECT_FALSE(ExplainUnknownTable(BytesOf("Dear all,\nplease find, time, attached\n"), "a.csv"));
   EXPECT_FALSE(ExplainUnknownTable(BytesOf("a,b\nonly,words\nhere,too\n"), "a.csv"));
   EXPECT_FALSE(ExplainUnknownTable(BytesOf(""), "a.csv"));
