@@ -293,6 +293,7 @@ std::optional<ListHeading> ReadListHeading(std::string_view line, LineReader bel
   if (!IsListOfPhotos(heading.columns)) return std::nullopt;
   if (const auto separator = SeparatorOfRows(heading, row)) {
     heading.separator = *separator;
+    heading.fits_row = true;
   } else if (is_cut_at_blanks && HasColumn(heading.columns, M::kIgnored)) {
     return std::nullopt;
   }

@@ -30,7 +30,8 @@ bool HasPixels(const std::vector<CsvColumn>& columns);  // of marks that points 
 
 struct ListHeading {
   std::vector<CsvColumn> columns;
-  char separator = ',';  // of the rows
+  char separator = ',';   // of the rows
+  bool fits_row = false;  // the first one: it names a photo and says where that was
 };
 
 // The names of a list's columns: photos and where they are. `line` may begin with # and a word such as

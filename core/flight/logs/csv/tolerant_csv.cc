@@ -50,10 +50,14 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
     ++i;
     CsvHeader header;
     header.system = system;
-    if (auto list = ReadListHeading(line, lines); list && !HasColumn(list->columns, M::kTime)) {
+    auto list = ReadListHeading(line, lines);
+    // No log says where it was in a plane, so that a column of times makes none of a list.
+    const bool is_in_plane = list && list->fits_row && HasPlane(list->columns);
+    if (list && (is_in_plane || !HasColumn(list->columns, M::kTime))) {
       header.columns = std::move(list->columns);
       header.separator = list->separator;
-      header.is_timed = HasColumn(header.columns, M::kUtc) || HasColumn(header.columns, M::kDate);
+      header.is_timed =
+          !is_in_plane && (HasColumn(header.columns, M::kUtc) || HasColumn(header.columns, M::kDate));
       LineReader below = lines;
       SystemLine own = SystemOfLine(line, below);  // "northing (EPSG:25832)", of degrees beside it not
       if (!own.is_certain) own = {UtmInBrackets(line), true};
@@ -239,6 +243,9 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   if (!header->is_timed || settled.rows_are_photos) {
     SKYQUILT_TRY_ASSIGN(const auto system, SystemOfList(name, header->system));
     const geo::ReferenceSystem* const named = system ? &*system : nullptr;
+    // What a counter says of such rows their names say better.
+    CsvColumn* counter = ColumnOf(header->columns, M::kTime);
+    if (counter != nullptr && HasPlane(header->columns)) counter->meaning = M::kIgnored;
     // Other numbers under these names may be exchanged, or metres: core/poses/lists judges.
     static_cast<void>(SettlePositions(header->columns, preview));
     if (SettleAngleUnits(header->columns, preview)) settled.pitch_is_level = PitchIsLevel(preview);

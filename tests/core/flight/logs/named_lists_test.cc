@@ -96,6 +96,18 @@ TEST(NamedLists, FindsTheZoneOfUtmBehindTheNamesOfColumns) {
   EXPECT_EQ(system_of("Easting (UTM, m)"), "");
 }
 
+TEST(NamedLists, ReadsPlacesInAPlaneBesideTimesOfAnyKind) {
+  for (const char* time : {"12345.5", "2016-06-23 21:31:09", "0:12:05"}) {
+    const CameraEvent event = FirstRow("EPSG:32615\nImage,Timestamp,Easting,Northing,Height\nDJI_0018.JPG," +
+                                       std::string(time) + ",576691.665,5188169.628,158.5\n");
+    EXPECT_EQ(event.image_name, "DJI_0018.JPG") << time;
+    ASSERT_TRUE(event.position) << time;
+    EXPECT_NEAR(event.position->lat_deg, 46.84265, 1e-4) << time;
+    EXPECT_EQ(event.height_ellipsoid_m, 158.5) << time;
+    EXPECT_FALSE(event.has_time) << time;
+  }
+}
+
 TEST(NamedLists, ReadsDegreesAsXAndY) {
   const FlightLog log = ReadList("#name,x,y,alt,yaw,pitch,roll\na.jpg,8.5,47.4,500,90,1,2\n");
   ASSERT_EQ(log.events.size(), 1u);
