@@ -251,6 +251,8 @@ CsvColumn MapTolerantColumn(std::string_view header) {
 
 }  // namespace
 
+bool IsZeroOfHeights(std::string_view word) { return ZeroOfHeights(word) != M::kIgnored; }
+
 std::string LettersAndDigits(std::string_view lower) {
   std::string letters;
   for (const char c : lower) {

@@ -36,6 +36,9 @@ struct CsvColumn {
 // cells.
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header);
 
+// Whether a word beside a height says above what it counts: "ell", "nhn", "navd88".
+bool IsZeroOfHeights(std::string_view word);
+
 // The small letters and digits of a text.
 std::string LettersAndDigits(std::string_view lower);
 

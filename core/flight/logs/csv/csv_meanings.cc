@@ -47,12 +47,13 @@ constexpr MeaningFacts kFacts[] = {
     {M::kHeightEllipsoid, "height above the ellipsoid", Dimension::kLength,
      "altell ellipsoidalheight altitudewgs84 altellipsoid ellipsoidheight heightellipsoid "
      "heightellipsoidal ellipsoidischehhe ellipsoidischehoehe ellipsoidhhe hauteurellipsodale "
-     "hauteurellipsoidale alturaelipsoidal hae altitudeellipsoidal altitudeellipsoid"},
+     "hauteurellipsoidale alturaelipsoidal hae altitudeellipsoidal altitudeellipsoid ellht ellheight "
+     "ellipht elliphgt ellipheight ellipsoidht ellipsoidalht wgs84height"},
     {M::kHeightAmsl, "height above mean sea level", Dimension::kLength,
      "altmsl alt altitude altitudeabovesealevel altitudemsl altitudeamsl gpsaltitude absolutealtitude "
      "absalt osdaltitude zaltitude mslaltitude amsl altitudeabovemeansealevel hhe hoehe meereshhe "
      "meereshoehe hhenn altitud elevation elev elevacin elevacion cota orthometricheight exifgpsaltitude "
-     "compositegpsaltitude"},
+     "compositegpsaltitude mslheight orthoht orthohgt orthoheight orthometricht"},
     {M::kHeightAboveTakeoff, "height above take-off", Dimension::kLength,
      "heightabovetakeoff relalt relativealtitude height osdheight relativeheight relativealt "
      "altituderelative heightrelative relativehhe hauteur altura"},
@@ -124,8 +125,9 @@ constexpr ListNames kListNames[] = {
      "north northing northings northingm geoy n nord nordwert hoch hochwert norte ynorth ynorthing utmnorth "
      "utmnorthing coordnorth mapnorth"},
     {ListColumn::kOther,
-     "x y z h mapx mapy mapz geoz xcoord ycoord zcoord px py imx imy pixelx pixely u v col row photo gcp "
-     "gcpname point pointname pointid punkt punktnummer omega phi kappa"}};
+     "x y z h ht hgt mapx mapy mapz geoz xcoord ycoord zcoord coordx coordy coordz pointx pointy pointz px "
+     "py imx imy pixelx pixely u v col row photo gcp gcpname point pointname pointid punkt punktnummer omega "
+     "phi kappa"}};
 
 template <typename Row, std::size_t kRows>
 auto MeaningsByName(const Row (&rows)[kRows]) {

@@ -19,11 +19,11 @@ struct NamesOfLists {
   PairOrder order = PairOrder::kNamed;
 };
 constexpr NamesOfLists kNamesOfLists[] = {
-    {"x mapx xcoord xcoordinate coordinatex", M::kEast, PairOrder::kXThenY},
-    {"y mapy ycoord ycoordinate coordinatey", M::kNorth, PairOrder::kXThenY},
+    {"x mapx xcoord xcoordinate coordinatex coordx pointx", M::kEast, PairOrder::kXThenY},
+    {"y mapy ycoord ycoordinate coordinatey coordy pointy", M::kNorth, PairOrder::kXThenY},
     {"coordinate1", M::kEast, PairOrder::kOpen},
     {"coordinate2", M::kNorth, PairOrder::kOpen},
-    {"z h mapz geoz zcoord zcoordinate coordinatez coordinate3", M::kHeightAmsl},
+    {"z h ht hgt mapz geoz zcoord zcoordinate coordinatez coordinate3 coordz pointz", M::kHeightAmsl},
     {"heightz", M::kHeightAboveTakeoff},  // "height/Z" of Mission Planner
     {"omega", M::kOmega},
     {"phi", M::kPhi},
@@ -45,13 +45,17 @@ NameAndUnit WithUnitInBrackets(std::string_view header) {
   return {LettersOf(header.substr(0, bracket)), std::string(header.substr(bracket))};
 }
 
+// Also what a height counts from: "z_m", "h_ell [m]" and "H-Ell (m)" as "h", "(ell)(m)".
 NameAndUnit WithUnitBehind(std::string_view header) {
-  const std::size_t cut = header.find_last_of("_ ");
+  const std::size_t bracket = std::min(header.find_first_of("(["), header.size());
+  const std::string_view base = Trim(header.substr(0, bracket));
+  const std::size_t cut = base.find_last_of("_ -");
   if (cut == std::string_view::npos || header.size() > kLongestName) return {};
-  const std::string unit = LowerCase(header.substr(cut + 1));
-  if (FindUnit(unit, Dimension::kLength) == nullptr && FindUnit(unit, Dimension::kAngle) == nullptr)
+  const std::string unit = LowerCase(base.substr(cut + 1));
+  if (FindUnit(unit, Dimension::kLength) == nullptr && FindUnit(unit, Dimension::kAngle) == nullptr &&
+      !IsZeroOfHeights(LettersAndDigits(unit)))
     return {};
-  return {LettersOf(header.substr(0, cut)), "(" + unit + ")"};
+  return {LettersOf(base.substr(0, cut)), "(" + unit + ")" + std::string(header.substr(bracket))};
 }
 
 const NamesOfLists* FindNameOfList(std::string_view letters) {

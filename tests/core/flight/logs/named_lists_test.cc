@@ -208,6 +208,26 @@ TEST(NamedLists, FindsHeightsByTheirWordsInOtherLanguages) {
     EXPECT_EQ(row(above_takeoff, "60").height_above_takeoff_m, 60.0) << above_takeoff;
 }
 
+TEST(NamedLists, FindsWhatHeightsOfAbbreviatedNamesCountFrom) {
+  const auto row = [](const std::string& height) {
+    return FirstRow("image;easting;northing;" + height + "\na.jpg;576691.6;5188169.6;500\n");
+  };
+  for (const char* name : {"h_ell", "H-Ell", "H-Ell (m)", "h ell. [m]", "Z_WGS84", "Ell. Ht", "Ht", "Hgt"})
+    EXPECT_EQ(row(name).height_ellipsoid_m, 500.0) << name;
+  for (const char* name : {"Z_NAVD88", "H_NHN [m]", "H \xC3\xBC. NHN", "H-MSL", "Ortho. Height"}) {
+    EXPECT_EQ(row(name).height_amsl_m, 500.0) << name;
+    EXPECT_FALSE(row(name).height_ellipsoid_m) << name;
+  }
+  EXPECT_NEAR(row("h_ell (ft)").height_ellipsoid_m.value_or(0.0), 152.4, 1e-9);
+}
+
+TEST(NamedLists, ReadsTheFieldsThatArcGisAdds) {
+  const CameraEvent event = FirstRow("Name,POINT_X,POINT_Y,POINT_Z\na.jpg,8.5,47.4,500\n");
+  ASSERT_TRUE(event.position);
+  EXPECT_DOUBLE_EQ(event.position->lat_deg, 47.4);
+  EXPECT_EQ(event.height_ellipsoid_m, 500.0);
+}
+
 // location.txt of its geotagging; which of its two heights it wrote, the numbers tell.
 TEST(NamedLists, TakesTheHeightsOfMissionPlanner) {
   const std::string names = "#name latitude/Y longitude/X height/Z yaw pitch roll SAlt\n";
