@@ -264,6 +264,10 @@ std::string LettersAndDigits(std::string_view lower) {
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header) {
   std::vector<CsvColumn> columns;
   for (const std::string_view name : header) columns.push_back(MapTolerantColumn(name));
+  // Without the longitude's letter beside it "ns" is RTKLIB's number of satellites.
+  CsvColumn* letters = ColumnOf(columns, M::kLatLetter);
+  if (letters != nullptr && LowerCase(letters->header) == "ns" && !HasColumn(columns, M::kLonLetter))
+    letters->meaning = M::kIgnored;
   if (!HasColumn(columns, M::kLat) || !HasColumn(columns, M::kLon)) return columns;
   // Beside a latitude and a longitude it is a height; by itself it may be an axis of anything.
   for (CsvColumn& column : columns) {

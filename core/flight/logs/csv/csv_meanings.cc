@@ -68,9 +68,10 @@ constexpr MeaningFacts kFacts[] = {
     {M::kVelocityEast, "velocity east", Dimension::kSpeed, "ve velocityeast vele yspeed veast osdyspeed"},
     {M::kVelocityDown, "velocity down", Dimension::kSpeed, "vd velocitydown veld zspeed vdown osdzspeed"},
     {M::kSigmaHorizontal, "horizontal sigma", Dimension::kLength,
-     "sh hacc horizontalaccuracy eph accuracyhorizontal"},
+     "sh hacc horizontalaccuracy eph accuracyhorizontal sdn sde sdnorth sdeast northingrms eastingrms "
+     "lateralrms"},
     {M::kSigmaVertical, "vertical sigma", Dimension::kLength,
-     "sv vacc verticalaccuracy epv accuracyvertical"},
+     "sv vacc verticalaccuracy epv accuracyvertical sdu sdup sdheight elevationrms"},
     {M::kFix, "kind of fix", Dimension::kNone, "fix fixtype gpsfix"},
     {M::kGyroX, "angular rate x", Dimension::kRate,
      "wx gx gyrox gyrx xgyro angularvelocityx gyroscopex omegax"},

@@ -180,6 +180,20 @@ TEST(NamedLists, FindsAccuraciesByTheirNamesAndUnits) {
   EXPECT_NEAR(sigma("accuracy_yaw,sigma_v,sigma_h", "9,1.5,0.5").x(), 0.5, 1e-9);
 }
 
+TEST(NamedLists, FindsAccuraciesAsReceiversProgramsNameThem) {
+  for (const char* text : {"image,latitude(deg),longitude(deg),height(m),Q,ns,sdn(m),sde(m),sdu(m)\n"
+                           "a.jpg,47.4,8.5,500,1,15,0.01,0.02,0.03\n",
+                           "Name,Easting,Northing,Elevation,Easting RMS,Northing RMS,Elevation RMS\n"
+                           "a.jpg,576691.6,5188169.6,500,0.01,0.02,0.03\n"}) {
+    const FlightLog log = ReadList(text);
+    ASSERT_EQ(log.events.size(), 1u) << text;
+    ASSERT_TRUE(log.events[0].sigma_in_ned_m) << text;
+    EXPECT_DOUBLE_EQ(log.events[0].sigma_in_ned_m->x(), 0.01) << text;
+    EXPECT_DOUBLE_EQ(log.events[0].sigma_in_ned_m->z(), 0.03) << text;
+    EXPECT_TRUE(log.warnings.empty()) << ::testing::PrintToString(InWords(log.warnings));
+  }
+}
+
 TEST(NamedLists, CountsABareAltitudeFromTheZeroOfListsWhateverThePhotosAreCalled) {
   for (const char* photo : {"a.jpg", "a"}) {
     const std::string row = std::string(photo) + ",47.4,8.5,500\n";
