@@ -186,10 +186,19 @@ std::optional<char> SeparatorOfRows(const ListHeading& heading, std::string_view
   return std::nullopt;
 }
 
-// Whatever the first column is called ("id", "camera"): files of pictures below it are the photos.
-// Metashape's "PhotoID" are names without their endings.
-void TakePicturesBelow(std::string_view row, std::vector<CsvColumn>& columns) {
-  if (NamesPhotos(columns) || columns.empty() || columns.front().meaning != M::kIgnored) return;
+// Whatever their column is called ("id", "camera"): files of pictures below it are the photos. Rows may be
+// cut otherwise than the names: then the first cell alone tells. Metashape's "PhotoID" are names without
+// their endings.
+void TakePicturesBelow(std::string_view row, char separator, std::vector<CsvColumn>& columns) {
+  if (NamesPhotos(columns) || columns.empty()) return;
+  std::vector<std::string_view> cells;
+  SplitFields(row, separator, cells);
+  for (std::size_t i = 0; i < std::min(columns.size(), cells.size()); ++i) {
+    if (columns[i].meaning != M::kIgnored || !IsNamedAsPicture(cells[i])) continue;
+    columns[i].meaning = M::kImage;
+    return;
+  }
+  if (columns.front().meaning != M::kIgnored) return;
   row.remove_prefix(std::min(row.find_first_not_of("\" \t"), row.size()));
   const std::string_view cell = row.substr(0, row.find_first_of("\" \t;,|"));
   const bool is_called_photo = LettersOf(columns.front().header) == "photoid";
@@ -293,7 +302,7 @@ std::optional<ListHeading> ReadListHeading(std::string_view line, LineReader bel
   }
   heading.columns = MapListColumns(cells);
   const std::string_view row = FirstRow(below);
-  TakePicturesBelow(row, heading.columns);
+  TakePicturesBelow(row, heading.separator, heading.columns);
   if (!IsListOfPhotos(heading.columns)) return std::nullopt;
   if (const auto separator = SeparatorOfRows(heading, row)) {
     heading.separator = *separator;

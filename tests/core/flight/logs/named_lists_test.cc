@@ -303,7 +303,8 @@ TEST(NamedLists, KeepsUnitsBehindBlanksWithTheirNames) {
 
 TEST(NamedLists, KnowsPhotosByTheirEndingsWhateverTheirColumnIsCalled) {
   for (const char* text : {"EPSG:4326\nid lon lat alt\na.jpg 8.1 46.8 500\n",
-                           "Camera,Latitude,Longitude,Altitude\n\"a.jpg\",46.8,8.1,500\n"}) {
+                           "Camera,Latitude,Longitude,Altitude\n\"a.jpg\",46.8,8.1,500\n",
+                           "Nr;Foto-Datei;Breite;L\xC3\xA4nge;H\xC3\xB6he\n1;a.jpg;46,8;8,1;500\n"}) {
     const CameraEvent event = FirstRow(text);
     EXPECT_EQ(event.image_name, "a.jpg") << text;
     ASSERT_TRUE(event.position) << text;
