@@ -13,6 +13,7 @@
 #include "core/base/try.h"
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/csv/list_columns.h"
 #include "core/flight/logs/system_line.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
@@ -66,6 +67,16 @@ std::size_t CheckColumn(const std::vector<std::string_view>& columns) {
   std::size_t number = 0;
   while (number < columns.size() && LowerCase(Trim(columns[number])) != kCheckEnding) ++number;
   return columns.empty() ? std::string_view::npos : number;
+}
+
+// Metres in the unit that the column of heights names ("z (ft)"); nothing where it names none.
+std::optional<double> NamedUnitOfHeights(const std::vector<std::string_view>& columns) {
+  constexpr std::size_t kHeightColumn = 2;
+  if (columns.size() <= kHeightColumn) return std::nullopt;
+  const CsvColumn height = MapListColumns({columns[kHeightColumn]}).front();
+  const bool is_height =
+      height.meaning >= CsvMeaning::kHeightEllipsoid && height.meaning <= CsvMeaning::kHeightAboveGround;
+  return is_height && height.unit_is_written ? std::optional(height.scale) : std::nullopt;
 }
 
 bool SaysYes(std::string_view word) {
@@ -125,6 +136,8 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   if (!order) order = OrderOfLetters(top->row[0], top->row[1]);
   const bool is_north_first = order == NamedOrder::kNorthFirst;
   const std::size_t check_column = CheckColumn(top->columns);
+  const double height_unit_m = srs ? srs->metres_per_height_unit() : 1.0;
+  const double units_per_height = NamedUnitOfHeights(top->columns).value_or(height_unit_m) / height_unit_m;
   GcpList list;
   list.file_name = name;
   list.reference_system = Trim(top->system);
@@ -148,7 +161,8 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
     JoinImage(line, words);
     const double x = *ParseListCoordinate(words[is_north_first ? 1 : 0]);
     const double y = *ParseListCoordinate(words[is_north_first ? 0 : 1]);
-    const auto z = ReadBareNumber(words[2]);
+    auto z = ReadBareNumber(words[2]);
+    if (z) *z *= units_per_height;
     const auto [entry, is_new] = known.try_emplace({x, y, z.value_or(-1e9)}, list.points.size());
     if (is_new) {
       GcpPoint point;
@@ -159,7 +173,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
       point.x = x;
       point.y = y;
       point.height = z;
-      if (z) point.height_m = *z * (srs ? srs->metres_per_height_unit() : 1.0);
+      if (z) point.height_m = *z * height_unit_m;
       list.points.push_back(std::move(point));
     }
     const std::string_view image = words[kImageColumn];

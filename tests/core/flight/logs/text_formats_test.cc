@@ -186,6 +186,15 @@ TEST(ParseGcpList, ReadsRowsBelowNamesOfColumnsHoweverTheyAreCut) {
   }
 }
 
+TEST(ParseGcpList, ReadsHeightsInTheUnitThatTheirColumnNames) {
+  for (const char* name : {"z (ft)", "Elevation_ft"}) {
+    const std::string text = "EPSG:32615\nx,y," + std::string(name) +
+                             ",px,py,image\n576691.665,5188169.628,500,297.01,377.82,A.JPG\n";
+    const auto list = ValueOf(ParseGcpList("gcp_list.txt", BytesOf(text)));
+    EXPECT_NEAR(list.points.at(0).height_m.value_or(0.0), 152.4, 1e-9) << name;
+  }
+}
+
 TEST(ParseGcpList, AsksForASystemThatIsMissingOrUnknown) {
   const std::string without = "576691.665 5188169.628 158.5 297.01 377.82 A.JPG gcp1\n";
   ASSERT_TRUE(LooksLikeGcpList(BytesOf(without)));
