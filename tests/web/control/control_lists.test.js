@@ -23,6 +23,16 @@ test('names of photos in a gcp_list.txt may hold blanks and stand in quotes', ()
   assert.deepEqual(points.map(({ name, marks }) => [name, ...marks.map(({ photo }) => photo)]), [['corner', 'DJI  0001.JPG'], ['pole', 'IMG 2 (3).jpg', 'DJI_7']]);
 });
 
+test('marks stand below names of columns too, northing first or with decimal commas, and say which points only check', () => {
+  const wanted = [point('A', 576691.5, 5188169.5, 158.5, [{ photo: 'a.jpg', x: 296.5, y: 377 }]), point('B_check', 576692.5, 5188169.5, 158.5, [{ photo: 'a.jpg', x: 10, y: 20 }])];
+  for (const text of [
+    'EPSG:32615\nx,y,z,px,py,image,name,check\n576691.5,5188169.5,158.5,297,377.5,a.jpg,A,\n576692.5,5188169.5,158.5,10.5,20.5,a.jpg,B,yes',
+    'northing easting z px py image name\n5188169.5 576691.5 158.5 297 377.5 a.jpg A\n5188169.5 576692.5 158.5 10.5 20.5 a.jpg B check',
+    '576691,5;5188169,5;158,5;297;377,5;a.jpg;A\n576692,5;5188169,5;158,5;10,5;20,5;a.jpg;B_check',
+  ]) assert.deepEqual(parseControlList(text).points, wanted, text);
+  assert.deepEqual(parseControlList('name,x,y,z,check\nA,1,2,3,\nB,4,5,6,1').points.map(({ name }) => name), ['A', 'B_check']);
+});
+
 test('tables are read with commas, semicolons, tabs or blanks, with and without a header', () => {
   const wanted = [point('A', 323456.12, 4005678.34, 12.5), point('B 2', 323460, 4005680, null)];
   for (const text of [

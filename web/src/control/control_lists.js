@@ -11,7 +11,7 @@
  * @property {number} [lon] degrees, once the server has said them
  * @property {number} [lat]
  */
-/** @typedef {{reference_system: string, points: ControlPoint[], bad_lines: number[], is_swapped: boolean}} ReadList reference_system: '' where the list names none; bad_lines: counted from 1; is_swapped: y came first, as the header says */
+/** @typedef {{reference_system: string, points: ControlPoint[], bad_lines: number[]}} ReadList reference_system: '' where the list names none; bad_lines: counted from 1 */
 
 const kMaxRows = 20_000;
 const kMaxPoints = 2000;
@@ -29,12 +29,13 @@ const kColumnNames = [
   ['y', /^(y|n|north|northing|lat|latitude|latitude deg|nord|nordwert|hochwert|hoch|breite)$/],
   ['height', /^(z|h|height|alt|altitude|elev|elevation|ellipsoidal height|höhe|hoehe)$/],
   ['system', /^(epsg|crs|srs|system)$/],
+  ['check', /^check$/],
 ];
-/** @typedef {{name?: number, x?: number, y?: number, height?: number, system?: number}} Columns */
+/** @typedef {{name?: number, x?: number, y?: number, height?: number, system?: number, check?: number}} Columns */
 
-/** @param {string} text @param {boolean} has_comma decimals may be written with a comma @returns {number} NaN where it is none */
-function numberOf(text, has_comma) {
-  const plain = has_comma ? text.replace(',', '.') : text;
+/** Decimals may be written with a comma. @param {string} text @returns {number} NaN where it is none */
+function numberOf(text) {
+  const plain = text.replace(',', '.');
   const number = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
   return Number.isFinite(number) ? number : NaN;
 }
@@ -53,7 +54,7 @@ function splitAtBlanks(line) {
   const last = fields.findIndex((field) => kPicture.test(field));
   if (last < 0) return fields;
   const is_quoted = fields[last].endsWith('"') && fields.slice(0, last + 1).some((field) => field.startsWith('"'));
-  const isFirst = (/** @type {number} */ i) => i === 0 || (is_quoted ? fields[i].startsWith('"') : !Number.isNaN(numberOf(fields[i - 1], true)));
+  const isFirst = (/** @type {number} */ i) => i === 0 || (is_quoted ? fields[i].startsWith('"') : !Number.isNaN(numberOf(fields[i - 1])));
   let first = last;
   while (!isFirst(first)) first -= 1;
   return [...fields.slice(0, first), line.slice(words[first].at, words[last].at + words[last].text.length), ...fields.slice(last + 1)];
@@ -85,7 +86,7 @@ function guessedColumns(rows) {
 
 /** A mark of gcp_list.txt. @param {string[]} fields */
 const isMarkRow = (fields) =>
-  fields.length >= 6 && fields.slice(0, 5).every((field, i) => !Number.isNaN(numberOf(field, false)) || (i === 2 && /^nan$/i.test(field))) && Number.isNaN(numberOf(fields[5], false));
+  fields.length >= 6 && fields.slice(0, 5).every((field, i) => !Number.isNaN(numberOf(field)) || (i === 2 && /^nan$/i.test(field))) && Number.isNaN(numberOf(fields[5]));
 
 /**
  * @param {string} text
@@ -93,7 +94,7 @@ const isMarkRow = (fields) =>
  */
 export function parseControlList(text) {
   /** @type {ReadList} */
-  const list = { reference_system: '', points: [], bad_lines: [], is_swapped: false };
+  const list = { reference_system: '', points: [], bad_lines: [] };
   /** @type {{fields: string[], line: number}[]} */
   const rows = [];
   /** @type {Columns|null} */
@@ -109,14 +110,20 @@ export function parseControlList(text) {
     if (rows.length === 0 && !columns && (columns = columnsOf(fields))) return;
     if (!line.startsWith('#')) rows.push({ fields, line: i + 1 });
   });
-  if (columns === null && rows.some(({ fields }) => isMarkRow(fields))) readMarks(rows, list);
-  else readTable(rows, columns ?? guessedColumns(rows.map(({ fields }) => fields)), list);
-  if (columns && /** @type {Columns} */ (columns).y !== undefined) list.is_swapped = Number(/** @type {Columns} */ (columns).y) < Number(/** @type {Columns} */ (columns).x);
+  const named = /** @type {Columns|null} */ (columns);
+  if (rows.some(({ fields }) => isMarkRow(fields) && (named === null || kPicture.test(fields[5])))) readMarks(rows, named ?? { x: 0, y: 1 }, list);
+  else readTable(rows, named ?? guessedColumns(rows.map(({ fields }) => fields)), list);
   return list;
 }
 
-/** @param {{fields: string[], line: number}[]} rows @param {ReadList} list */
-function readMarks(rows, list) {
+/** A point that only checks the map is called so, as the stitcher does. @param {string} name @param {string[]} fields @param {Columns} columns */
+function nameOfPoint(name, fields, columns) {
+  const is_check = /^(1|yes|true|x|check)$/i.test(fields[columns.check ?? -1] ?? '') || (fields.length === 8 && /^check$/i.test(fields[7]));
+  return is_check && !/check$/i.test(name) ? `${name}_check` : name;
+}
+
+/** @param {{fields: string[], line: number}[]} rows @param {Columns} columns @param {ReadList} list */
+function readMarks(rows, columns, list) {
   /** @type {Map<string, ControlPoint>} */
   const known = new Map();
   for (const { fields, line } of rows) {
@@ -124,12 +131,13 @@ function readMarks(rows, list) {
       list.bad_lines.push(line);
       continue;
     }
-    const [x, y, z, pixel_x, pixel_y] = fields.slice(0, 5).map((field) => numberOf(field, false));
+    const [first, second, z, pixel_x, pixel_y] = fields.slice(0, 5).map(numberOf);
+    const [x, y] = columns.y === 0 ? [second, first] : [first, second];
     const key = `${x} ${y} ${z}`;
     let point = known.get(key);
     if (!point) {
       if (known.size === kMaxPoints) continue;
-      point = { name: fields[6] || `gcp${known.size + 1}`, x, y, height: Number.isNaN(z) ? null : z, marks: [] };
+      point = { name: nameOfPoint((columns.check !== 6 && fields[6]) || `gcp${known.size + 1}`, fields, columns), x, y, height: Number.isNaN(z) ? null : z, marks: [] };
       known.set(key, point);
       list.points.push(point);
     }
@@ -142,15 +150,16 @@ function readMarks(rows, list) {
 function readTable(rows, columns, list) {
   for (const { fields, line } of rows) {
     const at = (/** @type {number|undefined} */ column) => (column === undefined ? '' : (fields[column] ?? ''));
-    const [x, y] = [numberOf(at(columns.x), true), numberOf(at(columns.y), true)];
+    const [x, y] = [numberOf(at(columns.x)), numberOf(at(columns.y))];
     if (Number.isNaN(x) || Number.isNaN(y) || list.points.length === kMaxPoints) {
       list.bad_lines.push(line);
       continue;
     }
-    const height = numberOf(at(columns.height), true);
+    const height = numberOf(at(columns.height));
     const system = at(columns.system);
     if (system !== '' && list.reference_system === '') list.reference_system = /^\d+$/.test(system) ? `EPSG:${system}` : system;
-    list.points.push({ name: at(columns.name) || `gcp${list.points.length + 1}`, x, y, height: Number.isNaN(height) ? null : height, marks: [] });
+    const name = nameOfPoint(at(columns.name) || `gcp${list.points.length + 1}`, fields, columns);
+    list.points.push({ name, x, y, height: Number.isNaN(height) ? null : height, marks: [] });
   }
 }
 
