@@ -264,10 +264,15 @@ std::string LettersAndDigits(std::string_view lower) {
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header) {
   std::vector<CsvColumn> columns;
   for (const std::string_view name : header) columns.push_back(MapTolerantColumn(name));
-  // Without the longitude's letter beside it "ns" is RTKLIB's number of satellites.
-  CsvColumn* letters = ColumnOf(columns, M::kLatLetter);
-  if (letters != nullptr && LowerCase(letters->header) == "ns" && !HasColumn(columns, M::kLonLetter))
-    letters->meaning = M::kIgnored;
+  // Counts of satellites have names that mean something else beside their like alone.
+  constexpr std::array kCounts = {std::pair{std::string_view("ns"), M::kLonLetter},
+                                  std::pair{std::string_view("sv"), M::kSigmaHorizontal}};
+  for (const auto& [name, like] : kCounts) {
+    if (HasColumn(columns, like)) continue;
+    for (CsvColumn& column : columns) {
+      if (LowerCase(column.header) == name) column.meaning = M::kIgnored;
+    }
+  }
   if (!HasColumn(columns, M::kLat) || !HasColumn(columns, M::kLon)) return columns;
   // Beside a latitude and a longitude it is a height; by itself it may be an axis of anything.
   for (CsvColumn& column : columns) {

@@ -402,6 +402,14 @@ TEST(WrittenTables, TakesTheCamerasAnglesBeforeTheAirframes) {
   EXPECT_NEAR(log.events[1].yaw_pitch_roll_rad->y(), geo::DegToRad(-60.0), 1e-9);
 }
 
+TEST(WrittenTables, TakesNoCountOfSatellitesForAnAccuracy) {
+  const FlightLog log = Parse(
+      "time_s,lat,lon,alt,SV\n0,46.8426,-91.9945,500,14\n1,46.8427,-91.9945,500,14\n"
+      "2,46.8428,-91.9945,500,14\n");
+  ASSERT_EQ(log.gnss.size(), 3u);
+  EXPECT_FALSE(log.gnss[0].sigma_vertical_m);
+}
+
 TEST(WrittenTables, ExplainsWhatStopsATable) {
   const auto why = [](std::string_view text) {
     return InWords(ExplainUnknownTable(BytesOf(text), "a.csv").value_or(""));
