@@ -47,6 +47,14 @@ test('tables are read with commas, semicolons, tabs or blanks, with and without 
   assert.deepEqual(parseControlList('1 7.1 46.8\n2 7.2 46.9').points, [point('1', 7.1, 46.8), point('2', 7.2, 46.9)]);
 });
 
+test('of two heights those above the ellipsoid count, unless the system says what heights count from', () => {
+  const height = (/** @type {string} */ text, /** @type {string} */ system) => parseControlList(text, system).points[0].height;
+  const row = 'Name,Easting,Northing,Elevation,Ellipsoidal height\nA,1,2,100,147';
+  assert.deepEqual(['EPSG:32632', 'EPSG:32632+5773', '+proj=utm +zone=32', ''].map((system) => height(row, system)), [147, 100, 147, 147]);
+  assert.equal(height(`EPSG:25832+7837\n${row}`, 'EPSG:32632'), 100);
+  assert.equal(height('Name,E,N,H\nA,1,2,100', 'EPSG:32632'), 100);
+});
+
 test('what is no list is no points, and never a failure', () => {
   for (const text of ['', '\n\n', '\u0000\uffff', 'EPSG:4326', 'a,b,c', ',,,,\n;;;;', '1', '{"points": []}', '"', 'x;y\n;', 'A 1e999 3 4', '\uFEFF', 'name,x,y\nA,NaN,Infinity', '\t'.repeat(1000)]) {
     assert.deepEqual(parseControlList(text).points, [], JSON.stringify(text.slice(0, 20)));

@@ -71,7 +71,7 @@ export function openImport(control, photos) {
   const found = h('p', { class: 'muted', id: 'control-found', role: 'status' });
   let list = parseControlList('');
   const read = () => {
-    list = parseControlList(text.value);
+    list = parseControlList(text.value, system.value.trim());
     if (list.reference_system !== '') system.value = list.reference_system;
     const marks = list.points.reduce((sum, point) => sum + point.marks.length, 0);
     const is_other = control.points.length > 0 && system.value.trim() !== control.reference_system;

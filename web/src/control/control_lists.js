@@ -21,17 +21,20 @@ const kMiddleOfPixel = 0.5;
 
 const kPicture = /.\.(jpe?g|tiff?|png|dng)"?$/i;
 const kSystem = /^\s*(EPSG:\d{3,6}\b.*|WGS ?84\b[^,;]*|\+proj=.*)\s*$/i;
+// Systems that say what heights count from: with others it is the ellipsoid.
+const kSystemOfHeights = /^(EPSG\D*\d+\s*\+|COMPD_CS|COMPOUNDCRS)/i;
 
 /** @type {[keyof Columns, RegExp][]} */
 const kColumnNames = [
   ['name', /^(name|id|nr|no|point|point ?(name|id|nr|no)|label|gcp|code|punkt|punktname|punktnummer|bezeichnung)$/],
   ['x', /^(x|e|east|easting|lon|long|longitude|longitude deg|lng|ost|ostwert|rechtswert|rechts|länge)$/],
   ['y', /^(y|n|north|northing|lat|latitude|latitude deg|nord|nordwert|hochwert|hoch|breite)$/],
-  ['height', /^(z|h|height|alt|altitude|elev|elevation|ellipsoidal height|höhe|hoehe)$/],
+  ['height', /^(z|h|height|alt|altitude|elev|elevation|höhe|hoehe)$/],
+  ['ellipsoidal', /^(ellipsoidal height|ellipsoid height|ell height|h ell|ellipsoidische höhe)$/],
   ['system', /^(epsg|crs|srs|system)$/],
   ['check', /^check$/],
 ];
-/** @typedef {{name?: number, x?: number, y?: number, height?: number, system?: number, check?: number}} Columns */
+/** @typedef {{name?: number, x?: number, y?: number, height?: number, ellipsoidal?: number, system?: number, check?: number}} Columns */
 
 /** Decimals may be written with a comma. @param {string} text @returns {number} NaN where it is none */
 function numberOf(text) {
@@ -90,9 +93,10 @@ const isMarkRow = (fields) =>
 
 /**
  * @param {string} text
+ * @param {string} [system] where the list names none
  * @returns {ReadList}
  */
-export function parseControlList(text) {
+export function parseControlList(text, system = '') {
   /** @type {ReadList} */
   const list = { reference_system: '', points: [], bad_lines: [] };
   /** @type {{fields: string[], line: number}[]} */
@@ -100,9 +104,9 @@ export function parseControlList(text) {
   /** @type {Columns|null} */
   let columns = null;
   text.replace(/^\uFEFF/, '').split(/\r\n|\r|\n/, kMaxRows).forEach((line, i) => {
-    const system = rows.length === 0 && list.reference_system === '' ? line.match(kSystem) : null;
-    if (system) {
-      list.reference_system = system[1].trim();
+    const named_system = rows.length === 0 && list.reference_system === '' ? line.match(kSystem) : null;
+    if (named_system) {
+      list.reference_system = named_system[1].trim();
       return;
     }
     if (line.trim() === '') return;
@@ -112,7 +116,7 @@ export function parseControlList(text) {
   });
   const named = /** @type {Columns|null} */ (columns);
   if (rows.some(({ fields }) => isMarkRow(fields) && (named === null || kPicture.test(fields[5])))) readMarks(rows, named ?? { x: 0, y: 1 }, list);
-  else readTable(rows, named ?? guessedColumns(rows.map(({ fields }) => fields)), list);
+  else readTable(rows, named ?? guessedColumns(rows.map(({ fields }) => fields)), system, list);
   return list;
 }
 
@@ -146,8 +150,8 @@ function readMarks(rows, columns, list) {
   }
 }
 
-/** @param {{fields: string[], line: number}[]} rows @param {Columns} columns @param {ReadList} list */
-function readTable(rows, columns, list) {
+/** @param {{fields: string[], line: number}[]} rows @param {Columns} columns @param {string} usual_system @param {ReadList} list */
+function readTable(rows, columns, usual_system, list) {
   for (const { fields, line } of rows) {
     const at = (/** @type {number|undefined} */ column) => (column === undefined ? '' : (fields[column] ?? ''));
     const [x, y] = [numberOf(at(columns.x)), numberOf(at(columns.y))];
@@ -155,9 +159,10 @@ function readTable(rows, columns, list) {
       list.bad_lines.push(line);
       continue;
     }
-    const height = numberOf(at(columns.height));
     const system = at(columns.system);
     if (system !== '' && list.reference_system === '') list.reference_system = /^\d+$/.test(system) ? `EPSG:${system}` : system;
+    const is_above_ellipsoid = columns.ellipsoidal !== undefined && !kSystemOfHeights.test(list.reference_system || usual_system);
+    const height = numberOf(at(is_above_ellipsoid ? columns.ellipsoidal : columns.height));
     const name = nameOfPoint(at(columns.name) || `gcp${list.points.length + 1}`, fields, columns);
     list.points.push({ name, x, y, height: Number.isNaN(height) ? null : height, marks: [] });
   }
