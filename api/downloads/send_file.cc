@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "api/http/conditional.h"
-#include "api/http/links.h"
 #include "api/http/responses.h"
 #include "core/base/process/file_descriptor.h"
+#include "core/base/text/percent.h"
 #include "core/base/try.h"
 #include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "api/http/http_message.h"
-#include "core/base/text/plain_text.h"
+#include "core/base/text/percent.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -24,14 +24,9 @@ Error Refuse(std::string_view why, ErrorCode code = ErrorCode::kInvalidArgument)
 std::string PercentDecoded(std::string_view text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const int high = text[i] == '%' && i + 2 < text.size() ? HexDigit(text[i + 1]) : -1;
-    const int low = high >= 0 ? HexDigit(text[i + 2]) : -1;
-    if (low >= 0) {
-      decoded.push_back(static_cast<char>(high * 16 + low));
-      i += 2;
-    } else {
-      decoded.push_back(text[i]);
-    }
+    const int byte = PercentByte(text.substr(i));
+    decoded.push_back(byte < 0 ? text[i] : static_cast<char>(byte));
+    if (byte >= 0) i += 2;
   }
   return decoded;
 }
@@ -162,8 +157,7 @@ Result<std::string> MultipartBoundary(std::string_view content_type) {
     if (name != "boundary") continue;
     const bool is_good = !boundary.empty() && boundary.size() <= 70 && boundary.back() != ' ' &&
                          std::all_of(boundary.begin(), boundary.end(), [](char c) {
-                           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                                  (c >= '0' && c <= '9') ||
+                           return IsLetterOrDigit(c) ||
                                   std::string_view("'()+_,-./:=? ").find(c) != std::string_view::npos;
                          });
     if (!is_good) return Refuse("its boundary is not 1 to 70 permitted characters");

@@ -1,6 +1,6 @@
 // LinkTo: an address of this server as a document says it: with the token that the document was asked for
 // with in its query, so that whoever may read the document may follow it. A token in a header is never
-// written down. PercentEncoded: text within an address or a header. Pure; any thread.
+// written down. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -18,8 +18,6 @@ std::string TokenInQuery(const Request& request);
 std::string WithToken(std::string_view base_url, std::string_view path, std::string_view token);
 std::string LinkTo(const Request& request, std::string_view path);
 
-// With all percent-encoded but letters, digits and what `plain` has.
-std::string PercentEncoded(std::string_view text, std::string_view plain);
 // A text as it stands in an address, behind a '=' or as a segment.
 std::string EncodedForQuery(std::string_view text);
 

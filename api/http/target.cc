@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/text/plain_text.h"
+#include "core/base/text/percent.h"
 #include "core/base/try.h"
 #include "storage/uploads/photo_store.h"
 
@@ -17,8 +17,7 @@ Error Refuse(const char* why) {
 }
 
 bool IsUnreservedOrSub(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-         std::string_view("-._~!$&'()*+,;=:@").find(c) != std::string_view::npos;
+  return IsLetterOrDigit(c) || std::string_view("-._~!$&'()*+,;=:@").find(c) != std::string_view::npos;
 }
 
 Result<std::string> Decode(std::string_view text, std::string_view also_allowed, bool plus_is_space) {
@@ -27,10 +26,9 @@ Result<std::string> Decode(std::string_view text, std::string_view also_allowed,
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (c == '%') {
-      const int high = i + 2 < text.size() ? HexDigit(text[i + 1]) : -1;
-      const int low = i + 2 < text.size() ? HexDigit(text[i + 2]) : -1;
-      if (high < 0 || low < 0) return Refuse("% must be followed by two hexadecimal digits");
-      decoded.push_back(static_cast<char>(high * 16 + low));
+      const int byte = PercentByte(text.substr(i));
+      if (byte < 0) return Refuse("% must be followed by two hexadecimal digits");
+      decoded.push_back(static_cast<char>(byte));
       i += 2;
     } else if (c == '+' && plus_is_space) {
       decoded.push_back(' ');

@@ -11,6 +11,7 @@
 
 #include "api/json/json_text.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -53,9 +54,9 @@ bool IsWords(const std::string& text) {
 }
 
 bool IsNoteId(const std::string& text) {
-  return !text.empty() && text.size() <= kMaxNoteId && std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
-  });
+  return !text.empty() && text.size() <= kMaxNoteId &&
+         std::all_of(text.begin(), text.end(),
+                     [](char c) { return IsLetterOrDigit(c) || c == '-' || c == '_'; });
 }
 
 const std::string* TextAt(const Value& object, const char* field) {

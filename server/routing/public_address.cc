@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "core/base/text/plain_text.h"
 #include "server/routing/address_range.h"
 #include "server/routing/client_address.h"
 #include "server/routing/network_addresses.h"
@@ -14,14 +15,12 @@
 namespace skyquilt::server {
 namespace {
 
-constexpr std::size_t kLongestHost = 255, kLongestLabel = 63;
+constexpr std::size_t kLongestName = 255, kLongestLabel = 63;
 
 bool IsLabel(std::string_view label) {
   return !label.empty() && label.size() <= kLongestLabel &&
-         std::all_of(label.begin(), label.end(), [](char c) {
-           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-                  c == '_';
-         });
+         std::all_of(label.begin(), label.end(),
+                     [](char c) { return IsLetterOrDigit(c) || c == '-' || c == '_'; });
 }
 
 bool IsDottedName(std::string_view name) {
@@ -72,18 +71,9 @@ bool IsAddressOfThisMachine(const AddressBytes& address) {
   return std::find(known.begin(), known.end(), address) != known.end();
 }
 
-constexpr std::size_t kLongestName = 255;
-
-bool IsLetterOrDigit(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-}
-
 // Of a list, which each proxy on the way adds to, the one that spoke to the client: the first.
 std::string FirstOf(std::string_view list) {
-  std::string_view first = list.substr(0, list.find(','));
-  while (first.ends_with(' ')) first.remove_suffix(1);
-  while (first.starts_with(' ')) first.remove_prefix(1);
-  return std::string(first);
+  return std::string(Trim(list.substr(0, list.find(','))));
 }
 
 bool IsBelow(std::string_view target, std::string_view base_path) {
@@ -94,7 +84,7 @@ bool IsBelow(std::string_view target, std::string_view base_path) {
 }  // namespace
 
 std::optional<std::string_view> NameOfHost(std::string_view host) {
-  if (host.empty() || host.size() > kLongestHost) return std::nullopt;
+  if (host.empty() || host.size() > kLongestName) return std::nullopt;
   const bool is_bracketed = host.front() == '[';
   const std::size_t end = std::min(host.find(is_bracketed ? ']' : ':'), host.size());
   if (is_bracketed && end == host.size()) return std::nullopt;

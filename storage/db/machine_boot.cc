@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/base/check.h"
+#include "core/base/text/plain_text.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::storage {
@@ -33,9 +34,7 @@ const std::string& MachineBoot::HostName() {
     if (gethostname(text.data(), text.size() - 1) != 0) return std::string("unknown");
     std::string host(text.data());
     for (char& c : host) {
-      const bool is_plain =
-          (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.';
-      if (!is_plain) c = '_';
+      if (!IsLetterOrDigit(c) && c != '.') c = '_';
     }
     return host.empty() ? std::string("unknown") : host;
   }();

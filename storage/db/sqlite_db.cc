@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/text/percent.h"
 #include "core/base/try.h"
 #include "storage/db/read_ahead.h"
 
@@ -131,17 +132,7 @@ constexpr int kBusyTimeoutMs = 10'000;
 // A path as a SQLite URI: everything but plain characters is escaped, so that '?' and '%' in a folder stay a
 // path.
 std::string UriOf(const std::filesystem::path& path) {
-  std::string uri = "file:";
-  for (const unsigned char c : std::filesystem::absolute(path).string()) {
-    const bool is_plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
-                          c == '/' || c == '.' || c == '_' || c == '-';
-    if (is_plain) {
-      uri.push_back(static_cast<char>(c));
-    } else {
-      uri += fmt::format("%{:02X}", static_cast<unsigned>(c));
-    }
-  }
-  return uri + "?immutable=1";
+  return "file:" + PercentEncoded(std::filesystem::absolute(path).string(), "/._-") + "?immutable=1";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Trim, LowerCase, HexDigit: what is done with any text that came from outside: of files, headers, settings.
-// Latin letters alone change their case, whatever the locale. Pure; any thread.
+// Trim, LowerCase, IsLetterOrDigit, HexDigit: what is done with any text that came from outside: of files,
+// headers, settings. Letters are those of Latin, whatever the locale. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -22,6 +22,10 @@ inline std::string LowerCase(std::string_view text) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }
   return lower;
+}
+
+inline bool IsLetterOrDigit(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
 }
 
 // The value of a hexadecimal digit; -1 for any other character.

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <map>
 
-#include "core/base/text/plain_text.h"
+#include "core/base/text/percent.h"
 #include "storage/blobs/sha256.h"
 
 namespace skyquilt::storage {
@@ -56,13 +56,7 @@ std::string SignatureOf(const RequestToSign& request, const std::map<std::string
 }  // namespace
 
 std::string UriEncode(std::string_view text, bool keeps_slashes) {
-  std::string encoded;
-  for (const unsigned char c : text) {
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                          c == '-' || c == '.' || c == '_' || c == '~' || (c == '/' && keeps_slashes);
-    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
-  }
-  return encoded;
+  return PercentEncoded(text, keeps_slashes ? "-._~/" : "-._~");
 }
 
 std::string EncodedQuery(NamedValues query) {

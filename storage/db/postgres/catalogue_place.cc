@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/base/text/plain_text.h"
+#include "core/base/text/percent.h"
 #include "core/base/try.h"
 
 namespace skyquilt::storage {
@@ -20,13 +20,10 @@ constexpr std::size_t kMaxPassword = 4096;
 std::optional<std::string> Unescaped(std::string_view text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '%') {
-      plain.push_back(text[i]);
-      continue;
-    }
-    if (i + 2 >= text.size() || HexDigit(text[i + 1]) < 0 || HexDigit(text[i + 2]) < 0) return std::nullopt;
-    plain.push_back(static_cast<char>(HexDigit(text[i + 1]) * 16 + HexDigit(text[i + 2])));
-    i += 2;
+    const int byte = PercentByte(text.substr(i));
+    if (byte < 0 && text[i] == '%') return std::nullopt;
+    plain.push_back(byte < 0 ? text[i] : static_cast<char>(byte));
+    if (byte >= 0) i += 2;
   }
   return plain;
 }
