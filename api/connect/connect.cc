@@ -4,13 +4,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "api/common/xml_text.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "api/views/map_view.h"
 #include "api/wmts/wmts_text.h"
 #include "core/base/text/json_io.h"
 #include "core/base/text/percent.h"
+#include "core/base/text/xml_text.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"

@@ -33,6 +33,8 @@ Response NoContent();
 Response Text(int status, std::string body, std::string content_type);
 // To be asked for anew each time, by its tag if it has one.
 Response NoCache(Response response);
+// So; below the line that every document of XML begins with.
+Response Xml(std::string body, std::string content_type = "application/xml");
 // The same with a tag of its body, which is left out where the client has it.
 Response Tagged(const Request& request, Response response);
 

@@ -4,9 +4,9 @@
 
 #include <array>
 
-#include "api/common/xml_text.h"
 #include "api/http/responses.h"
 #include "api/tiles/recode_tile.h"
+#include "core/base/text/xml_text.h"
 #include "core/pyramid/draw_legend.h"
 
 namespace skyquilt::api {

@@ -1,10 +1,10 @@
 // The contract as a page to read: made from openapi.json, without a script.
 #include <nlohmann/json.hpp>
 
-#include "api/common/xml_text.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/xml_text.h"
 
 namespace skyquilt::api {
 

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include "api/auth/flight_access.h"
-#include "api/common/xml_text.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "api/views/map_view.h"
+#include "core/base/text/xml_text.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "api/common/xml_text.h"
 #include "api/http/responses.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/xml_text.h"
 
 namespace skyquilt::api {
 namespace {

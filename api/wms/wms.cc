@@ -6,7 +6,6 @@
 #include <string>
 
 #include "api/common/background.h"
-#include "api/common/xml_text.h"
 #include "api/flights/point.h"
 #include "api/http/parameters.h"
 #include "api/http/responses.h"
@@ -20,6 +19,7 @@
 #include "api/views/listed_maps.h"
 #include "api/views/map_view.h"
 #include "api/wms/wms_request.h"
+#include "core/base/text/xml_text.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_format.h"

@@ -4,7 +4,6 @@
 
 #include <variant>
 
-#include "api/common/xml_text.h"
 #include "api/flights/point.h"
 #include "api/grids/grid_tiles.h"
 #include "api/http/parameters.h"
@@ -17,6 +16,7 @@
 #include "api/views/listed_maps.h"
 #include "api/views/map_view.h"
 #include "api/wmts/wmts_text.h"
+#include "core/base/text/xml_text.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_format.h"

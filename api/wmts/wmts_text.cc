@@ -6,10 +6,10 @@
 #include <map>
 #include <vector>
 
-#include "api/common/xml_text.h"
 #include "api/indices/index_legend.h"
 #include "api/tiles/recode_tile.h"
 #include "api/views/feature_info.h"
+#include "core/base/text/xml_text.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_format.h"
 #include "core/indices/spectral_index.h"

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "api/common/xml_text.h"
 #include "api/http/digest.h"
 #include "core/base/median.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/xml_text.h"
 #include "core/base/try.h"
 #include "core/pipeline/report/map_quality.h"
 
@@ -31,8 +31,6 @@ th{font-weight:600;width:16rem}thead th{width:auto;border-bottom:2px solid #d0d7
 footer{color:#57606a;margin-top:2rem;font-size:.85rem}
 @page{size:A4;margin:16mm}@media print{body{margin:0;max-width:none;font-size:11pt}h2,tr,figure{break-inside:avoid}h2{break-after:avoid}figure svg{max-height:16cm}}
 )css";
-
-std::string Html(std::string_view text) { return api::XmlText(text); }
 
 // A member at the end of a path of names; null where there is none.
 const Json& At(const Json& json, std::initializer_list<const char*> path) {
@@ -66,10 +64,11 @@ std::string Area(double square_m) {
 class Table {
  public:
   void Row(const std::string& name, const std::string& value) {
-    if (!value.empty()) rows_ += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", Html(name), Html(value));
+    if (value.empty()) return;
+    rows_ += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", XmlText(name), XmlText(value));
   }
   std::string Text(const std::string& title) const {
-    return rows_.empty() ? "" : fmt::format("<h2>{}</h2>\n<table>\n{}</table>\n", Html(title), rows_);
+    return rows_.empty() ? "" : fmt::format("<h2>{}</h2>\n<table>\n{}</table>\n", XmlText(title), rows_);
   }
 
  private:
@@ -204,8 +203,8 @@ std::string Points(const Json& report) {
     };
     rows += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.0f}</td><td>{}</td></tr>\n",
-        Html(TextAt(point, {"name"})), use, miss("miss_east_m"), miss("miss_north_m"), miss("miss_up_m"),
-        NumberAt(point, {"sightings"}).value_or(0.0), Html(TextAt(point, {"reason"})));
+        XmlText(TextAt(point, {"name"})), use, miss("miss_east_m"), miss("miss_north_m"), miss("miss_up_m"),
+        NumberAt(point, {"sightings"}).value_or(0.0), XmlText(TextAt(point, {"reason"})));
   }
   if (control.size() > kMaxRows)
     rows += fmt::format("<tr><td colspan=\"7\">and {} more, in report.json</td></tr>\n",
@@ -219,7 +218,7 @@ std::string Points(const Json& report) {
 std::string Warnings(const Json& report) {
   std::string items;
   for (const Json& warning : At(report, {"warnings"})) {
-    if (warning.is_string()) items += "<li>" + Html(warning.get<std::string>()) + "</li>\n";
+    if (warning.is_string()) items += "<li>" + XmlText(warning.get<std::string>()) + "</li>\n";
   }
   return items.empty() ? "" : "<h2>To be known</h2>\n<ul>\n" + items + "</ul>\n";
 }
@@ -231,8 +230,8 @@ std::string LeftOut(const Json& report) {
   std::size_t count = 0;
   for (const Json& photo : photos) {
     if (count++ == kMaxRows) break;
-    rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", Html(TextAt(photo, {"name"})),
-                        Html(TextAt(photo, {"reason"})));
+    rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", XmlText(TextAt(photo, {"name"})),
+                        XmlText(TextAt(photo, {"reason"})));
   }
   if (photos.size() > kMaxRows)
     rows += fmt::format("<tr><td colspan=\"2\">and {} more, in report.json</td></tr>\n",
@@ -254,7 +253,7 @@ std::string Verdict(const std::optional<pipeline::MapQuality>& quality) {
   if (quality) {
     for (const pipeline::MapLimit& limit : quality->limits) text += " " + pipeline::LimitInWords(limit);
   }
-  return fmt::format("<p class=\"{}\">{}</p>\n", is_bad ? "bad" : "sub", Html(text));
+  return fmt::format("<p class=\"{}\">{}</p>\n", is_bad ? "bad" : "sub", XmlText(text));
 }
 
 }  // namespace
@@ -271,17 +270,17 @@ Result<std::string> ReportPage(std::string_view report_json, const std::optional
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
       "content=\"width=device-width\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n"
       "<p class=\"sub\">Orthomosaic, {2}</p>\n",
-      Html(title), kStyle,
-      Html(TextAt(report, {"captured", "first"}).empty()
-               ? "date not known"
-               : TextAt(report, {"captured", "first"}).substr(0, 10)));
+      XmlText(title), kStyle,
+      XmlText(TextAt(report, {"captured", "first"}).empty()
+                  ? "date not known"
+                  : TextAt(report, {"captured", "first"}).substr(0, 10)));
   const std::optional<pipeline::MapQuality> quality = QualityIn(report);
   const bool is_scale_known = quality ? !quality->IsLimitedBy(pipeline::LimitKind::kScaleGuessed) : is_placed;
   page += Verdict(quality);
   if (picture) page += Figure(*picture, is_placed && is_scale_known);
   page += Facts(report, is_placed, is_scale_known).Text("The map") +
           Accuracy(report, quality).Text("Accuracy") + Points(report) + Warnings(report) + LeftOut(report);
-  return page + fmt::format("<footer>Report of {}, by Skyquilt.</footer>\n</body>\n</html>\n", Html(made));
+  return page + fmt::format("<footer>Report of {}, by Skyquilt.</footer>\n</body>\n</html>\n", XmlText(made));
 }
 
 }  // namespace skyquilt::server

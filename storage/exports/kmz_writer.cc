@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/base/text/xml_text.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
@@ -90,25 +91,10 @@ std::string Link(const geo::TileId& tile, const std::string& folder) {
       tile.z(), tile.x(), tile.y(), Region(tile, -1), folder, Name(tile, "kml"));
 }
 
-std::string Escaped(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&')
-      escaped += "&amp;";
-    else if (c == '<')
-      escaped += "&lt;";
-    else if (c == '>')
-      escaped += "&gt;";
-    else
-      escaped += c;
-  }
-  return escaped;
-}
-
 std::string Kml(const std::string& name, const std::string& content) {
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml "
          "xmlns=\"http://www.opengis.net/kml/2.2\"><Document>\n<name>" +
-         Escaped(name) + "</name>\n" + content + "</Document></kml>\n";
+         XmlText(name) + "</name>\n" + content + "</Document></kml>\n";
 }
 
 // A tile's picture, and links to what is below it.

@@ -5,6 +5,7 @@
 
 #include <charconv>
 
+#include "core/base/text/xml_text.h"
 #include "core/base/try.h"
 #include "storage/blobs/s3/s3_credentials.h"
 
@@ -59,17 +60,6 @@ bool IsTrue(const XMLElement& element, const char* name) { return TextIn(element
 
 bool IsKeyBelow(const std::string& key, std::string_view prefix) {
   return !key.empty() && key.starts_with(prefix);
-}
-
-std::string XmlText(std::string_view text) {
-  std::string escaped;
-  for (const char c : text)
-    escaped += c == '"'   ? "&quot;"
-               : c == '&' ? "&amp;"
-               : c == '<' ? "&lt;"
-               : c == '>' ? "&gt;"
-                          : std::string(1, c);
-  return escaped;
 }
 
 }  // namespace

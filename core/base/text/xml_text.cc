@@ -1,8 +1,6 @@
-#include "api/common/xml_text.h"
+#include "core/base/text/xml_text.h"
 
-#include "api/http/responses.h"
-
-namespace skyquilt::api {
+namespace skyquilt {
 
 std::string XmlText(std::string_view text) {
   std::string escaped;
@@ -31,8 +29,4 @@ std::string XmlText(std::string_view text) {
   return escaped;
 }
 
-Response Xml(std::string body, const char* content_type) {
-  return NoCache(Text(200, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + std::move(body), content_type));
-}
-
-}  // namespace skyquilt::api
+}  // namespace skyquilt
