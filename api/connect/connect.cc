@@ -145,9 +145,8 @@ void AddConnectRoutes(Router& router, Service& service) {
         Method::kGet, std::string("/connect/{flight}/") + file,
         [&service, file, type, write](const Request& request) -> Result<Response> {
           SKYQUILT_TRY_ASSIGN(const MapView map, FindMap(service, request, request.Parameter("flight")));
-          Response response = Text(200, write(map), type);
+          Response response = NoCache(Text(200, write(map), type));
           response.headers.Add("Content-Disposition", std::string("attachment; filename=\"") + file + "\"");
-          response.headers.Add("Cache-Control", "no-cache");
           return response;
         });
   };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <utility>
 
 #include "api/http/responses.h"
 #include "api/tiles/recode_tile.h"
@@ -78,9 +79,11 @@ std::optional<LegendFormat> LegendFormatOf(std::string_view content_type) {
   return std::nullopt;
 }
 
-Response LegendOf(const IndexLook& look, LegendFormat format) {
-  return format == LegendFormat::kSvg ? Text(200, LegendSvg(look), "image/svg+xml")
-                                      : Text(200, LegendPng(look), "image/png");
+Response LegendOf(const Request& request, const IndexLook& look, LegendFormat format) {
+  Response response = format == LegendFormat::kSvg ? Text(200, LegendSvg(look), "image/svg+xml")
+                                                   : Text(200, LegendPng(look), "image/png");
+  response.headers.Add("Cache-Control", "public, max-age=3600");
+  return Tagged(request, std::move(response));
 }
 
 std::string LegendPath(std::string_view flight_id, std::string_view index) {

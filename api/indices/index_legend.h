@@ -19,8 +19,8 @@ enum class LegendFormat { kSvg, kPng };
 // "image/png", "image/svg+xml"; nothing: another one.
 std::optional<LegendFormat> LegendFormatOf(std::string_view content_type);
 
-// 200, with its content type.
-Response LegendOf(const IndexLook& look, LegendFormat format);
+// With a tag of its own, good for an hour.
+Response LegendOf(const Request& request, const IndexLook& look, LegendFormat format);
 // Address of the legend of a named index in its usual colours, as PNG.
 std::string LegendPath(std::string_view flight_id, std::string_view index);
 

@@ -158,8 +158,7 @@ Result<Response> AnswerZones(Service& service, const Request& request) {
   const std::string name = wanted.look.name.empty() ? "index" : wanted.look.name;
   response.headers.Add("Content-Disposition", fmt::format("attachment; filename=\"zones-{}.{}\"", name,
                                                           is_shapefile ? "zip" : "geojson"));
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return NoCache(std::move(response));
 }
 
 using BandsJson = nlohmann::ordered_json;
@@ -191,9 +190,7 @@ Result<Response> AnswerLegend(Service& service, const Request& request, LegendFo
   SKYQUILT_TRY_ASSIGN(const IndexLook look, LookRequiredIn(request));
   SKYQUILT_TRY(CheckId(request.Parameter("flight"), "flight"));
   SKYQUILT_TRY(service.catalogue.GetFlight(request.Parameter("flight")));
-  Response response = LegendOf(look, format);
-  response.headers.Add("Cache-Control", "public, max-age=3600");
-  return Tagged(request, std::move(response));
+  return LegendOf(request, look, format);
 }
 
 }  // namespace

@@ -16,8 +16,6 @@
 namespace skyquilt::api {
 namespace {
 
-constexpr const char* kNotesType = "application/geo+json";
-
 struct KeptNotes {
   NotesText text;
   std::string etag;
@@ -86,11 +84,8 @@ Result<KeptNotes> WriteNotes(Service& service, const Request& request, const std
 
 Result<Response> AnswerNotes(Result<KeptNotes> kept) {
   if (!kept) return kept.error();
-  Response response;
-  response.headers.Add("Content-Type", kNotesType);
-  response.headers.Add("Cache-Control", "no-cache");
+  Response response = NoCache(Text(200, std::move(kept->text.json), "application/geo+json"));
   response.headers.Add("ETag", kept->etag);
-  response.body = std::move(kept->text.json);
   return response;
 }
 

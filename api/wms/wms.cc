@@ -212,11 +212,7 @@ Response GetMap(Service& service, const Request& request) {
   if (!wanted) return WmsException(request, wanted.error());
   Result<std::string> drawn = Draw(service, request, *wanted);
   if (!drawn) return WmsException(request, drawn.error());
-  Response response;
-  response.headers.Add("Content-Type", image::ContentTypeOf(wanted->format));
-  response.headers.Add("Cache-Control", "no-cache");
-  response.body = *std::move(drawn);
-  return response;
+  return NoCache(Text(200, *std::move(drawn), image::ContentTypeOf(wanted->format)));
 }
 
 Response GetFeatureInfo(Service& service, const Request& request) {
@@ -252,9 +248,7 @@ Response GetLegendGraphic(Service& service, const Request& request) {
         request, 400, "StyleNotDefined",
         "The style default has no legend: it is the map in its own colours. STYLE names an index, "
         "such as ndvi.");
-  Response response = LegendOf(**look, wanted->format);
-  response.headers.Add("Cache-Control", "public, max-age=3600");
-  return Tagged(request, std::move(response));
+  return LegendOf(request, **look, wanted->format);
 }
 
 Response DescribeWms(Service& service, const Request& request) {
