@@ -94,8 +94,7 @@ Result<storage::MapFacts> FactsOfShownMap(Service& service, const ShownMap& map,
   return facts;
 }
 
-Result<std::string> QueueExport(Service& service, const Request& request, const std::string& body,
-                                std::string& address) {
+Result<Response> AskForExport(Service& service, const Request& request, const std::string& body) {
   const std::string& flight_id = request.Parameter("flight");
   SKYQUILT_TRY_ASSIGN(const ShownMap map, FindShownMap(service, flight_id));
   SKYQUILT_TRY(CheckJsonText(body));
@@ -124,15 +123,8 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   wanted.is_of_link = !request.only_flight.empty();
   SKYQUILT_TRY_ASSIGN(const MapExport added,
                       service.db.Again([&] { return service.exports.Add(wanted, storage::Now()); }));
-  address = AddressOfExport(added);
-  return ExportJson(service, request, added, map.revision);
-}
-
-Result<Response> AskForExport(Service& service, const Request& request, const std::string& body) {
-  std::string address;
-  SKYQUILT_TRY_ASSIGN(std::string json, QueueExport(service, request, body, address));
-  Response response = Json(202, std::move(json));
-  response.headers.Add("Location", address);
+  Response response = Json(202, ExportJson(service, request, added, map.revision));
+  response.headers.Add("Location", AddressOfExport(added));
   return response;
 }
 
@@ -142,14 +134,15 @@ Result<std::int64_t> ShownRevisionOf(Service& service, const std::string& flight
   return flight.active_revision.value_or(0);
 }
 
-Result<std::string> ListExports(Service& service, const Request& request, const std::string& flight_id) {
+Result<Response> ListExports(Service& service, const Request& request) {
+  const std::string& flight_id = request.Parameter("flight");
   SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevisionOf(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const std::vector<MapExport> exports, service.exports.List(flight_id));
   std::vector<std::string> items;
   for (const MapExport& one : exports) {
     if (!service.exports.HasExpired(one)) items.push_back(ExportJson(service, request, one, shown));
   }
-  return JsonObject({{"exports", JsonArray(items)}});
+  return Json(200, JsonObject({{"exports", JsonArray(items)}}));
 }
 
 Result<MapExport> FindExport(Service& service, const Request& request) {
@@ -158,19 +151,20 @@ Result<MapExport> FindExport(Service& service, const Request& request) {
   return service.exports.Get(request.Parameter("flight"), request.Parameter("export"));
 }
 
-Result<std::string> ShowExport(Service& service, const Request& request) {
+Result<Response> ShowExport(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const MapExport found, FindExport(service, request));
   SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevisionOf(service, found.flight_id));
-  return ExportJson(service, request, found, shown);
+  return Json(200, ExportJson(service, request, found, shown));
 }
 
-Result<void> RemoveExport(Service& service, const Request& request) {
+Result<Response> RemoveExport(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const MapExport found, FindExport(service, request));
   const bool is_own = !request.owner.empty() && request.owner == found.owner;
   if (!is_own) SKYQUILT_TRY(CheckMayChange(service, request, found.flight_id));
   // The row first: whoever makes it sees that it is nobody's, and leaves no file.
   SKYQUILT_TRY(service.db.Free([&] { return service.exports.Remove(found.id); }));
-  return service.store.blobs().Remove(storage::ExportKey(found));
+  SKYQUILT_TRY(service.store.blobs().Remove(storage::ExportKey(found)));
+  return NoContent();
 }
 
 Result<Response> DownloadExport(Service& service, const Request& request) {
@@ -191,11 +185,6 @@ Result<Response> DownloadExport(Service& service, const Request& request) {
   return sent;
 }
 
-Result<Response> AnswerExports(Result<std::string> json) {
-  if (!json) return json.error();
-  return Json(200, *std::move(json));
-}
-
 }  // namespace
 
 void AddExportRoutes(Router& router, Service& service) {
@@ -212,18 +201,9 @@ void AddExportRoutes(Router& router, Service& service) {
           "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d "
           "'{\"format\":\"geotiff\"}' ...")
       .scope = kReads;
-  router.Add(Method::kGet, kAll, [&](const Request& request) {
-    return AnswerExports(ListExports(service, request, request.Parameter("flight")));
-  });
-  router.Add(Method::kGet, kOne,
-             [&](const Request& request) { return AnswerExports(ShowExport(service, request)); });
-  router
-      .Add(Method::kDelete, kOne,
-           [&](const Request& request) -> Result<Response> {
-             SKYQUILT_TRY(RemoveExport(service, request));
-             return NoContent();
-           })
-      .scope = kReads;
+  router.Add(Method::kGet, kAll, On(service, ListExports));
+  router.Add(Method::kGet, kOne, On(service, ShowExport));
+  router.Add(Method::kDelete, kOne, On(service, RemoveExport)).scope = kReads;
   router.Add(Method::kGet, "/api/v1/flights/{flight}/exports/{export}/file",
              [&](const Request& request) { return Downloaded(DownloadExport(service, request), request); });
 }

@@ -63,7 +63,8 @@ Result<Response> AnswerMap(Service& service, const Request& request) {
       WindowOf(wanted.crs, wanted.box, wanted.width_px, wanted.height_px, whole.bounds.Middle());
   SKYQUILT_TRY_ASSIGN(image::RgbaImage picture, RenderWindow(tileset, window));
   LayOnBackground(picture, wanted);
-  Response response = NoCache(Text(200, EncodeTile(std::move(picture), format), image::ContentTypeOf(format)));
+  Response response =
+      NoCache(Text(200, EncodeTile(std::move(picture), format), image::ContentTypeOf(format)));
   if (!wanted.crs.is_crs84()) response.headers.Add("Content-Crs", wanted.crs.uri());
   response.headers.Add("Content-Bbox", CornersOf(wanted));
   if (!request.Query("f")) TellByAccept(response);
