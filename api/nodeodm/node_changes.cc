@@ -57,10 +57,6 @@ Result<void> CancelTask(Service& service, const storage::NodeTask& task) {
   return {};
 }
 
-Result<void> RemoveTask(Service& service, const storage::NodeTask& task) {
-  return DeleteFlight(service, task.flight_id);
-}
-
 // The task's latest job; one that was cancelled may take a moment to end.
 Result<std::optional<storage::Job>> LatestJobAtRest(Service& service, const storage::NodeTask& task) {
   const auto end = std::chrono::steady_clock::now() + kStopPatience;
@@ -114,8 +110,9 @@ void AddChange(Router& router, Service& service, const char* pattern, Change cha
 void AddNodeChangeRoutes(Router& router, Service& service) {
   AddChange(router, service, "/task/cancel",
             [&](const storage::NodeTask& task, const TaskRequest&) { return CancelTask(service, task); });
-  AddChange(router, service, "/task/remove",
-            [&](const storage::NodeTask& task, const TaskRequest&) { return RemoveTask(service, task); });
+  AddChange(router, service, "/task/remove", [&](const storage::NodeTask& task, const TaskRequest&) {
+    return DeleteFlight(service, task.flight_id);
+  });
   AddChange(router, service, "/task/restart", [&](const storage::NodeTask& task, const TaskRequest& wanted) {
     return RestartTask(service, task, wanted);
   });

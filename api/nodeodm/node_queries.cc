@@ -114,7 +114,7 @@ Value LinesFrom(const std::vector<std::string>& lines, std::int64_t from) {
 }
 
 // {"uuid": ..., "status": ...} and so on, as GET /task/{uuid}/info answers it, without output.
-Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task) {
+Result<Value> DescribeTask(Service& service, const storage::NodeTask& task) {
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   Value answer;
@@ -128,17 +128,16 @@ Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task
   answer["options"] = ParseOrderedJson(task.options);
   answer["imagesCount"] = flight.file_count;
   answer["progress"] = code == 40 ? 100.0 : job ? std::min(99.0, job->progress * 100.0) : 0.0;
-  return JsonText(answer);
+  return answer;
 }
 
 Result<Response> TaskInfo(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindNodeTask(service, request.Parameter("uuid")));
-  SKYQUILT_TRY_ASSIGN(const std::string description, NodeTaskJson(service, task));
-  const auto first_line = request.Query("with_output");
-  if (!first_line) return NodeAnswer(description);
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task));
-  Value answer = ParseOrderedJson(description);
-  answer["output"] = LinesFrom(lines, ParseNumber<std::int64_t>(*first_line).value_or(0));
+  SKYQUILT_TRY_ASSIGN(Value answer, DescribeTask(service, task));
+  if (const auto first_line = request.Query("with_output")) {
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task));
+    answer["output"] = LinesFrom(lines, ParseNumber<std::int64_t>(*first_line).value_or(0));
+  }
   return NodeAnswer(JsonText(answer));
 }
 
@@ -195,10 +194,9 @@ Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, c
   SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindNodeTask(service, uuid));
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   if (!job || job->id != job_id) return Error{ErrorCode::kNotFound, "The task was started again.", ""};
-  SKYQUILT_TRY_ASSIGN(const std::string told, NodeTaskJson(service, task));
+  SKYQUILT_TRY_ASSIGN(Value body, DescribeTask(service, task));
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
                       service.catalogue.ListFiles(task.flight_id));
-  Value body = ParseOrderedJson(told);
   body["images"] = Value::array();
   for (const storage::StoredFile& file : files)
     body["images"].push_back({{"filename", file.name}, {"size", file.bytes}});
