@@ -78,7 +78,7 @@ Result<void> RestartTask(Service& service, const storage::NodeTask& task, const 
   if (wanted.options) {
     SKYQUILT_TRY_ASSIGN(const NodeChoice parsed, ParseNodeOptions(*wanted.options));
     choice = parsed;
-    SKYQUILT_TRY(service.catalogue.SetFlightOptions(task.flight_id, choice.job_options));
+    SKYQUILT_TRY(service.catalogue.ChangeFlight(task.flight_id, {.options = choice.job_options}));
   }
   const Result<storage::Job> queued =
       service.queue.Add(task.flight_id, choice.job_options, storage::Now(), {0, wanted.owner});

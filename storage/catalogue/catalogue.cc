@@ -211,14 +211,6 @@ Result<void> Catalogue::ChangeFlight(const std::string& id, const FlightChange& 
   return records_->Change(id, line);
 }
 
-Result<void> Catalogue::RenameFlight(const std::string& id, const std::string& name) {
-  return ChangeFlight(id, {name, std::nullopt, std::nullopt, std::nullopt});
-}
-
-Result<void> Catalogue::SetFlightOptions(const std::string& id, const std::string& options) {
-  return ChangeFlight(id, {std::nullopt, options, std::nullopt, std::nullopt});
-}
-
 Result<void> Catalogue::DeleteFlight(const std::string& id) {
   return db_.Again([&]() -> Result<void> {
     const auto db = db_.Lock();

@@ -75,9 +75,9 @@ struct ShownFlight {
 
 // What is to become of a flight; the rest stays as it is.
 struct FlightChange {
-  std::optional<std::string> name, options;
-  std::optional<std::vector<std::string>> tags;  // checked (storage/tags/flight_tags.h)
-  std::optional<bool> is_kept;
+  std::optional<std::string> name = {}, options = {};
+  std::optional<std::vector<std::string>> tags = {};  // checked (storage/tags/flight_tags.h)
+  std::optional<bool> is_kept = {};
 
   bool IsAny() const { return name || options || tags || is_kept; }
 };
@@ -116,8 +116,6 @@ class Catalogue {
   Result<MapPage> ListMaps(int limit, const std::optional<std::string>& cursor) const;
   // All of it or nothing.
   Result<void> ChangeFlight(const std::string& id, const FlightChange& change);
-  Result<void> RenameFlight(const std::string& id, const std::string& name);
-  Result<void> SetFlightOptions(const std::string& id, const std::string& options);
   // For good, also from the trash. Files, revisions and jobs go with it; a worker that runs one of its jobs
   // loses its lease.
   Result<void> DeleteFlight(const std::string& id);

@@ -95,7 +95,7 @@ TEST_F(CatalogueReadersTest, TakeTurnsWhereTheyAreMoreThanConnections) {
       for (int j = 0; j < 100; ++j) found += catalogue_.GetFlight(flight).ok() ? 1 : 0;
     });
   }
-  for (int i = 0; i < 20; ++i) ASSERT_TRUE(catalogue_.RenameFlight(flight, std::to_string(i)));
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(catalogue_.ChangeFlight(flight, {.name = std::to_string(i)}));
   for (std::thread& reader : readers) reader.join();
   EXPECT_EQ(found, 800);
 }

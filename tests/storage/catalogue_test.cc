@@ -51,8 +51,8 @@ TEST_F(CatalogueTest, ChangesWhatIsSaidAndNothingElse) {
   FlightChange keep;
   keep.is_kept = true;
   ASSERT_TRUE(catalogue_.ChangeFlight(id, keep));
-  ASSERT_TRUE(catalogue_.RenameFlight(id, "meadow"));
-  ASSERT_TRUE(catalogue_.SetFlightOptions(id, R"({"quality":80})"));
+  ASSERT_TRUE(catalogue_.ChangeFlight(id, {.name = "meadow"}));
+  ASSERT_TRUE(catalogue_.ChangeFlight(id, {.options = R"({"quality":80})"}));
   const Flight changed = *catalogue_.GetFlight(id);
   EXPECT_EQ(changed.name, "meadow");
   EXPECT_EQ(changed.options, R"({"quality":80})");
@@ -162,7 +162,7 @@ TEST_F(CatalogueTest, RefusesToChangeFilesThatAJobReads) {
 
 TEST_F(CatalogueTest, SaysWhatDoesNotExist) {
   EXPECT_EQ(catalogue_.GetFlight("x").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(catalogue_.RenameFlight("x", "n").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(catalogue_.ChangeFlight("x", {.name = "n"}).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(catalogue_.DeleteFlight("x").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(catalogue_.ListFiles("x").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(catalogue_.AddFile("x", {"a", NewId(), 1}, Now()).error().code, ErrorCode::kNotFound);

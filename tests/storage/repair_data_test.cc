@@ -49,7 +49,7 @@ FilledFolder Fill(const fs::path& root) {
   PublishSmallTileset(opened->dir, *opened->db, sample.mapped, {{0, 0, 0, "new"}});
   sample.plain = catalogue.AddFlight("plain", "{}", Now())->id;
   Store(*opened, catalogue, sample.plain, "c.jpg");
-  EXPECT_TRUE(catalogue.RenameFlight(sample.plain, "renamed"));
+  EXPECT_TRUE(catalogue.ChangeFlight(sample.plain, {.name = "renamed"}));
   FlightChange marks;
   marks.tags = {"maize", "north of the river"};
   marks.is_kept = true;

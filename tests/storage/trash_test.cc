@@ -27,8 +27,8 @@ TEST_F(TrashTest, AFlightInTheTrashIsGoneForAllAndComesBackWhole) {
   EXPECT_EQ(catalogue_.GetFlight(flight_).error().code, ErrorCode::kNotFound);
   EXPECT_FALSE(*catalogue_.HasFlight(flight_));
   EXPECT_TRUE(catalogue_.ListFlights(10, std::nullopt)->flights.empty());
-  EXPECT_EQ(catalogue_.RenameFlight(flight_, "x").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(catalogue_.SetFlightOptions(flight_, "{}").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(catalogue_.ChangeFlight(flight_, {.name = "x"}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(catalogue_.ChangeFlight(flight_, {.options = "{}"}).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(catalogue_.AddFile(flight_, {"b.jpg", "other", 7}, Now()).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(catalogue_.AddFileUnderFreeName(flight_, {"b.jpg", "other", 7}, Now()).error().code,
             ErrorCode::kNotFound);

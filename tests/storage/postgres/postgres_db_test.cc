@@ -79,7 +79,7 @@ TEST_F(PostgresTest, GoesOnAfterTheServerCutItsConnections) {
   EXPECT_TRUE(Catalogue(*db_).GetFlight(flight));
   CutConnections();
   EXPECT_TRUE(Catalogue(*db_).GetFlight(flight));
-  EXPECT_TRUE(Catalogue(*db_).RenameFlight(flight, "renamed"));
+  EXPECT_TRUE(Catalogue(*db_).ChangeFlight(flight, {.name = "renamed"}));
   EXPECT_EQ(Catalogue(*db_).GetFlight(flight)->name, "renamed");
 }
 

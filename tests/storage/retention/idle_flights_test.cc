@@ -70,9 +70,10 @@ TEST_F(IdleFlightsTest, CountsFromTheFirstLookOnHoweverOldAFlightIs) {
 }
 
 TEST_F(IdleFlightsTest, EveryChangeBeginsAnew) {
-  ExpectToBeginAnewAfter("name", [&] { ASSERT_TRUE(catalogue_.RenameFlight(flight_, "meadow")); });
-  ExpectToBeginAnewAfter("options",
-                         [&] { ASSERT_TRUE(catalogue_.SetFlightOptions(flight_, R"({"format":"png"})")); });
+  ExpectToBeginAnewAfter("name", [&] { ASSERT_TRUE(catalogue_.ChangeFlight(flight_, {.name = "meadow"})); });
+  ExpectToBeginAnewAfter("options", [&] {
+    ASSERT_TRUE(catalogue_.ChangeFlight(flight_, {.options = R"({"format":"png"})"}));
+  });
   ExpectToBeginAnewAfter("tags", [&] {
     FlightChange change;
     change.tags = {"maize"};
@@ -143,7 +144,7 @@ TEST_F(IdleFlightsTest, WhatBeginsAtTheLastMomentKeepsItsFlight) {
   const std::string other = catalogue_.AddFlight("other", "{}", Now())->id;
   IdleOn(30);
   ASSERT_EQ(IdleOn(60), std::vector<std::string>{other});
-  ASSERT_TRUE(catalogue_.RenameFlight(other, "changed"));
+  ASSERT_TRUE(catalogue_.ChangeFlight(other, {.name = "changed"}));
   const auto put = trash_.PutIf(other, Now(), [&](SqlConnection& db) {
     return IdleFlights::IsIdle(db, other, start_ + days(60), Now(), kKeep);
   });
@@ -248,7 +249,7 @@ TEST_F(IdleFlightsTest, LooksAtMoreFlightsThanItReadsAtATime) {
   for (int i = 0; i < 450; ++i) all.push_back(catalogue_.AddFlight("f", "{}", Now())->id);
   std::sort(all.begin(), all.end());
   IdleOn(0);
-  ASSERT_TRUE(catalogue_.RenameFlight(all[300], "changed"));
+  ASSERT_TRUE(catalogue_.ChangeFlight(all[300], {.name = "changed"}));
   ASSERT_TRUE(catalogue_.DeleteFlight(all[301]));
   all.erase(all.begin() + 300, all.begin() + 302);
   EXPECT_EQ(IdleOn(30), all);
