@@ -1,35 +1,30 @@
 #include "server/client/server_client.h"
 
-#include <curl/curl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 
 #include "api/http/http_message.h"
-#include "core/base/check.h"
 #include "core/base/text/json_io.h"
 #include "core/base/text/plain_text.h"
 #include "core/base/try.h"
+#include "storage/blobs/curl_transfer.h"
 
 namespace skyquilt::server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 using nlohmann::json;
+using storage::SetOption;
 
 constexpr long kConnectPatienceMs = 10'000;
 constexpr long kSlowestBytesPerS = 1, kSlowForS = 60;  // a connection that stands still for so long is dead
 constexpr std::size_t kMaxAnswerBytes = std::size_t{64} << 20;
 
-struct FreeList {
-  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
-};
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
@@ -68,11 +63,6 @@ std::size_t TakeHeader(char* bytes, std::size_t size, std::size_t count, void* o
 
 int Continues(void* of, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
   return static_cast<Progress*>(of)->IsCancelled() ? 1 : 0;
-}
-
-template <typename Value>
-void Option(CURL* transfer, CURLoption option, Value value) {
-  SKYQUILT_CHECK(curl_easy_setopt(transfer, option, value) == CURLE_OK, "this libcurl lacks an option");
 }
 
 // In the server's own words.
@@ -124,75 +114,60 @@ struct ServerClient::State {
   ClientSettings settings;
   Progress& progress;
   std::function<void(const std::string&)> waits;
-  CURL* transfer = nullptr;
+  storage::CurlTransfer transfer = storage::NewTransfer();
   std::optional<Clock::time_point> failing_since = std::nullopt;
   std::chrono::milliseconds pause{500};
 };
 
 ServerClient::ServerClient(ClientSettings settings, Progress& progress,
                            std::function<void(const std::string&)> waits)
-    : state_(new State{std::move(settings), progress, std::move(waits)}) {
-  static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
-  SKYQUILT_CHECK(started == CURLE_OK, "libcurl does not start");
-  state_->transfer = curl_easy_init();
-  SKYQUILT_CHECK(state_->transfer != nullptr, "out of memory");
-}
+    : state_(new State{std::move(settings), progress, std::move(waits)}) {}
 
-ServerClient::~ServerClient() { curl_easy_cleanup(state_->transfer); }
+ServerClient::~ServerClient() = default;
 
 Result<ClientAnswer> ServerClient::SendOnce(const ClientRequest& request) {
-  CURL* transfer = state_->transfer;
+  CURL* transfer = state_->transfer.get();
   curl_easy_reset(transfer);  // the connection stays
   const bool is_whole = request.path.starts_with("http://") || request.path.starts_with("https://");
   // Nothing is sent anywhere but to the server that was named.
   if (is_whole && !request.path.starts_with(state_->settings.url + "/"))
     return Error{ErrorCode::kUnprocessable, "The server sent us elsewhere: " + request.path + ".", ""};
   const std::string address = is_whole ? request.path : AddressOf(state_->settings.url, request.path);
-  std::unique_ptr<curl_slist, FreeList> headers(curl_slist_append(nullptr, "Expect:"));
-  const auto add = [&](const std::string& line) {
-    curl_slist* longer = curl_slist_append(headers.get(), line.c_str());
-    SKYQUILT_CHECK(longer != nullptr, "out of memory");
-    (void)headers.release();
-    headers.reset(longer);
-  };
-  for (const auto& [name, value] : request.headers) add(fmt::format("{}: {}", name, value));
-  if (!state_->settings.token.empty()) add("Authorization: Bearer " + state_->settings.token);
+  auto given = request.headers;
+  if (!state_->settings.token.empty())
+    given.emplace_back("Authorization", "Bearer " + state_->settings.token);
+  const storage::CurlHeaders headers = storage::CurlHeadersOf(given);
   ClientAnswer answer;
   Upload upload;
-  std::array<char, CURL_ERROR_SIZE> said{};
-  Option(transfer, CURLOPT_URL, address.c_str());
-  Option(transfer, CURLOPT_PROTOCOLS_STR, "http,https");
-  Option(transfer, CURLOPT_CUSTOMREQUEST, request.method);
-  Option(transfer, CURLOPT_NOSIGNAL, 1L);
-  Option(transfer, CURLOPT_CONNECTTIMEOUT_MS, kConnectPatienceMs);
-  Option(transfer, CURLOPT_LOW_SPEED_LIMIT, kSlowestBytesPerS);
-  Option(transfer, CURLOPT_LOW_SPEED_TIME, kSlowForS);
-  Option(transfer, CURLOPT_ERRORBUFFER, said.data());
-  Option(transfer, CURLOPT_WRITEFUNCTION, &TakeBody);
-  Option(transfer, CURLOPT_WRITEDATA, &answer.body);
-  Option(transfer, CURLOPT_HEADERFUNCTION, &TakeHeader);
-  Option(transfer, CURLOPT_HEADERDATA, &answer);
-  Option(transfer, CURLOPT_NOPROGRESS, 0L);
-  Option(transfer, CURLOPT_XFERINFOFUNCTION, &Continues);
-  Option(transfer, CURLOPT_XFERINFODATA, &state_->progress);
-  if (const char* trusted = std::getenv("SSL_CERT_FILE")) Option(transfer, CURLOPT_CAINFO, trusted);
+  storage::CurlWords said{};
+  storage::SetUsualOptions(transfer, address, headers, said);
+  SetOption(transfer, CURLOPT_CUSTOMREQUEST, request.method);
+  SetOption(transfer, CURLOPT_CONNECTTIMEOUT_MS, kConnectPatienceMs);
+  SetOption(transfer, CURLOPT_LOW_SPEED_LIMIT, kSlowestBytesPerS);
+  SetOption(transfer, CURLOPT_LOW_SPEED_TIME, kSlowForS);
+  SetOption(transfer, CURLOPT_WRITEFUNCTION, &TakeBody);
+  SetOption(transfer, CURLOPT_WRITEDATA, &answer.body);
+  SetOption(transfer, CURLOPT_HEADERFUNCTION, &TakeHeader);
+  SetOption(transfer, CURLOPT_HEADERDATA, &answer);
+  SetOption(transfer, CURLOPT_NOPROGRESS, 0L);
+  SetOption(transfer, CURLOPT_XFERINFOFUNCTION, &Continues);
+  SetOption(transfer, CURLOPT_XFERINFODATA, &state_->progress);
   if (!request.file.empty()) {
     upload.file.reset(std::fopen(request.file.c_str(), "rb"));
     if (upload.file == nullptr || fseeko(upload.file.get(), static_cast<off_t>(request.from), SEEK_SET) != 0)
       return Error{ErrorCode::kIo, request.file.string() + " cannot be read.", ""};
     upload.left = request.length;
     upload.on_sent = &request.on_sent;
-    Option(transfer, CURLOPT_UPLOAD, 1L);
-    Option(transfer, CURLOPT_READFUNCTION, &ReadFile);
-    Option(transfer, CURLOPT_READDATA, &upload);
-    Option(transfer, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(request.length));
+    SetOption(transfer, CURLOPT_UPLOAD, 1L);
+    SetOption(transfer, CURLOPT_READFUNCTION, &ReadFile);
+    SetOption(transfer, CURLOPT_READDATA, &upload);
+    SetOption(transfer, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(request.length));
   } else if (std::string_view(request.method) == "HEAD") {
-    Option(transfer, CURLOPT_NOBODY, 1L);
+    SetOption(transfer, CURLOPT_NOBODY, 1L);
   } else if (std::string_view(request.method) != "GET") {
-    Option(transfer, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.body.size()));
-    Option(transfer, CURLOPT_POSTFIELDS, request.body.c_str());
+    SetOption(transfer, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.body.size()));
+    SetOption(transfer, CURLOPT_POSTFIELDS, request.body.c_str());
   }
-  Option(transfer, CURLOPT_HTTPHEADER, headers.get());
   const CURLcode sent = curl_easy_perform(transfer);
   curl_easy_getinfo(transfer, CURLINFO_RESPONSE_CODE, &answer.status);
   if (state_->progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled.", ""};
@@ -204,7 +179,7 @@ Result<ClientAnswer> ServerClient::SendOnce(const ClientRequest& request) {
   // A refusal may come before all was sent.
   if (answer.status >= 400) return Refusal(answer);
   if (sent != CURLE_OK) {
-    const std::string why = said[0] != '\0' ? said.data() : curl_easy_strerror(sent);
+    const std::string why = storage::CurlWordsOf(said, sent);
     return Error{ErrorCode::kUnavailable, state_->settings.url + " does not answer (" + why + ").", ""};
   }
   return answer;

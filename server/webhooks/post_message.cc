@@ -1,36 +1,28 @@
 #include "server/webhooks/post_message.h"
 
 #include <arpa/inet.h>
-#include <curl/curl.h>
 #include <fmt/format.h>
 #include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <utility>
 
-#include "core/base/check.h"
+#include "storage/blobs/curl_transfer.h"
 
 namespace skyquilt::server {
 namespace {
+
+using storage::SetOption;
 
 constexpr long kPatienceMs = 10'000;
 
 struct FreeUrl {
   void operator()(CURLU* url) const { curl_url_cleanup(url); }
 };
-struct FreeTransfer {
-  void operator()(CURL* transfer) const { curl_easy_cleanup(transfer); }
-};
-struct FreeHeaders {
-  void operator()(curl_slist* headers) const { curl_slist_free_all(headers); }
-};
-using Headers = std::unique_ptr<curl_slist, FreeHeaders>;
 
 bool IsPublic(const in_addr& address) {
   const std::uint32_t bits = ntohl(address.s_addr);
@@ -92,24 +84,6 @@ curl_socket_t OpenIfAllowed(void* gate_of, curlsocktype, curl_sockaddr* to) {
 // The answer's status is enough: its body ends the transfer.
 std::size_t TakeNoBody(char*, std::size_t, std::size_t, void*) { return 0; }
 
-template <typename Value>
-void Set(CURL* transfer, CURLoption option, Value value) {
-  const CURLcode code = curl_easy_setopt(transfer, option, value);
-  SKYQUILT_CHECK(code == CURLE_OK, "this libcurl lacks an option that webhooks need");
-}
-
-Headers HeadersOf(const OutgoingMessage& message) {
-  // Without it libcurl asks before it sends a large body, and waits for those who do not answer that.
-  Headers headers(curl_slist_append(nullptr, "Expect:"));
-  for (const auto& [name, value] : message.headers) {
-    curl_slist* longer = curl_slist_append(headers.get(), fmt::format("{}: {}", name, value).c_str());
-    SKYQUILT_CHECK(longer != nullptr, "out of memory");
-    (void)headers.release();
-    headers.reset(longer);
-  }
-  return headers;
-}
-
 // Empty where the address has none.
 std::string HostOf(const std::string& address) {
   const std::unique_ptr<CURLU, FreeUrl> url(curl_url());
@@ -156,40 +130,30 @@ Result<void> CheckReceiver(const std::string& url) {
 }
 
 Result<void> PostMessage(const OutgoingMessage& message) {
-  static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
-  SKYQUILT_CHECK(started == CURLE_OK, "libcurl does not start");
   const std::string host = HostOf(message.url);
   if (host.empty()) return Error{ErrorCode::kInvalidArgument, "The address has no host.", message.url};
-  const std::unique_ptr<CURL, FreeTransfer> owner(curl_easy_init());
+  const storage::CurlTransfer owner = storage::NewTransfer();
   CURL* transfer = owner.get();
-  SKYQUILT_CHECK(transfer != nullptr, "out of memory");
-  const Headers headers = HeadersOf(message);
+  const storage::CurlHeaders headers = storage::CurlHeadersOf(message.headers);
   Gate gate{message.may_go_private};
-  std::array<char, CURL_ERROR_SIZE> said{};
-  Set(transfer, CURLOPT_URL, message.url.c_str());
-  Set(transfer, CURLOPT_PROTOCOLS_STR, "http,https");
-  Set(transfer, CURLOPT_PROXY, "");  // the environment's would stand between the check and the receiver
-  Set(transfer, CURLOPT_FOLLOWLOCATION, 0L);
-  Set(transfer, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_1_1));
-  Set(transfer, CURLOPT_POST, 1L);
-  Set(transfer, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(message.body.size()));
-  Set(transfer, CURLOPT_POSTFIELDS, message.body.c_str());
-  Set(transfer, CURLOPT_HTTPHEADER, headers.get());
-  Set(transfer, CURLOPT_OPENSOCKETFUNCTION, &OpenIfAllowed);
-  Set(transfer, CURLOPT_OPENSOCKETDATA, &gate);
-  Set(transfer, CURLOPT_WRITEFUNCTION, &TakeNoBody);
-  Set(transfer, CURLOPT_TIMEOUT_MS, kPatienceMs);
-  Set(transfer, CURLOPT_NOSIGNAL, 1L);
-  Set(transfer, CURLOPT_ERRORBUFFER, said.data());
-  // As OpenSSL's own programs have it.
-  if (const char* trusted = std::getenv("SSL_CERT_FILE")) Set(transfer, CURLOPT_CAINFO, trusted);
+  storage::CurlWords said{};
+  storage::SetUsualOptions(transfer, message.url, headers, said);
+  SetOption(transfer, CURLOPT_PROXY, "");  // the environment's would stand between the check and the receiver
+  SetOption(transfer, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_1_1));
+  SetOption(transfer, CURLOPT_POST, 1L);
+  SetOption(transfer, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(message.body.size()));
+  SetOption(transfer, CURLOPT_POSTFIELDS, message.body.c_str());
+  SetOption(transfer, CURLOPT_OPENSOCKETFUNCTION, &OpenIfAllowed);
+  SetOption(transfer, CURLOPT_OPENSOCKETDATA, &gate);
+  SetOption(transfer, CURLOPT_WRITEFUNCTION, &TakeNoBody);
+  SetOption(transfer, CURLOPT_TIMEOUT_MS, kPatienceMs);
   const CURLcode sent = curl_easy_perform(transfer);
   long status = 0;
   curl_easy_getinfo(transfer, CURLINFO_RESPONSE_CODE, &status);
   if (status == 0) {
     if (gate.has_refused)
       return Error{ErrorCode::kForbidden, fmt::format("{} leads to a private address.", host), ""};
-    const std::string why = said[0] != '\0' ? said.data() : curl_easy_strerror(sent);
+    const std::string why = storage::CurlWordsOf(said, sent);
     if (sent == CURLE_OPERATION_TIMEDOUT)
       return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer in time.", host), why};
     return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer.", host), why};

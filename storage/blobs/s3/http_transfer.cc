@@ -1,32 +1,18 @@
 #include "storage/blobs/s3/http_transfer.h"
 
-#include <curl/curl.h>
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
-#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <utility>
 
-#include "core/base/check.h"
 #include "core/base/text/plain_text.h"
+#include "storage/blobs/curl_transfer.h"
 
 namespace skyquilt::storage {
 namespace {
 
 constexpr std::size_t kMaxHeaders = 200;
 constexpr std::size_t kMaxIdle = 32;
-
-struct EndTransfer {
-  void operator()(CURL* transfer) const { curl_easy_cleanup(transfer); }
-};
-struct EndHeaders {
-  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
-};
-
-using TransferHandle = std::unique_ptr<CURL, EndTransfer>;
 
 // What the callbacks of one exchange share.
 struct UnderWay {
@@ -88,24 +74,6 @@ std::size_t TakeHeaderLine(char* bytes, std::size_t size, std::size_t count, voi
   return line.size();
 }
 
-template <typename Value>
-void SetOption(CURL* transfer, CURLoption option, Value value) {
-  SKYQUILT_CHECK(curl_easy_setopt(transfer, option, value) == CURLE_OK,
-                 "this libcurl lacks an option that S3 needs");
-}
-
-std::unique_ptr<curl_slist, EndHeaders> ListOf(const NamedValues& headers) {
-  // Without it libcurl asks before it sends a large body, and waits for those who do not answer that.
-  std::unique_ptr<curl_slist, EndHeaders> list(curl_slist_append(nullptr, "Expect:"));
-  for (const auto& [name, value] : headers) {
-    curl_slist* longer = curl_slist_append(list.get(), fmt::format("{}: {}", name, value).c_str());
-    SKYQUILT_CHECK(longer != nullptr, "out of memory");
-    (void)list.release();
-    list.reset(longer);
-  }
-  return list;
-}
-
 void SetBody(CURL* transfer, UnderWay& under_way) {
   const HttpExchange& exchange = under_way.exchange;
   if (exchange.method == "HEAD") {
@@ -131,13 +99,10 @@ void SetBody(CURL* transfer, UnderWay& under_way) {
 }  // namespace
 
 struct HttpTransfers::Idle {
-  std::vector<TransferHandle> handles;
+  std::vector<CurlTransfer> handles;
 };
 
-HttpTransfers::HttpTransfers() : idle_(std::make_unique<Idle>()) {
-  static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
-  SKYQUILT_CHECK(started == CURLE_OK, "libcurl does not start");
-}
+HttpTransfers::HttpTransfers() : idle_(std::make_unique<Idle>()) {}
 
 HttpTransfers::~HttpTransfers() = default;
 
@@ -147,7 +112,7 @@ std::string HttpAnswer::Header(const std::string& name) const {
 }
 
 Result<HttpAnswer> HttpTransfers::Perform(const HttpExchange& exchange) {
-  TransferHandle owner;
+  CurlTransfer owner;
   {
     const std::lock_guard lock(mutex_);
     if (!idle_->handles.empty()) {
@@ -155,20 +120,15 @@ Result<HttpAnswer> HttpTransfers::Perform(const HttpExchange& exchange) {
       idle_->handles.pop_back();
     }
   }
-  if (owner == nullptr) owner.reset(curl_easy_init());
+  if (owner == nullptr) owner = NewTransfer();
   CURL* transfer = owner.get();
-  SKYQUILT_CHECK(transfer != nullptr, "out of memory");
   curl_easy_reset(transfer);  // its connections stay
   UnderWay under_way{exchange, transfer, {}, 0, false, std::nullopt};
-  const auto headers = ListOf(exchange.headers);
-  std::array<char, CURL_ERROR_SIZE> said{};
-  SetOption(transfer, CURLOPT_URL, exchange.url.c_str());
+  const CurlHeaders headers = CurlHeadersOf(exchange.headers);
+  CurlWords said{};
+  SetUsualOptions(transfer, exchange.url, headers, said);
   SetOption(transfer, CURLOPT_PATH_AS_IS, 1L);  // what was signed is what is sent
-  SetOption(transfer, CURLOPT_PROTOCOLS_STR, "http,https");
-  SetOption(transfer, CURLOPT_FOLLOWLOCATION, 0L);
   SetOption(transfer, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_1_1));
-  SetOption(transfer, CURLOPT_NOSIGNAL, 1L);
-  SetOption(transfer, CURLOPT_HTTPHEADER, headers.get());
   SetOption(transfer, CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(exchange.connect_patience.count()));
   SetOption(transfer, CURLOPT_LOW_SPEED_LIMIT, 1L);
   SetOption(transfer, CURLOPT_LOW_SPEED_TIME, static_cast<long>(exchange.stall_patience.count()));
@@ -178,9 +138,6 @@ Result<HttpAnswer> HttpTransfers::Perform(const HttpExchange& exchange) {
   SetOption(transfer, CURLOPT_WRITEDATA, &under_way);
   SetOption(transfer, CURLOPT_HEADERFUNCTION, &TakeHeaderLine);
   SetOption(transfer, CURLOPT_HEADERDATA, &under_way);
-  SetOption(transfer, CURLOPT_ERRORBUFFER, said.data());
-  // As OpenSSL's own programs have it.
-  if (const char* trusted = std::getenv("SSL_CERT_FILE")) SetOption(transfer, CURLOPT_CAINFO, trusted);
   SetBody(transfer, under_way);
   const CURLcode done = curl_easy_perform(transfer);
   curl_easy_getinfo(transfer, CURLINFO_RESPONSE_CODE, &under_way.answer.status);
@@ -194,7 +151,7 @@ Result<HttpAnswer> HttpTransfers::Perform(const HttpExchange& exchange) {
   if (under_way.answer.status >= 400 && done == CURLE_SEND_ERROR) return std::move(under_way.answer);
   return Error{ErrorCode::kUnavailable,
                done == CURLE_OPERATION_TIMEDOUT ? "It did not answer in time." : "It did not answer.",
-               said[0] != '\0' ? said.data() : curl_easy_strerror(done)};
+               CurlWordsOf(said, done)};
 }
 
 }  // namespace skyquilt::storage
