@@ -99,13 +99,6 @@ std::string HostOf(const std::string& address) {
 
 }  // namespace
 
-bool IsPublicAddress(const std::string& address) {
-  in_addr four{};
-  in6_addr six{};
-  if (inet_pton(AF_INET, address.c_str(), &four) == 1) return IsPublic(four);
-  return inet_pton(AF_INET6, address.c_str(), &six) == 1 && IsPublic(six);
-}
-
 Result<void> CheckReceiver(const std::string& url) {
   const std::string written = HostOf(url);
   if (written.empty()) return Error{ErrorCode::kUnprocessable, "The address has no host.", url};

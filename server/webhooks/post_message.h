@@ -23,11 +23,9 @@ struct OutgoingMessage {
 
 Result<void> PostMessage(const OutgoingMessage& message);
 
-// For who names a receiver: that its address, or one of those its name has now, is public. Looks the name up,
-// which may take the resolver's seconds. Errors: kUnprocessable.
+// For who names a receiver: that its address, or one of those its name has now, is public. Loopback,
+// link-local, private, multicast, reserved and translated addresses are not. Looks the name up, which may
+// take the resolver's seconds. Errors: kUnprocessable.
 Result<void> CheckReceiver(const std::string& url);
-
-// False for loopback, link-local, private, multicast, reserved and translated addresses, in text form.
-bool IsPublicAddress(const std::string& address);
 
 }  // namespace skyquilt::server
