@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "api/http/parameters.h"
@@ -18,11 +17,8 @@ constexpr std::size_t kZone = 6;           // "+02:00"
 constexpr double kDegreesOfAnHour = 15.0;
 
 std::optional<int> NumberAt(std::string_view text, std::size_t at, std::size_t digits) {
-  int value = 0;
-  const char* end = text.data() + at + digits;
-  const auto parsed = std::from_chars(text.data() + at, end, value);
-  if (parsed.ec != std::errc() || parsed.ptr != end || value < 0) return std::nullopt;
-  return value;
+  const std::optional<int> value = ParseNumber<int>(text.substr(at, digits));
+  return value && *value >= 0 ? value : std::nullopt;
 }
 
 // What a time says: its second, what follows it (".25", as written) and how far its clock is ahead of UTC;

@@ -2,7 +2,6 @@
 // message names the parameter.
 #pragma once
 
-#include <charconv>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,18 +9,11 @@
 
 #include "api/http/http_message.h"
 #include "core/base/result.h"
+#include "core/base/text/plain_text.h"
 
 namespace skyquilt::api {
 
-// The whole text as a number; absent: it is none, or beyond what the type holds.
-template <typename Number>
-std::optional<Number> ParseNumber(std::string_view text) {
-  Number number{};
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-// The same, but for infinities and what is not a number.
+// ParseNumber (core/base/text/plain_text.h), but for infinities and what is not a number.
 std::optional<double> ParseFiniteNumber(std::string_view text);
 
 // One more than there are separators.

@@ -6,8 +6,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <chrono>
+#include <cstdint>
 #include <ctime>
 #include <memory>
 #include <optional>
@@ -18,6 +18,7 @@
 #include "api/build_api.h"
 #include "api/uploads/unpack.h"
 #include "core/base/process/late_library.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/text/printable.h"
 #include "server/commands/commands.h"
 #include "server/commands/serve_options.h"
@@ -76,9 +77,9 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
   if (address.starts_with('[') && address.ends_with(']')) address = address.substr(1, address.size() - 2);
   if (address == "localhost") address = "127.0.0.1";
   HttpSettings settings;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data() + colon + 1, end, settings.port);
-  if (parsed.ec != std::errc() || parsed.ptr != end || address.empty()) return bad;
+  const auto port = ParseNumber<std::uint16_t>(std::string_view(text).substr(colon + 1));
+  if (!port || address.empty()) return bad;
+  settings.port = *port;
   if (!IsLoopback(address) && !options.open && !has_tokens) {
     return Error{
         ErrorCode::kForbidden,

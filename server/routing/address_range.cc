@@ -3,8 +3,9 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string>
+
+#include "core/base/text/plain_text.h"
 
 namespace skyquilt::server {
 namespace {
@@ -30,13 +31,9 @@ std::optional<AddressRange> AddressRange::From(std::string_view text) {
   AddressRange range{*first, 128};
   if (slash == std::string_view::npos) return range;
   const int before = address.find(':') == std::string_view::npos ? kMappedBits : 0;
-  const std::string_view count = text.substr(slash + 1);
-  int bits = 0;
-  const auto parsed = std::from_chars(count.data(), count.data() + count.size(), bits);
-  if (count.empty() || parsed.ec != std::errc() || parsed.ptr != count.data() + count.size())
-    return std::nullopt;
-  if (bits < 0 || before + bits > 128) return std::nullopt;
-  range.bits = before + bits;
+  const std::optional<int> bits = ParseNumber<int>(text.substr(slash + 1));
+  if (!bits || *bits < 0 || before + *bits > 128) return std::nullopt;
+  range.bits = before + *bits;
   return range;
 }
 

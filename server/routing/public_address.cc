@@ -1,7 +1,6 @@
 #include "server/routing/public_address.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdint>
 #include <mutex>
@@ -42,10 +41,8 @@ bool IsIpv6Text(std::string_view text) {
 // Empty, or ":8080".
 bool IsPortOrNone(std::string_view text) {
   if (text.empty()) return true;
-  std::uint16_t port = 0;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data() + 1, end, port);
-  return text.front() == ':' && parsed.ec == std::errc() && parsed.ptr == end && port > 0;
+  const auto port = ParseNumber<std::uint16_t>(text.substr(1));
+  return text.front() == ':' && port && *port > 0;
 }
 
 bool IsLoopbackName(std::string_view name) {

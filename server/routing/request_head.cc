@@ -2,9 +2,9 @@
 
 #include <boost/beast/http/buffer_body.hpp>
 #include <boost/beast/http/parser.hpp>
-#include <charconv>
 #include <utility>
 
+#include "core/base/text/plain_text.h"
 #include "server/routing/public_address.h"
 
 namespace skyquilt::server {
@@ -56,12 +56,8 @@ std::optional<Refusal> CheckFraming(RequestHead& head) {
   if (length) {
     if (count != 1) return BadRequest("Content-Length comes more than once.");
     if (head.is_chunked) return BadRequest("Content-Length and Transfer-Encoding come together.");
-    std::uint64_t value = 0;
-    const auto parsed = std::from_chars(length->data(), length->data() + length->size(), value);
-    if (length->empty() || parsed.ec != std::errc() || parsed.ptr != length->data() + length->size()) {
-      return BadRequest("Content-Length is not a number.");
-    }
-    head.content_length = value;
+    head.content_length = ParseNumber<std::uint64_t>(*length);
+    if (!head.content_length) return BadRequest("Content-Length is not a number.");
   }
   const std::optional<std::string> expect = OnlyValue(head.headers, "Expect", &count);
   if (expect) {

@@ -7,13 +7,13 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/text/plain_text.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::storage {
@@ -28,12 +28,8 @@ std::string RevisionFolderName(std::int64_t revision) { return fmt::format("r{}"
 
 std::optional<std::int64_t> RevisionOfFolder(const std::string& name) {
   if (name.size() < 2 || name.front() != 'r') return std::nullopt;
-  std::int64_t number = 0;
-  const char* end = name.data() + name.size();
-  const auto parsed = std::from_chars(name.data() + 1, end, number);
-  if (parsed.ec != std::errc() || parsed.ptr != end || number < 1 || RevisionFolderName(number) != name)
-    return std::nullopt;
-  return number;
+  const auto number = ParseNumber<std::int64_t>(std::string_view(name).substr(1));
+  return number && *number >= 1 && RevisionFolderName(*number) == name ? number : std::nullopt;
 }
 
 std::string FlightPrefix(const std::string& flight_id) {

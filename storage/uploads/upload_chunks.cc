@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <set>
 #include <utility>
 
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/db/ids.h"
@@ -165,11 +165,9 @@ Result<std::vector<UploadChunk>> ParseChunks(std::string_view text) {
   while (!text.empty()) {
     const std::size_t colon = text.find(':'), end = text.find(';');
     if (colon == std::string_view::npos || end == std::string_view::npos || colon > end) return DamagedRow();
-    UploadChunk chunk{std::string(text.substr(0, colon)), 0};
-    const auto read = std::from_chars(text.data() + colon + 1, text.data() + end, chunk.bytes);
-    if (read.ec != std::errc() || read.ptr != text.data() + end || chunk.bytes <= 0 ||
-        !chunk.key.starts_with(kChunkPrefix))
-      return DamagedRow();
+    const auto bytes = ParseNumber<std::int64_t>(text.substr(colon + 1, end - colon - 1));
+    UploadChunk chunk{std::string(text.substr(0, colon)), bytes.value_or(0)};
+    if (chunk.bytes <= 0 || !chunk.key.starts_with(kChunkPrefix)) return DamagedRow();
     chunks.push_back(std::move(chunk));
     text.remove_prefix(end + 1);
   }

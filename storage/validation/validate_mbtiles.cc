@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <optional>
 #include <sstream>
 #include <system_error>
 
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "core/image/picture_format.h"
 #include "storage/db/sqlite_db.h"
@@ -66,10 +66,8 @@ std::optional<int> ZoomOf(const Claims& claims, const char* name, FileVerdict& v
     verdict.Add(Severity::kWarning, fmt::format("metadata has no {}; clients must guess it", name));
     return std::nullopt;
   }
-  int zoom = 0;
-  const char* end = found->second.data() + found->second.size();
-  const auto [stopped, failed] = std::from_chars(found->second.data(), end, zoom);
-  if (failed == std::errc() && stopped == end && zoom >= 0 && zoom <= geo::kMaxZoom) return zoom;
+  const std::optional<int> zoom = ParseNumber<int>(found->second);
+  if (zoom && *zoom >= 0 && *zoom <= geo::kMaxZoom) return zoom;
   verdict.Add(Severity::kError, fmt::format("{} is \"{}\", which is no zoom", name, found->second));
   return std::nullopt;
 }

@@ -1,7 +1,9 @@
-// Trim, LowerCase, IsLetterOrDigit, HexDigit: what is done with any text that came from outside: of files,
-// headers, settings. Letters are those of Latin, whatever the locale. Pure; any thread.
+// Trim, LowerCase, IsLetterOrDigit, HexDigit, ParseNumber: what is done with any text that came from outside:
+// of files, headers, settings. Letters are those of Latin, whatever the locale. Pure; any thread.
 #pragma once
 
+#include <charconv>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -34,6 +36,15 @@ inline int HexDigit(char c) {
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
   if (c >= 'A' && c <= 'F') return c - 'A' + 10;
   return -1;
+}
+
+// The whole text as a number; absent: it is none, or beyond what the type holds.
+template <typename Number>
+std::optional<Number> ParseNumber(std::string_view text) {
+  Number number{};
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
+  return number;
 }
 
 }  // namespace skyquilt

@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
-#include <charconv>
-
+#include "core/base/text/plain_text.h"
 #include "core/base/text/xml_text.h"
 #include "core/base/try.h"
 #include "storage/blobs/s3/s3_credentials.h"
@@ -41,12 +40,8 @@ std::string TextIn(const XMLElement& element, const char* name, std::size_t max_
 }
 
 std::optional<std::int64_t> NumberIn(const XMLElement& element, const char* name) {
-  const std::string text = TextIn(element, name, 20);
-  std::int64_t number = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || read.ec != std::errc() || read.ptr != text.data() + text.size() || number < 0)
-    return std::nullopt;
-  return number;
+  const auto number = ParseNumber<std::int64_t>(TextIn(element, name, 20));
+  return number && *number >= 0 ? number : std::nullopt;
 }
 
 // "2009-10-12T17:50:30.000Z"; the second is enough.

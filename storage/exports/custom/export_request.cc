@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -204,13 +203,9 @@ std::string_view WrittenCode(std::string_view crs) {
 
 std::optional<int> CodeOf(std::string_view digits) {
   constexpr std::size_t kMaxDigits = 6;
-  int code = 0;
-  const char* end = digits.data() + digits.size();
-  const auto parsed = std::from_chars(digits.data(), end, code);
-  if (digits.empty() || digits.size() > kMaxDigits || parsed.ec != std::errc() || parsed.ptr != end ||
-      code < 1)
-    return std::nullopt;
-  return code;
+  if (digits.size() > kMaxDigits) return std::nullopt;
+  const std::optional<int> code = ParseNumber<int>(digits);
+  return code && *code >= 1 ? code : std::nullopt;
 }
 
 }  // namespace
