@@ -1,6 +1,7 @@
 #include "api/downloads/zip_layout.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -9,9 +10,6 @@
 #include <cerrno>
 #include <cstring>
 #include <functional>
-#include <map>
-#include <mutex>
-#include <tuple>
 #include <utility>
 
 #include "api/downloads/streamed_product.h"
@@ -20,6 +18,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
+#include "storage/blobs/lru_memory.h"
 
 namespace skyquilt::api {
 namespace {
@@ -44,76 +43,65 @@ struct Measured {
   std::uint32_t crc = 0;
 };
 
+// The checksum of what this name stands for; computed where it is not one of those asked for lately.
+Result<std::uint32_t> KnownCrc(const std::string& name,
+                               const std::function<Result<std::uint32_t>()>& compute) {
+  constexpr std::size_t kMaxKnown = 4096;
+  static storage::LruMemory<std::uint32_t> known(kMaxKnown);  // each counts as one
+  if (const auto found = known.Find(name)) return *found;
+  SKYQUILT_TRY_ASSIGN(const std::uint32_t crc, compute());
+  known.Keep(name, std::make_shared<const std::uint32_t>(crc), 1);
+  return crc;
+}
+
 Result<Measured> MeasureFile(const std::filesystem::path& path) {
   const FileDescriptor file(OpenToRead(path));
   struct stat status {};
   if (!file.is_open() || fstat(file.get(), &status) != 0) return ReadError(path);
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  const auto compute = [&]() -> Result<std::uint32_t> {
+    std::vector<std::uint8_t> slice(kSlice);
+    uLong crc = crc32(0, nullptr, 0);
+    std::uint64_t total = 0;
+    while (true) {
+      const ssize_t got = read(file.get(), slice.data(), slice.size());
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) return ReadError(path);
+      if (got == 0) break;
+      crc = crc32(crc, slice.data(), static_cast<uInt>(got));
+      total += static_cast<std::uint64_t>(got);
+    }
+    if (total != size)
+      return Error{ErrorCode::kIo, "A file of the archive changed meanwhile.", path.string()};
+    return static_cast<std::uint32_t>(crc);
+  };
   // Finished maps never change, and no inode is reused at the same nanosecond with the same size.
-  using Identity = std::tuple<dev_t, ino_t, off_t, time_t, long>;
-  static std::mutex mutex;
-  static std::map<Identity, std::uint32_t> known;
-  const Identity identity{status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec,
-                          status.st_mtim.tv_nsec};
-  Measured measured;
-  measured.size = static_cast<std::uint64_t>(status.st_size);
-  {
-    const std::lock_guard lock(mutex);
-    const auto found = known.find(identity);
-    if (found != known.end()) measured.crc = found->second;
-    if (found != known.end()) return measured;
-  }
-  std::vector<std::uint8_t> slice(kSlice);
-  uLong crc = crc32(0, nullptr, 0);
-  std::uint64_t total = 0;
-  while (true) {
-    const ssize_t got = read(file.get(), slice.data(), slice.size());
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return ReadError(path);
-    if (got == 0) break;
-    crc = crc32(crc, slice.data(), static_cast<uInt>(got));
-    total += static_cast<std::uint64_t>(got);
-  }
-  if (total != measured.size)
-    return Error{ErrorCode::kIo, "A file of the archive changed meanwhile.", path.string()};
-  measured.crc = static_cast<std::uint32_t>(crc);
-  constexpr std::size_t kMaxKnown = 4096;
-  const std::lock_guard lock(mutex);
-  if (known.size() >= kMaxKnown) known.clear();
-  known[identity] = measured.crc;
-  return measured;
+  const std::string identity = fmt::format("{}:{}:{}:{}.{}", status.st_dev, status.st_ino, size,
+                                           status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+  SKYQUILT_TRY_ASSIGN(const std::uint32_t crc, KnownCrc(identity, compute));
+  return Measured{size, crc};
 }
 
 Result<Measured> MeasureStreamed(const storage::OpenStreamed& streamed) {
-  static std::mutex mutex;
-  static std::map<std::string, std::uint32_t> known;
-  Measured measured;
-  measured.size = streamed.file->length();
-  {
-    const std::lock_guard lock(mutex);
-    const auto found = known.find(streamed.identity);
-    if (found != known.end()) measured.crc = found->second;
-    if (found != known.end()) return measured;
-  }
-  const auto add = [](uLong crc, const std::string& bytes) {
-    return crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  const auto compute = [&]() -> Result<std::uint32_t> {
+    const auto add = [](uLong crc, const std::string& bytes) {
+      return crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+    };
+    uLong crc = add(crc32(0, nullptr, 0), streamed.file->head());
+    std::optional<Error> failure;
+    constexpr std::size_t kWindow = 32;
+    ParallelOrdered<Result<std::string>>(
+        streamed.file->PieceCount(), 0, kWindow,
+        [&](std::size_t i) { return streamed.file->MakePiece(i, *streamed.tiles); },
+        [&](std::size_t, Result<std::string>&& piece) {
+          if (!piece && !failure) failure = piece.error();
+          if (piece) crc = add(crc, *piece);
+        });
+    if (failure) return *failure;
+    return static_cast<std::uint32_t>(crc);
   };
-  uLong crc = add(crc32(0, nullptr, 0), streamed.file->head());
-  std::optional<Error> failure;
-  constexpr std::size_t kWindow = 32;
-  ParallelOrdered<Result<std::string>>(
-      streamed.file->PieceCount(), 0, kWindow,
-      [&](std::size_t i) { return streamed.file->MakePiece(i, *streamed.tiles); },
-      [&](std::size_t, Result<std::string>&& piece) {
-        if (!piece && !failure) failure = piece.error();
-        if (piece) crc = add(crc, *piece);
-      });
-  if (failure) return *failure;
-  measured.crc = static_cast<std::uint32_t>(crc);
-  constexpr std::size_t kMaxKnown = 4096;
-  const std::lock_guard lock(mutex);
-  if (known.size() >= kMaxKnown) known.clear();
-  known[streamed.identity] = measured.crc;
-  return measured;
+  SKYQUILT_TRY_ASSIGN(const std::uint32_t crc, KnownCrc(streamed.identity, compute));
+  return Measured{streamed.file->length(), crc};
 }
 
 Result<Measured> Measure(const ZipEntry& entry) {
