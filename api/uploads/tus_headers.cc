@@ -1,5 +1,7 @@
 #include "api/uploads/tus_headers.h"
 
+#include "core/base/text/plain_text.h"
+
 namespace skyquilt::api {
 namespace {
 
@@ -12,14 +14,9 @@ bool IsKeyCharacter(char c) { return c > ' ' && c < 0x7f && c != ','; }
 std::optional<std::int64_t> ParseTusNumber(std::string_view text) {
   constexpr std::size_t kMaxDigits = 16;
   constexpr std::int64_t kLargest = std::int64_t{1} << 53;
-  if (text.empty() || text.size() > kMaxDigits) return std::nullopt;
-  std::int64_t number = 0;
-  for (const char c : text) {
-    if (c < '0' || c > '9') return std::nullopt;
-    number = number * 10 + (c - '0');
-  }
-  if (number > kLargest) return std::nullopt;
-  return number;
+  if (text.size() > kMaxDigits || text.starts_with('-')) return std::nullopt;
+  const auto number = ParseNumber<std::int64_t>(text);
+  return number && *number <= kLargest ? number : std::nullopt;
 }
 
 std::optional<std::map<std::string, std::string>> ParseTusMetadata(std::string_view text) {

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "core/base/text/file_names.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/uploads/zip_directory.h"
@@ -219,18 +220,13 @@ class Unpacking {
   bool is_kept_ = false;
 };
 
-bool EndsWithIgnoringCase(std::string_view text, std::string_view end) {
-  if (text.size() < end.size()) return false;
-  return std::equal(end.begin(), end.end(), text.end() - static_cast<std::ptrdiff_t>(end.size()),
-                    [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
-}
-
 }  // namespace
 
 bool IsArchiveName(std::string_view name) {
   constexpr std::array<std::string_view, 4> kEnds = {".zip", ".tar", ".tar.gz", ".tgz"};
+  const std::string lower = LowerCase(name);
   return std::any_of(kEnds.begin(), kEnds.end(),
-                     [&](std::string_view end) { return EndsWithIgnoringCase(name, end); });
+                     [&](std::string_view end) { return lower.ends_with(end); });
 }
 
 Result<std::vector<UnpackedFile>> UnpackArchive(const PhotoStore& store, const std::string& flight_id,
