@@ -19,6 +19,13 @@ constexpr std::chrono::hours kBlobSweepPause{24};
 // It counts the files of all flights.
 constexpr std::chrono::hours kIdlePause{1};
 
+// Says so where it was not done.
+template <typename Done>
+bool HasFailed(const char* what, const Result<Done>& done) {
+  if (!done) LogFailure("-", what, done.error().message + " " + done.error().detail);
+  return !done;
+}
+
 }  // namespace
 
 Housekeeper::Housekeeper(api::Service& service)
@@ -35,10 +42,7 @@ void Housekeeper::TrashIdle() {
         "there on the page, or by POST /api/v1/flights/{}/restore",
         flight.name, service_.keep_days, service_.trash_days, flight.id));
   });
-  if (!done) {
-    LogFailure("-", "flights that nobody changes", done.error().message + " " + done.error().detail);
-    return;
-  }
+  if (HasFailed("flights that nobody changes", done)) return;
   looked_idle_ = now;
 }
 
@@ -62,10 +66,7 @@ void Housekeeper::Round() {
   if (swept_ && now - *swept_ < kBlobSweepPause) return;
   const Result<storage::SweepReport> work =
       storage::SweepWork(service_.store.dir(), service_.queue, storage::Now());
-  if (!work) {
-    LogFailure("-", "sweep of work", work.error().message + " " + work.error().detail);
-    return;
-  }
+  if (HasFailed("sweep of work", work)) return;
   for (const std::string& line : work->moved) LogEvent(line);
   if (service_.store.blobs().IsFolder()) {
     swept_ = now;
@@ -73,21 +74,12 @@ void Housekeeper::Round() {
   }
   const Result<storage::SweepReport> swept =
       storage::SweepBlobs(service_.store.blobs(), service_.catalogue, service_.queue, storage::Now());
-  if (!swept) {
-    LogFailure("-", "sweep of photos and maps", swept.error().message + " " + swept.error().detail);
-    return;
-  }
+  if (HasFailed("sweep of photos and maps", swept)) return;
   const Result<int> chunks = storage::SweepChunks(service_.db, service_.store.blobs(), storage::kOrphanAge);
-  if (!chunks) {
-    LogFailure("-", "sweep of uploads", chunks.error().message + " " + chunks.error().detail);
-    return;
-  }
+  if (HasFailed("sweep of uploads", chunks)) return;
   const Result<int> orphans = storage::SweepExportBlobs(service_.store.blobs(), service_.catalogue,
                                                         service_.exports, storage::kOrphanAge);
-  if (!orphans) {
-    LogFailure("-", "sweep of exports", orphans.error().message + " " + orphans.error().detail);
-    return;
-  }
+  if (HasFailed("sweep of exports", orphans)) return;
   swept_ = now;
   if (const int removed_blobs = swept->removed + *chunks + *orphans; removed_blobs > 0)
     LogEvent(fmt::format("{} blobs that were nobody's were removed", removed_blobs));

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -11,6 +10,7 @@
 #include "core/base/try.h"
 #include "core/image/picture_format.h"
 #include "storage/db/sqlite_db.h"
+#include "storage/tilesets/tile_source.h"
 #include "storage/validation/tile_judge.h"
 #include "storage/validation/validate_map.h"
 
@@ -18,7 +18,7 @@ namespace skyquilt::storage {
 namespace {
 
 namespace fs = std::filesystem;
-using Claims = std::map<std::string, std::string>;
+using Claims = TilesetFacts;
 
 constexpr int kMaxIntegrityLines = 5;
 
@@ -88,10 +88,7 @@ std::optional<std::vector<double>> NumbersOf(const std::string& text, std::size_
 
 TilesetClaims JudgeClaims(const Claims& claims, FileVerdict& verdict) {
   TilesetClaims told;
-  const auto value = [&](const char* name) {
-    const auto found = claims.find(name);
-    return found == claims.end() ? std::string() : found->second;
-  };
+  const auto value = [&](const char* name) { return TilesetText(claims, name); };
   if (value("name").empty()) verdict.Add(Severity::kError, "metadata has no name, which MBTiles demands");
   const std::string format = value("format");
   if (format.empty()) verdict.Add(Severity::kError, "metadata has no format, which MBTiles demands");
@@ -123,13 +120,11 @@ TilesetClaims JudgeClaims(const Claims& claims, FileVerdict& verdict) {
 void JudgeLostPictures(SqliteDb& db, FileVerdict& verdict) {
   for (const auto& [rows, pictures, id] :
        {std::array{"tiles_shallow", "tiles_data", "tile_data_id"}, std::array{"map", "images", "tile_id"}}) {
-    auto count = db.Prepare(
+    const Result<std::int64_t> count = db.Number(
         fmt::format("SELECT count(*) FROM {0} WHERE {2} NOT IN (SELECT {2} FROM {1})", rows, pictures, id));
-    if (!count) continue;
-    const Result<bool> row = count->Step();
-    if (row && *row && count->ColumnInt64(0) > 0)
-      verdict.Add(Severity::kError, fmt::format("{} tiles lead to pictures that are not there (table {})",
-                                                count->ColumnInt64(0), pictures));
+    if (count && *count > 0)
+      verdict.Add(Severity::kError,
+                  fmt::format("{} tiles lead to pictures that are not there (table {})", *count, pictures));
   }
 }
 
