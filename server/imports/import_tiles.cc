@@ -1,10 +1,9 @@
 #include <fmt/core.h>
 
-#include <array>
 #include <bit>
 #include <cstdint>
-#include <cstdio>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,6 +16,7 @@
 #include "storage/exports/custom/export_request.h"
 #include "storage/exports/stored_tiles.h"
 #include "storage/tilesets/mbtiles_writer.h"
+#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::server {
 namespace {
@@ -44,12 +44,13 @@ class Refusals {
   std::string file_;
 };
 
-using Metadata = std::map<std::string, std::string>;
+using storage::TilesetFacts;
+using storage::TilesetText;
 
-Result<Metadata> MetadataOf(storage::SqliteDb& db, const Refusals& refusals) {
+Result<TilesetFacts> MetadataOf(storage::SqliteDb& db, const Refusals& refusals) {
   auto query = db.Prepare("SELECT name, value FROM metadata");
   if (!query) return refusals.Kind(flight::RemarkCode::kImportNoMbtiles);
-  Metadata metadata;
+  TilesetFacts metadata;
   while (true) {
     const Result<bool> row = query->Step();
     if (!row) return refusals.Damaged(row.error().detail);
@@ -58,16 +59,12 @@ Result<Metadata> MetadataOf(storage::SqliteDb& db, const Refusals& refusals) {
   }
 }
 
-std::string ValueOf(const Metadata& metadata, const char* key) {
-  const auto found = metadata.find(key);
-  return found == metadata.end() ? "" : found->second;
-}
-
-Result<void> CheckMetadata(const Metadata& metadata, const Refusals& refusals) {
-  if (ValueOf(metadata, "format") == "pbf") return refusals.Kind(flight::RemarkCode::kImportVectorTiles);
-  if (ValueOf(metadata, "scheme") == "xyz") return refusals.Kind(flight::RemarkCode::kImportRowsFromNorth);
+Result<void> CheckMetadata(const TilesetFacts& metadata, const Refusals& refusals) {
+  if (TilesetText(metadata, "format") == "pbf") return refusals.Kind(flight::RemarkCode::kImportVectorTiles);
+  if (TilesetText(metadata, "scheme") == "xyz")
+    return refusals.Kind(flight::RemarkCode::kImportRowsFromNorth);
   for (const char* key : {"crs", "srs"}) {
-    const std::string crs = ValueOf(metadata, key);
+    const std::string crs = TilesetText(metadata, key);
     if (!crs.empty() && !crs.ends_with("3857") && !crs.ends_with("900913"))
       return refusals.Kind(flight::RemarkCode::kImportOtherSystem, {{"system", crs.substr(0, 40)}});
   }
@@ -152,10 +149,10 @@ class TileTaker {
 };
 
 // What the file says that it covers, where that fits its tiles.
-void NarrowBounds(const std::string& text, geo::LatLonBounds& bounds) {
-  std::array<double, 4> said{};
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf", &said[0], &said[1], &said[2], &said[3]) != 4) return;
-  geo::LatLonBounds whole = geo::LatLonBounds::FromArray(said);
+void NarrowBounds(const TilesetFacts& metadata, geo::LatLonBounds& bounds) {
+  const std::optional<geo::LatLonBounds> said = storage::TilesetBounds(metadata);
+  if (!said) return;
+  geo::LatLonBounds whole = *said;
   if (whole.east_deg < whole.west_deg) whole.east_deg += 360.0;  // as GeoJSON has it across the antimeridian
   if (whole.east_deg - whole.west_deg < 360.0) {
     whole = whole.Beside(bounds);
@@ -174,7 +171,7 @@ Result<void> ImportTiles(const flight::InputFile& file, const std::filesystem::p
   auto db = storage::SqliteDb::Open(file.path, storage::OpenMode::kReadOnlyImmutable);
   if (!db && db.error().code != ErrorCode::kCorrupt) return db.error();
   if (!db) return refusals.Damaged(db.error().detail);
-  SKYQUILT_TRY_ASSIGN(const Metadata metadata, MetadataOf(*db, refusals));
+  SKYQUILT_TRY_ASSIGN(const TilesetFacts metadata, MetadataOf(*db, refusals));
   SKYQUILT_TRY(CheckMetadata(metadata, refusals));
   const Result<std::int64_t> count = storage::CountTiles(*db);
   if (!count) return refusals.Kind(flight::RemarkCode::kImportNoMbtiles, {}, count.error().detail);
@@ -195,8 +192,8 @@ Result<void> ImportTiles(const flight::InputFile& file, const std::filesystem::p
     progress.Report(static_cast<double>(done) / static_cast<double>(*count), "looking at tiles");
   }
   taker.Tell(report);
-  NarrowBounds(ValueOf(metadata, "bounds"), report.bounds);
-  return writer->Publish(MetadataOfImport(report, ValueOf(metadata, "attribution")));
+  NarrowBounds(metadata, report.bounds);
+  return writer->Publish(MetadataOfImport(report, TilesetText(metadata, "attribution")));
 }
 
 }  // namespace skyquilt::server

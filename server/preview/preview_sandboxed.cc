@@ -28,10 +28,6 @@ constexpr std::chrono::milliseconds kPreviewPollInterval{50};
 // share.
 constexpr double kWallPerCpu = 5.0;
 
-bool Remove(std::vector<StoredFile>& files, const std::string& stored_name) {
-  return std::erase_if(files, [&](const StoredFile& file) { return file.stored_name == stored_name; }) > 0;
-}
-
 bool Has(const std::vector<StoredFile>& files, const std::string& stored_name) {
   return std::any_of(files.begin(), files.end(),
                      [&](const StoredFile& file) { return file.stored_name == stored_name; });
@@ -241,8 +237,7 @@ Result<bool> SandboxedPreview::Step() {
     std::copy_if(request.tried.begin(), request.tried.end(), std::back_inserter(culprit), is_it);
     SKYQUILT_TRY(previews_.Forgo(culprit));
     LogEvent(fmt::format("{} is not in the preview: {}", culprit.front().name, answer.why));
-    Remove(request.fresh, answer.culprit);
-    Remove(request.tried, answer.culprit);
+    for (std::vector<StoredFile>* files : {&request.fresh, &request.tried}) std::erase_if(*files, is_it);
     if (request.fresh.empty()) return true;
   }
 }

@@ -93,9 +93,7 @@ void WorkerPool::Ended(Slot& slot, int status) {
 
 void WorkerPool::Stop(std::chrono::milliseconds grace) {
   is_stopping_ = true;
-  for (const Slot& slot : slots_) {
-    if (slot.pid != 0) kill(slot.pid, SIGTERM);
-  }
+  Interrupt();
   const auto end = Clock::now() + grace;
   while (true) {
     Reap();
