@@ -158,10 +158,6 @@ std::string PageAt(const Request& request, const FeatureQuery& query, std::size_
   return path;
 }
 
-Response FeatureDocument(const FeatureJson& value) {
-  return NoCache(Text(200, JsonText(value), kFeatureType));
-}
-
 struct AskedPhotos {
   PhotoFeatures kind;
   FeatureJson photos;
@@ -201,12 +197,13 @@ Result<Response> Items(Service& service, const Request& request) {
         FeatureLink(request, PageAt(request, query, query.offset + features.size()), "next", kFeatureType));
   }
   const std::size_t returned = features.size();
-  return FeatureDocument({{"type", "FeatureCollection"},
-                          {"features", std::move(features)},
-                          {"numberMatched", matched},
-                          {"numberReturned", returned},
-                          {"timeStamp", FormatTime(storage::Now())},
-                          {"links", links}});
+  return OgcDocument({{"type", "FeatureCollection"},
+                      {"features", std::move(features)},
+                      {"numberMatched", matched},
+                      {"numberReturned", returned},
+                      {"timeStamp", FormatTime(storage::Now())},
+                      {"links", links}},
+                     kFeatureType);
 }
 
 Result<Response> Item(Service& service, const Request& request) {
@@ -220,7 +217,7 @@ Result<Response> Item(Service& service, const Request& request) {
     feature["links"] = FeatureJson::array(
         {FeatureLink(request, path + "/items/" + EncodedForQuery(id), "self", kFeatureType),
          FeatureLink(request, path, "collection", "application/json")});
-    return FeatureDocument(feature);
+    return OgcDocument(feature, kFeatureType);
   }
   return Error{ErrorCode::kNotFound, "There is no such photo in this collection.", ""};
 }

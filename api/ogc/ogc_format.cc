@@ -43,8 +43,8 @@ bool TakesAsStored(std::string_view accept, const storage::Tileset& tileset) {
 
 }  // namespace
 
-Response OgcDocument(const nlohmann::ordered_json& document) {
-  return NoCache(Text(200, JsonText(document), "application/json"));
+Response OgcDocument(const nlohmann::ordered_json& document, const char* type) {
+  return NoCache(Text(200, JsonText(document), type));
 }
 
 nlohmann::ordered_json OgcLink(const Request& request, std::string_view path, const std::string& rel,

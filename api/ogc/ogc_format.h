@@ -19,7 +19,7 @@ inline constexpr const char* kMercatorUri = "http://www.opengis.net/def/crs/EPSG
 inline constexpr const char* kCrs84Uri = "http://www.opengis.net/def/crs/OGC/1.3/CRS84";
 
 // Which is not kept.
-Response OgcDocument(const nlohmann::ordered_json& document);
+Response OgcDocument(const nlohmann::ordered_json& document, const char* type = "application/json");
 // A link of a document to `path` of this server.
 nlohmann::ordered_json OgcLink(const Request& request, std::string_view path, const std::string& rel,
                                const char* type, const char* title);

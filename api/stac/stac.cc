@@ -8,6 +8,7 @@
 #include "api/http/links.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/ogc/ogc_format.h"
 #include "api/routes.h"
 #include "api/stac/stac_item.h"
 #include "api/stac/stac_search.h"
@@ -26,10 +27,6 @@ constexpr int kRowsAtOnce = 1000;  // of the catalogue, while a search looks for
 
 StacJson StacLink(const Request& request, const std::string& path, const char* rel, const char* type) {
   return {{"rel", rel}, {"href", LinkTo(request, path)}, {"type", type}};
-}
-
-Response StacDocument(const StacJson& value, const char* type = kJsonType) {
-  return NoCache(Text(200, JsonText(value), type));
 }
 
 StacJson ConformanceClasses() {
@@ -57,13 +54,13 @@ Response StacRoot(const Request& request) {
     links.push_back(StacLink(request, "/stac/search", "search", kGeoJsonType));
     links.back()["method"] = method;
   }
-  return StacDocument({{"type", "Catalog"},
-                       {"stac_version", "1.0.0"},
-                       {"id", "skyquilt"},
-                       {"title", "Skyquilt"},
-                       {"description", "Maps made of aerial photos"},
-                       {"conformsTo", ConformanceClasses()},
-                       {"links", links}});
+  return OgcDocument({{"type", "Catalog"},
+                      {"stac_version", "1.0.0"},
+                      {"id", "skyquilt"},
+                      {"title", "Skyquilt"},
+                      {"description", "Maps made of aerial photos"},
+                      {"conformsTo", ConformanceClasses()},
+                      {"links", links}});
 }
 
 // Where all maps lie, and when their photos were taken.
@@ -119,7 +116,7 @@ Result<StacJson> TheCollection(Service& service, const Request& request) {
 
 Result<Response> CollectionDocument(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const StacJson collection, TheCollection(service, request));
-  return StacDocument(collection);
+  return OgcDocument(collection);
 }
 
 Result<Response> CollectionList(Service& service, const Request& request) {
@@ -127,7 +124,7 @@ Result<Response> CollectionList(Service& service, const Request& request) {
   StacJson links = StacJson::array();
   links.push_back(StacLink(request, "/stac/collections", "self", kJsonType));
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
-  return StacDocument({{"collections", StacJson::array({collection})}, {"links", links}});
+  return OgcDocument({{"collections", StacJson::array({collection})}, {"links", links}});
 }
 
 struct FoundMaps {
@@ -174,11 +171,11 @@ Result<Response> AnswerSearch(Service& service, const Request& request, const Re
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
   links.push_back(StacLink(request, self, "self", kGeoJsonType));
   if (found.next_cursor) links.push_back(next(*found.next_cursor));
-  return StacDocument({{"type", "FeatureCollection"},
-                       {"features", features},
-                       {"numberReturned", found.maps.size()},
-                       {"links", links}},
-                      kGeoJsonType);
+  return OgcDocument({{"type", "FeatureCollection"},
+                      {"features", features},
+                      {"numberReturned", found.maps.size()},
+                      {"links", links}},
+                     kGeoJsonType);
 }
 
 // The address that was asked for, with another cursor; the token is put behind it as in all our addresses.
@@ -236,7 +233,7 @@ Result<Response> AnswerItem(Service& service, const Request& request, const std:
 void AddStacRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/stac", StacRoot);
   router.AddQuick(Method::kGet, "/stac/conformance", [](const Request&) {
-    return StacDocument({{"conformsTo", ConformanceClasses()}});
+    return OgcDocument({{"conformsTo", ConformanceClasses()}});
   });
   router.Add(Method::kGet, "/stac/collections", On(service, CollectionList));
   router.Add(Method::kGet, CollectionPath(), On(service, CollectionDocument));
