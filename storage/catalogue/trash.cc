@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "storage/jobs/job_rows.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -45,13 +46,7 @@ Result<bool> Trash::PutIf(const std::string& flight_id, Time now, const Conditio
     SKYQUILT_TRY_ASSIGN(const bool wanted, is_wanted(*db));
     if (!wanted) return false;
     const std::int64_t age = ToUs(db_.ages().Now());
-    // One that waits for its units has no worker that would notice.
-    SKYQUILT_TRY(
-        db->Change("UPDATE job SET cancel=1,"
-                   " finished_us=CASE WHEN state='accepted' OR worker='units' THEN ?2 ELSE finished_us END,"
-                   " state=CASE WHEN state='accepted' OR worker='units' THEN 'dismissed' ELSE state END"
-                   " WHERE flight_id=?1 AND state IN ('accepted','running')",
-                   flight_id, ToUs(now)));
+    SKYQUILT_TRY(db->Change(std::string(kCancelJobs) + "flight_id=?1", flight_id, ToUs(now)));
     // Whoever restores it begins anew to count how long nothing has changed.
     for (const char* sql :
          {"DELETE FROM preview WHERE flight_id=?", "DELETE FROM idle_flight WHERE flight_id=?",

@@ -122,12 +122,7 @@ Result<int> JobQueue::CountUnfinished(int most) const {
 Result<Job> JobQueue::Cancel(const std::string& id, Time by_machine) {
   const auto db = db_.Lock();
   const Time now = db_.SharedTime(by_machine, *db);
-  SKYQUILT_TRY(
-      db->Change("UPDATE job SET cancel=1,"
-                 " finished_us=CASE WHEN state='accepted' OR worker='units' THEN ?2 ELSE finished_us END,"
-                 " state=CASE WHEN state='accepted' OR worker='units' THEN 'dismissed' ELSE state END"
-                 " WHERE id=?1 AND state IN ('accepted','running')",
-                 id, ToUs(now)));
+  SKYQUILT_TRY(db->Change(std::string(kCancelJobs) + "id=?1", id, ToUs(now)));
   const bool changed = db->Changes() > 0;
   Result<Job> job = ReadJob(*db, id);
   if (job && !changed && job->state != JobState::kDismissed) {
