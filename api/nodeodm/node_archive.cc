@@ -1,7 +1,6 @@
 // all.zip: the map under the names that the node's clients know.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -15,6 +14,7 @@
 #include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::api {
 namespace {
@@ -25,9 +25,9 @@ namespace fs = std::filesystem;
 std::string DumpIndented(const Value& value) { return JsonText(value, 1) + "\n"; }
 
 Result<Value> ReadJson(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Error{ErrorCode::kNotFound, "Asset not ready", path.string()};
-  Value parsed = ParseOrderedJson(file);
+  const Result<std::string> text = storage::ReadWholeFile(path);
+  if (!text) return Error{ErrorCode::kNotFound, "Asset not ready", path.string()};
+  Value parsed = ParseOrderedJson(*text);
   if (parsed.is_discarded())
     return Error{ErrorCode::kCorrupt, "A file of the map is damaged.", path.string()};
   return parsed;

@@ -1,7 +1,6 @@
 #include "server/inputs/film_frames.h"
 
 #include <cstdint>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
@@ -79,8 +78,7 @@ Result<video::FlightFiles> TakeFilmFrames(const std::vector<flight::InputFile>& 
 }
 
 std::vector<FilmSource> SourcesOfFrames(const fs::path& out_dir) {
-  std::ifstream file(out_dir / kFramesFolder / kSourcesFile, std::ios::binary);
-  const json list = file ? ParseJson(file) : json();
+  const json list = ParseJsonFile(out_dir / kFramesFolder / kSourcesFile);
   std::vector<FilmSource> sources;
   if (!list.is_array()) return sources;
   for (const json& said : list) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -53,8 +52,7 @@ DiskFlight SurveyFlight(const fs::path& folder) {
 
 // report.json; empty where it is missing or none.
 Json ReportIn(const fs::path& folder) {
-  std::ifstream file(folder / "report.json", std::ios::binary);
-  Json json = ParseJson(file);
+  Json json = ParseJsonFile(folder / "report.json");
   return json.is_object() ? json : Json::object();
 }
 

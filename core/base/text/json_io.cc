@@ -1,6 +1,6 @@
 #include "core/base/text/json_io.h"
 
-#include <istream>
+#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -12,10 +12,6 @@ Json Parse(std::string_view text) {
   return Json::parse(text.data(), text.data() + text.size(), nullptr, /*allow_exceptions=*/false);
 }
 
-std::string Rest(std::istream& stream) {
-  return std::string(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
-}
-
 template <typename Json>
 std::string Dump(const Json& value, int indent) {
   return value.dump(indent, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace);
@@ -24,9 +20,13 @@ std::string Dump(const Json& value, int indent) {
 }  // namespace
 
 nlohmann::json ParseJson(std::string_view text) { return Parse<nlohmann::json>(text); }
-nlohmann::json ParseJson(std::istream& text) { return ParseJson(Rest(text)); }
+
+nlohmann::json ParseJsonFile(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return ParseJson(std::string(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()));
+}
+
 nlohmann::ordered_json ParseOrderedJson(std::string_view text) { return Parse<nlohmann::ordered_json>(text); }
-nlohmann::ordered_json ParseOrderedJson(std::istream& text) { return ParseOrderedJson(Rest(text)); }
 
 std::string JsonText(const nlohmann::json& value, int indent) { return Dump(value, indent); }
 std::string JsonText(const nlohmann::ordered_json& value, int indent) { return Dump(value, indent); }

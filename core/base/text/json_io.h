@@ -2,22 +2,21 @@
 // seconds in every object that calls them by themselves. A text that is no JSON gives a discarded value: ask
 // `is_discarded()`, or what it should be (`is_object()`), before a look inside; at(), [], value() and get()
 // of it throw an exception of the library's, but contains() is false, and a loop over it runs once. Bytes
-// that are not UTF-8 are written as U+FFFD. Pure; any thread.
+// that are not UTF-8 are written as U+FFFD. Any thread.
 #pragma once
 
-#include <iosfwd>
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
 namespace skyquilt {
 
-// Of a stream: all that is left of it.
 nlohmann::json ParseJson(std::string_view text);
-nlohmann::json ParseJson(std::istream& text);
+// Of a file; discarded too where it cannot be read.
+nlohmann::json ParseJsonFile(const std::filesystem::path& path);
 // Members in the order of the text.
 nlohmann::ordered_json ParseOrderedJson(std::string_view text);
-nlohmann::ordered_json ParseOrderedJson(std::istream& text);
 
 // `indent`: spaces a level; negative: one line.
 std::string JsonText(const nlohmann::json& value, int indent = -1);

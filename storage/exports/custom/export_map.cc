@@ -1,7 +1,6 @@
 #include "storage/exports/custom/export_map.h"
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -147,8 +146,7 @@ Result<ExportSource> ExportSourceOf(const fs::path& map) {
   if (source.mbtiles.filename() != "mosaic.mbtiles") return source;
   if (fs::is_regular_file(folder / "mosaic.tif", error)) source.cog = folder / "mosaic.tif";
   if (fs::is_regular_file(folder / "bands.tif", error)) source.bands = folder / "bands.tif";
-  std::ifstream file(folder / "report.json", std::ios::binary);
-  const auto report = ParseJson(file);
+  const auto report = ParseJsonFile(folder / "report.json");
   if (!report.is_object()) return source;
   const auto gsd = report.find("gsd_m"), placed = report.find("is_placed");
   if (gsd != report.end() && gsd->is_number()) source.gsd_m = gsd->get<double>();

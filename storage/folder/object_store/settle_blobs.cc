@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -41,8 +40,7 @@ Result<std::optional<std::string>> OwnerOf(BlobStore& blobs) {
 Result<std::optional<std::string>> SettledAt(const DataDir& dir) {
   std::error_code error;
   if (!std::filesystem::exists(dir.BlobsMarker(), error)) return std::optional<std::string>();
-  std::ifstream file(dir.BlobsMarker(), std::ios::binary);
-  const auto json = ParseJson(file);
+  const auto json = ParseJsonFile(dir.BlobsMarker());
   if (!json.is_object() || !json.contains("blobs") || !json["blobs"].is_string()) {
     return Error{ErrorCode::kCorrupt,
                  fmt::format("The file {} is damaged: it says where photos and maps lie. Write "

@@ -3,8 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "core/base/text/printable.h"
 
@@ -25,12 +26,12 @@ TEST(ParseJson, KeepsTheOrderOfMembersWhereThatIsAskedFor) {
   EXPECT_EQ(JsonText(ParseJson(kText)), R"({"a":[true,null,0.1],"b":1})");
 }
 
-TEST(ParseJson, TakesAllThatIsLeftOfAStream) {
-  std::istringstream stream("{\"a\":1}\n");
-  EXPECT_EQ(ParseJson(stream).at("a"), 1);
-  std::istringstream ordered("[2]");
-  EXPECT_EQ(ParseOrderedJson(ordered).at(0), 2);
-  EXPECT_TRUE(ParseJson(stream).is_discarded());  // nothing is
+TEST(ParseJson, ReadsAFileWhereThereIsOne) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "json_io_test.json";
+  std::ofstream(path) << "{\"a\":1}\n";
+  EXPECT_EQ(ParseJsonFile(path).at("a"), 1);
+  std::filesystem::remove(path);
+  EXPECT_TRUE(ParseJsonFile(path).is_discarded());
 }
 
 TEST(JsonText, WritesNamesThatAreNotUtf8AndIndents) {
