@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -31,10 +30,7 @@ class FileSource final : public BodySource {
   Result<std::size_t> Read(std::span<std::uint8_t> into) override {
     const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(into.size(), left_));
     if (wanted == 0) return std::size_t{0};
-    ssize_t got = 0;
-    do {
-      got = pread(file_.get(), into.data(), wanted, static_cast<off_t>(offset_));
-    } while (got < 0 && errno == EINTR);
+    const ssize_t got = file_.ReadAt(offset_, into.data(), wanted);
     if (got <= 0)
       return Error{ErrorCode::kIo, "The file could not be read.", got < 0 ? std::strerror(errno) : "short"};
     offset_ += static_cast<std::uint64_t>(got);

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -64,8 +63,7 @@ Result<Measured> MeasureFile(const std::filesystem::path& path) {
     uLong crc = crc32(0, nullptr, 0);
     std::uint64_t total = 0;
     while (true) {
-      const ssize_t got = read(file.get(), slice.data(), slice.size());
-      if (got < 0 && errno == EINTR) continue;
+      const ssize_t got = file.ReadAt(total, slice.data(), slice.size());
       if (got < 0) return ReadError(path);
       if (got == 0) break;
       crc = crc32(crc, slice.data(), static_cast<uInt>(got));
@@ -226,10 +224,7 @@ class ZipSource final : public BodySource {
     } else if (piece.path.empty()) {
       std::memcpy(into.data(), piece.bytes.data() + inside, wanted);
     } else {
-      ssize_t read = -1;
-      do {
-        read = pread(files_[piece_ - first_piece_].get(), into.data(), wanted, static_cast<off_t>(inside));
-      } while (read < 0 && errno == EINTR);
+      const ssize_t read = files_[piece_ - first_piece_].ReadAt(inside, into.data(), wanted);
       if (read <= 0) return ReadError(piece.path);
       got = static_cast<std::size_t>(read);
     }

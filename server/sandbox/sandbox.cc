@@ -18,6 +18,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/process/late_library.h"
 #include "core/base/try.h"
 #include "server/sandbox/system_calls.h"
@@ -94,39 +95,33 @@ Error Refused(const char* what) {
 
 class Ruleset {
  public:
-  explicit Ruleset(int version) : all_(AllOfVersion(version)) {
-    RulesetAttributes attributes;
-    attributes.files = all_;
-    if (version >= 4) attributes.net = kBindTcp | kConnectTcp;
-    if (version >= 6) attributes.scoped = kAbstractSockets | kSignals;
-    fd_ = static_cast<int>(syscall(SYS_landlock_create_ruleset, &attributes, sizeof(attributes), 0));
-  }
-  ~Ruleset() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Ruleset(const Ruleset&) = delete;
-  Ruleset& operator=(const Ruleset&) = delete;
-  int fd() const { return fd_; }
+  explicit Ruleset(int version) : all_(AllOfVersion(version)), fd_(Create(version, all_)) {}
+  int fd() const { return fd_.get(); }
 
   Result<void> Allow(const fs::path& path, std::uint64_t rights) const {
-    const int at = open(path.c_str(), O_PATH | O_CLOEXEC);
-    if (at < 0) return {};
+    const FileDescriptor at(open(path.c_str(), O_PATH | O_CLOEXEC));
+    if (!at.is_open()) return {};
     struct stat what {};
     landlock_path_beneath_attr rule{};
     rule.allowed_access = rights & all_;
-    if (fstat(at, &what) == 0 && !S_ISDIR(what.st_mode)) rule.allowed_access &= kOfFiles;
-    rule.parent_fd = at;
-    const long failed = syscall(SYS_landlock_add_rule, fd_, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
-    const int code = errno;
-    close(at);
-    errno = code;
-    if (failed != 0) return Refused(("landlock_add_rule " + path.string()).c_str());
+    if (fstat(at.get(), &what) == 0 && !S_ISDIR(what.st_mode)) rule.allowed_access &= kOfFiles;
+    rule.parent_fd = at.get();
+    if (syscall(SYS_landlock_add_rule, fd(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0)
+      return Refused(("landlock_add_rule " + path.string()).c_str());
     return {};
   }
 
  private:
+  static int Create(int version, std::uint64_t all) {
+    RulesetAttributes attributes;
+    attributes.files = all;
+    if (version >= 4) attributes.net = kBindTcp | kConnectTcp;
+    if (version >= 6) attributes.scoped = kAbstractSockets | kSignals;
+    return static_cast<int>(syscall(SYS_landlock_create_ruleset, &attributes, sizeof(attributes), 0));
+  }
+
   std::uint64_t all_;
-  int fd_ = -1;
+  FileDescriptor fd_;
 };
 
 Result<void> ConfineFiles(const FileAccess& access) {
@@ -206,10 +201,8 @@ void LimitThisProcess(const ProcessLimits& limits) {
 
 void StepBack() {
   setpriority(PRIO_PROCESS, 0, 5);
-  const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
-  if (fd < 0) return;  // not Linux as we know it: then without
-  [[maybe_unused]] const ssize_t wrote = write(fd, "500", 3);
-  close(fd);
+  // Where it cannot be opened this is no Linux as we know it: then without.
+  FileDescriptor(open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC)).Write("500", 3);
 }
 
 bool FollowParent(int parent, int signal) {

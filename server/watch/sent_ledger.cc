@@ -68,18 +68,18 @@ Result<SentLedger> SentLedger::Open(const std::filesystem::path& path) {
   std::error_code failed;
   std::filesystem::create_directories(path.parent_path(), failed);
   if (failed) return storage::FileError("cannot make", path.parent_path(), failed.value());
-  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
-  if (file < 0) return storage::FileError("cannot open", path, errno);
-  SentLedger ledger(path, file);
+  FileDescriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0600));
+  if (!file.is_open()) return storage::FileError("cannot open", path, errno);
+  SentLedger ledger(path, std::move(file));
   {
-    const LedgerLock lock(file);
-    if (lseek(file, 0, SEEK_END) == 0) {
+    const LedgerLock lock(ledger.file_.get());
+    if (lseek(ledger.file_.get(), 0, SEEK_END) == 0) {
       SKYQUILT_TRY(ledger.Append(kLedgerHead));
       SKYQUILT_TRY(storage::SyncFolder(path.parent_path()));
     }
   }
   std::string head(std::string_view(kLedgerHead).size(), '\0');
-  const ssize_t read = pread(file, head.data(), head.size(), 0);
+  const ssize_t read = ledger.file_.ReadAt(0, head.data(), head.size());
   if (read != static_cast<ssize_t>(head.size()) || head != kLedgerHead)
     return Error{ErrorCode::kCorrupt,
                  path.string() + " is no list of what was sent. Move it away, or name another with --state.",
@@ -88,23 +88,10 @@ Result<SentLedger> SentLedger::Open(const std::filesystem::path& path) {
   return ledger;
 }
 
-SentLedger::~SentLedger() {
-  if (file_ >= 0) close(file_);
-}
-
-SentLedger::SentLedger(SentLedger&& other) noexcept
-    : path_(std::move(other.path_)),
-      file_(std::exchange(other.file_, -1)),
-      read_bytes_(other.read_bytes_),
-      begun_line_(std::move(other.begun_line_)),
-      flights_(std::move(other.flights_)),
-      order_(std::move(other.order_)),
-      last_with_(std::move(other.last_with_)) {}
-
 Result<void> SentLedger::Refresh() {
   std::array<char, 1 << 16> block{};
   for (;;) {
-    const ssize_t read = pread(file_, block.data(), block.size(), static_cast<off_t>(read_bytes_));
+    const ssize_t read = file_.ReadAt(read_bytes_, block.data(), block.size());
     if (read < 0) return storage::FileError("cannot read", path_, errno);
     if (read == 0) return {};
     read_bytes_ += static_cast<std::uint64_t>(read);
@@ -151,18 +138,13 @@ void SentLedger::Apply(const std::string& line) {
 
 Result<void> SentLedger::Append(const std::string& line) {
   // After a line that a kill tore a new one begins.
-  const off_t end = lseek(file_, 0, SEEK_END);
+  const off_t end = lseek(file_.get(), 0, SEEK_END);
   char last = '\n';
-  if (end > 0 && pread(file_, &last, 1, end - 1) != 1) return storage::FileError("cannot read", path_, errno);
+  if (end > 0 && file_.ReadAt(static_cast<std::uint64_t>(end - 1), &last, 1) != 1)
+    return storage::FileError("cannot read", path_, errno);
   const std::string text = (last == '\n' ? "" : "\n") + line + "\n";
-  std::string_view left = text;
-  while (!left.empty()) {
-    const ssize_t written = write(file_, left.data(), left.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return storage::FileError("cannot write", path_, errno);
-    left.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (fsync(file_) != 0) return storage::FileError("cannot write", path_, errno);
+  if (file_.Write(text.data(), text.size()) != text.size() || fsync(file_.get()) != 0)
+    return storage::FileError("cannot write", path_, errno);
   return Refresh();
 }
 
@@ -192,31 +174,31 @@ std::string LineOf(const std::string& key, const char* what, json value) {
 }  // namespace
 
 Result<void> SentLedger::Begin(const std::string& key, const std::string& name) {
-  const LedgerLock lock(file_);
+  const LedgerLock lock(file_.get());
   return Append(LineOf(key, "name", name));
 }
 
 Result<void> SentLedger::WillSend(const std::string& key, const std::map<Digest, std::string>& files) {
   json named = json::object();
   for (const auto& [digest, name] : files) named[HexOf(digest)] = name;
-  const LedgerLock lock(file_);
+  const LedgerLock lock(file_.get());
   return Append(LineOf(key, "files", std::move(named)));
 }
 
 Result<void> SentLedger::Made(const std::string& key, const std::string& id) {
-  const LedgerLock lock(file_);
+  const LedgerLock lock(file_.get());
   return Append(LineOf(key, "id", id));
 }
 
 Result<void> SentLedger::Sent(const std::string& key, const std::vector<Digest>& digests) {
   json hexes = json::array();
   for (const Digest& digest : digests) hexes.push_back(HexOf(digest));
-  const LedgerLock lock(file_);
+  const LedgerLock lock(file_.get());
   return Append(LineOf(key, "sent", std::move(hexes)));
 }
 
 Result<void> SentLedger::Gone(const std::string& key) {
-  const LedgerLock lock(file_);
+  const LedgerLock lock(file_.get());
   return Append(LineOf(key, "gone", true));
 }
 

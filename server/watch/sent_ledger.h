@@ -8,9 +8,11 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/digest.h"
+#include "core/base/process/file_descriptor.h"
 #include "core/base/result.h"
 
 namespace skyquilt::server {
@@ -28,8 +30,7 @@ class SentLedger {
  public:
   // The file is made, with its folder, where it is missing.
   static Result<SentLedger> Open(const std::filesystem::path& file);
-  ~SentLedger();
-  SentLedger(SentLedger&& other) noexcept;
+  SentLedger(SentLedger&&) = default;
   SentLedger& operator=(SentLedger&&) = delete;
   SentLedger(const SentLedger&) = delete;
 
@@ -48,12 +49,13 @@ class SentLedger {
   Result<void> Gone(const std::string& key);
 
  private:
-  SentLedger(std::filesystem::path path, int file) : path_(std::move(path)), file_(file) {}
+  SentLedger(std::filesystem::path path, FileDescriptor file)
+      : path_(std::move(path)), file_(std::move(file)) {}
   Result<void> Append(const std::string& line);
   void Apply(const std::string& line);
 
   std::filesystem::path path_;
-  int file_ = -1;
+  FileDescriptor file_;
   std::uint64_t read_bytes_ = 0;
   std::string begun_line_;  // of which the end was not read yet
   std::map<std::string, SentFlight> flights_;

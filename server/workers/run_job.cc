@@ -12,6 +12,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
@@ -39,12 +40,9 @@ Error OsError(const std::string& what, int code) {
 }
 
 Result<void> Sync(const fs::path& path, int flags) {
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | flags);
-  if (fd < 0) return OsError("open " + path.string(), errno);
-  const int failed = fsync(fd);
-  const int code = errno;
-  close(fd);
-  if (failed != 0) return OsError("fsync " + path.string(), code);
+  const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | flags));
+  if (!file.is_open()) return OsError("open " + path.string(), errno);
+  if (fsync(file.get()) != 0) return OsError("fsync " + path.string(), errno);
   return {};
 }
 

@@ -2,10 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <fstream>
 #include <utility>
 
@@ -21,10 +19,7 @@ Result<std::string> SliceOf(const LocalBlob& chunk, std::int64_t offset, std::in
   if (!file.is_open())
     return Error{ErrorCode::kNotFound, "A chunk is no longer in the cache.", chunk.path.string()};
   std::string bytes(static_cast<std::size_t>(length), '\0');
-  ssize_t got = 0;
-  do {
-    got = pread(file.get(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
-  } while (got < 0 && errno == EINTR);
+  const ssize_t got = file.ReadAt(static_cast<std::uint64_t>(offset), bytes.data(), bytes.size());
   if (got < 0) return Error{ErrorCode::kIo, "The server's cache could not be read.", chunk.path.string()};
   bytes.resize(static_cast<std::size_t>(got));
   return bytes;

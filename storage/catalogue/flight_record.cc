@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/files/publish_file.h"
@@ -200,30 +201,29 @@ Result<void> FlightRecords::Append(const std::string& flight_id, const std::stri
   const std::filesystem::path path = dir_.Flight(flight_id) / kFlightRecordName;
   // A flight without a record (one of an earlier version, brought here while the server ran) gets one that
   // does not claim to be whole.
-  const int fd = open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0640);
-  if (fd < 0 && errno == ENOENT) {
+  const FileDescriptor file(open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0640));
+  if (!file.is_open() && errno == ENOENT) {
     if (access(dir_.Flights().c_str(), F_OK) != 0) {
       return Error{ErrorCode::kUnavailable, "The server's data folder is gone. Try again when it is back.",
                    path.string()};
     }
     return Error{ErrorCode::kNotFound, "The folder of this flight is gone.", path.string()};
   }
-  if (fd < 0) return NotStored(FileError("cannot open", path, errno));
-  const off_t size = lseek(fd, 0, SEEK_END);
+  if (!file.is_open()) return NotStored(FileError("cannot open", path, errno));
+  const off_t size = lseek(file.get(), 0, SEEK_END);
   char last = '\n';
   std::string text = line;
   // After a torn line a new one must not become part of it.
-  if (size > 0 && pread(fd, &last, 1, size - 1) == 1 && last != '\n') text.insert(text.begin(), '\n');
-  Result<void> done;
-  const ssize_t wrote = write(fd, text.data(), text.size());
+  if (size > 0 && file.ReadAt(static_cast<std::uint64_t>(size - 1), &last, 1) == 1 && last != '\n')
+    text.insert(text.begin(), '\n');
+  const ssize_t wrote = write(file.get(), text.data(), text.size());
   if (wrote != static_cast<ssize_t>(text.size())) {
-    done = NotStored(FileError("cannot write", path, wrote < 0 ? errno : ENOSPC));
-    (void)!ftruncate(fd, size);  // a part of a line that stays is passed over as torn
-  } else if (fdatasync(fd) != 0) {
-    done = NotStored(FileError("cannot write", path, errno));
+    const Error failed = FileError("cannot write", path, wrote < 0 ? errno : ENOSPC);
+    (void)!ftruncate(file.get(), size);  // a part of a line that stays is passed over as torn
+    return NotStored(failed);
   }
-  close(fd);
-  return done;
+  if (fdatasync(file.get()) != 0) return NotStored(FileError("cannot write", path, errno));
+  return {};
 }
 
 }  // namespace skyquilt::storage

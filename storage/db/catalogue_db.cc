@@ -2,10 +2,10 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <thread>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
 #include "storage/db/postgres/postgres_db.h"
@@ -22,9 +22,8 @@ constexpr std::chrono::milliseconds kSoon{50}, kSettled{1'000};
 // mode.
 void KeepFromOthers(const std::filesystem::path& path) {
   // Never one that exists: closing any descriptor of a file lets go of all locks that this process has on it,
-  // also those of SQLite's connections.
-  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (fd >= 0) close(fd);  // where it cannot be made, opening the database says why
+  // also those of SQLite's connections. Where it cannot be made, opening the database says why.
+  FileDescriptor(open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600)).Close();
   for (const char* ending : {"", "-wal", "-shm"}) {
     // Files of an earlier version were readable by all. Another user's file keeps its mode: then it is that
     // user's care.

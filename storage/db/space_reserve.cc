@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include "core/base/process/file_descriptor.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -26,11 +28,10 @@ void SpaceReserve::Fill() const {
   struct stat status {};
   if (stat(path_.c_str(), &status) == 0 && status.st_size >= kSpaceReserveBytes) return;
   if (FreeBytesAt(path_.parent_path()) < 2 * kSpaceReserveBytes) return;
-  const int fd = open(path_.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
-  if (fd < 0) return;
+  const FileDescriptor file(open(path_.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600));
+  if (!file.is_open()) return;
   // A partial reserve is recognised by its size, which the allocation sets.
-  if (posix_fallocate(fd, 0, kSpaceReserveBytes) != 0) unlink(path_.c_str());
-  close(fd);
+  if (posix_fallocate(file.get(), 0, kSpaceReserveBytes) != 0) unlink(path_.c_str());
 }
 
 bool SpaceReserve::Release() const { return unlink(path_.c_str()) == 0; }

@@ -68,16 +68,9 @@ Result<std::string> ReadRangeOfFile(const std::filesystem::path& path, std::int6
     return Error{ErrorCode::kNotFound, path.string() + " is not there.", path.string()};
   if (!file.is_open()) return FileError("cannot open", path, errno);
   std::string bytes(static_cast<std::size_t>(length), '\0');
-  std::size_t have = 0;
-  while (have < bytes.size()) {
-    const ssize_t got = ::pread(file.get(), bytes.data() + have, bytes.size() - have,
-                                static_cast<off_t>(offset + static_cast<std::int64_t>(have)));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return FileError("cannot read", path, errno);
-    if (got == 0) break;
-    have += static_cast<std::size_t>(got);
-  }
-  bytes.resize(have);
+  const ssize_t have = file.ReadAt(static_cast<std::uint64_t>(offset), bytes.data(), bytes.size());
+  if (have < 0) return FileError("cannot read", path, errno);
+  bytes.resize(static_cast<std::size_t>(have));
   return bytes;
 }
 

@@ -113,14 +113,9 @@ IncomingFile::~IncomingFile() {
 }
 
 bool IncomingFile::Write(std::span<const std::uint8_t> bytes, std::int64_t& written) const {
-  while (!bytes.empty()) {
-    const ssize_t wrote = write(descriptor.get(), bytes.data(), bytes.size());
-    if (wrote < 0 && errno == EINTR) continue;
-    if (wrote < 0) return false;
-    written += wrote;
-    bytes = bytes.subspan(static_cast<std::size_t>(wrote));
-  }
-  return true;
+  const std::size_t wrote = descriptor.Write(bytes.data(), bytes.size());
+  written += static_cast<std::int64_t>(wrote);
+  return wrote == bytes.size();
 }
 
 Upload::Upload(std::unique_ptr<IncomingFile> file, std::filesystem::path folder,

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -25,15 +24,7 @@ class FileBytes final : public ByteSource {
 
   bool Read(std::uint64_t offset, std::span<std::uint8_t> into) override {
     if (offset > size_ || into.size() > size_ - offset) return false;
-    std::size_t done = 0;
-    while (done < into.size()) {
-      const ssize_t got =
-          ::pread(file_.get(), into.data() + done, into.size() - done, static_cast<off_t>(offset + done));
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) return false;
-      done += static_cast<std::size_t>(got);
-    }
-    return true;
+    return file_.ReadAt(offset, into.data(), into.size()) == static_cast<ssize_t>(into.size());
   }
 
  private:

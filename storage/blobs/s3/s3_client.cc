@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -89,13 +88,9 @@ class Target {
   std::string Finish() { return sum_.Finish(); }
 
   Result<void> Write(std::string_view came) {
-    for (std::string_view rest = came; !rest.empty();) {
-      const ssize_t wrote = write(fd_.get(), rest.data(), rest.size());
-      if (wrote < 0 && errno == EINTR) continue;
-      if (wrote < 0) return FileTrouble(path_);
-      rest.remove_prefix(static_cast<std::size_t>(wrote));
-      bytes_ += wrote;
-    }
+    const std::size_t wrote = fd_.Write(came.data(), came.size());
+    bytes_ += static_cast<std::int64_t>(wrote);
+    if (wrote < came.size()) return FileTrouble(path_);
     sum_.Add(came);
     return {};
   }
