@@ -18,7 +18,6 @@ namespace skyquilt::server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using nlohmann::json;
 using storage::SetOption;
 
 constexpr long kConnectPatienceMs = 10'000;
@@ -67,10 +66,8 @@ int Continues(void* of, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
 
 // In the server's own words.
 Error Refusal(const ClientAnswer& answer) {
-  const json problem = ParseJson(answer.body);
-  const bool is_problem = problem.is_object() && problem.contains("detail") && problem["detail"].is_string();
-  const std::string said = is_problem ? problem["detail"].get<std::string>()
-                                      : fmt::format("The server answered {}.", answer.status);
+  const std::string said = TextIn(ParseJson(answer.body), "detail")
+                               .value_or(fmt::format("The server answered {}.", answer.status));
   switch (answer.status) {
     case 401:
       return {ErrorCode::kUnauthorized, said + " Give it with --token or in SKYQUILT_TOKEN.", ""};

@@ -71,7 +71,7 @@ Result<json> Parsed(const ClientAnswer& answer) {
 }
 
 Result<std::string> TextAt(const json& value, const char* key) {
-  if (value.contains(key) && value[key].is_string()) return value[key].get<std::string>();
+  if (auto text = TextIn(value, key)) return *std::move(text);
   return Error{ErrorCode::kUnprocessable,
                fmt::format("The server's answer has no \"{}\"; is it a Skyquilt?", key), ""};
 }

@@ -51,11 +51,6 @@ class LedgerLock {
   int file_;
 };
 
-std::string TextOf(const json& value, const char* key) {
-  const auto found = value.find(key);
-  return found != value.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
 }  // namespace
 
 std::string HexOf(const Digest& digest) {
@@ -109,7 +104,7 @@ Result<void> SentLedger::Refresh() {
 void SentLedger::Apply(const std::string& line) {
   const json value = ParseJson(line);
   if (!value.is_object()) return;
-  const std::string key = TextOf(value, "flight");
+  const std::string key = TextIn(value, "flight").value_or("");
   if (key.empty()) return;
   const auto [found, is_new] = flights_.try_emplace(key);
   SentFlight& flight = found->second;
@@ -117,8 +112,8 @@ void SentLedger::Apply(const std::string& line) {
     flight.key = key;
     order_.push_back(key);
   }
-  if (value.contains("name")) flight.name = TextOf(value, "name");
-  if (value.contains("id")) flight.id = TextOf(value, "id");
+  if (value.contains("name")) flight.name = TextIn(value, "name").value_or("");
+  if (value.contains("id")) flight.id = TextIn(value, "id").value_or("");
   if (value.contains("gone")) flight.is_gone = true;
   if (const auto files = value.find("files"); files != value.end() && files->is_object()) {
     for (const auto& [hex, name] : files->items()) {

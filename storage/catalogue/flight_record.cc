@@ -50,11 +50,6 @@ Json FileLine(const std::string& stored_name, const RecordedFile& file) {
             {"created_us", ToUs(file.created)}}}};
 }
 
-std::optional<std::string> TextOf(const Json& json, const char* key) {
-  if (!json.contains(key) || !json[key].is_string()) return std::nullopt;
-  return json[key].get<std::string>();
-}
-
 std::optional<std::int64_t> NumberOf(const Json& json, const char* key) {
   if (!json.contains(key) || !json[key].is_number_integer()) return std::nullopt;
   return json[key].get<std::int64_t>();
@@ -71,9 +66,9 @@ std::vector<std::string> TagsOf(const Json& json) {
 }
 
 void TakeFlight(const Json& fields, FlightRecord& record) {
-  if (auto name = TextOf(fields, "name")) record.name = std::move(name);
-  if (auto options = TextOf(fields, "options")) record.options = std::move(options);
-  if (auto owner = TextOf(fields, "owner")) record.owner = std::move(owner);
+  if (auto name = TextIn(fields, "name")) record.name = std::move(name);
+  if (auto options = TextIn(fields, "options")) record.options = std::move(options);
+  if (auto owner = TextIn(fields, "owner")) record.owner = std::move(owner);
   if (const auto created = NumberOf(fields, "created_us")) record.created = FromUs(*created);
   if (fields.contains("tags") && fields["tags"].is_array()) record.tags = TagsOf(fields["tags"]);
   if (fields.contains("keep") && fields["keep"].is_boolean()) record.is_kept = fields["keep"].get<bool>();
@@ -92,8 +87,8 @@ bool TakeLine(const Json& line, FlightRecord& record, std::map<std::string, std:
     return true;
   }
   if (line.contains("file") && line["file"].is_object()) {
-    const auto stored = TextOf(line["file"], "stored");
-    const auto name = TextOf(line["file"], "name");
+    const auto stored = TextIn(line["file"], "stored");
+    const auto name = TextIn(line["file"], "name");
     const auto bytes = NumberOf(line["file"], "bytes");
     const auto created = NumberOf(line["file"], "created_us");
     if (!stored || !name || !bytes || !created) return false;
@@ -102,7 +97,7 @@ bool TakeLine(const Json& line, FlightRecord& record, std::map<std::string, std:
     if (!before.empty() && before != *stored) record.files[before].replaced_by = *stored;
     return true;
   }
-  if (const auto removed = TextOf(line, "removed")) {
+  if (const auto removed = TextIn(line, "removed")) {
     const auto found = record.files.find(*removed);
     if (found != record.files.end()) found->second.is_removed = true;
     return true;

@@ -56,10 +56,6 @@ Json ReportIn(const fs::path& folder) {
   return json.is_object() ? json : Json::object();
 }
 
-std::string TextOr(const Json& json, const char* key) {
-  return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : "";
-}
-
 int IntOr(const Json& json, const char* key, int fallback) {
   return json.is_object() && json.contains(key) && json[key].is_number_integer() ? json[key].get<int>()
                                                                                  : fallback;
@@ -129,8 +125,8 @@ Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t nu
   revision.photos_pose_only = IntOr(photos, "pose_only", 0);
   revision.photos_left_out = IntOr(photos, "left_out", 0);
   const Json captured = report.contains("captured") ? report["captured"] : Json::object();
-  revision.first_capture = TextOr(captured, "first");
-  revision.last_capture = TextOr(captured, "last");
+  revision.first_capture = TextIn(captured, "first").value_or("");
+  revision.last_capture = TextIn(captured, "last").value_or("");
   if (report.contains("quality") && report["quality"].is_object())
     revision.quality = JsonText(report["quality"]);
   return revision;

@@ -109,10 +109,7 @@ void ComparePhotos(const json& report, const json& photos, FileVerdict& verdict)
     const json properties =
         feature.is_object() ? feature.value("properties", json::object()) : json::object();
     if (!properties.is_object()) continue;
-    const auto text = [&](const char* name) {
-      const auto found = properties.find(name);
-      return found != properties.end() && found->is_string() ? found->get<std::string>() : std::string();
-    };
+    const auto text = [&](const char* name) { return TextIn(properties, name).value_or(""); };
     if (!names.insert(text("name")).second)
       verdict.Add(Severity::kError, "it has the photo \"" + text("name") + "\" twice");
     aligned += text("placement") == "aligned" ? 1.0 : 0.0;

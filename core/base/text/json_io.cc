@@ -28,6 +28,12 @@ nlohmann::json ParseJsonFile(const std::filesystem::path& path) {
 
 nlohmann::ordered_json ParseOrderedJson(std::string_view text) { return Parse<nlohmann::ordered_json>(text); }
 
+std::optional<std::string> TextIn(const nlohmann::json& value, const char* name) {
+  const auto found = value.find(name);
+  if (found == value.end() || !found->is_string()) return std::nullopt;
+  return found->get<std::string>();
+}
+
 std::string JsonText(const nlohmann::json& value, int indent) { return Dump(value, indent); }
 std::string JsonText(const nlohmann::ordered_json& value, int indent) { return Dump(value, indent); }
 

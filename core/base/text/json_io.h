@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,9 @@ nlohmann::json ParseJson(std::string_view text);
 nlohmann::json ParseJsonFile(const std::filesystem::path& path);
 // Members in the order of the text.
 nlohmann::ordered_json ParseOrderedJson(std::string_view text);
+
+// The text that this member of `value` is; absent where it is none, or `value` no object.
+std::optional<std::string> TextIn(const nlohmann::json& value, const char* name);
 
 // `indent`: spaces a level; negative: one line.
 std::string JsonText(const nlohmann::json& value, int indent = -1);

@@ -30,11 +30,6 @@ std::string ReadBounded(const std::filesystem::path& path) {
   return text;
 }
 
-std::string TextOf(const Json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
 }  // namespace
 
 std::optional<S3Credentials> CredentialsInFile(std::string_view text, std::string_view profile) {
@@ -77,9 +72,9 @@ std::optional<std::chrono::system_clock::time_point> ParseUtc(const std::string&
 std::optional<S3Credentials> CredentialsInAnswer(std::string_view text) {
   const Json json = ParseJson(text);
   if (!json.is_object()) return std::nullopt;
-  S3Credentials credentials{
-      TextOf(json, "AccessKeyId"), TextOf(json, "SecretAccessKey"), TextOf(json, "Token"), {}};
-  const auto expires = ParseUtc(TextOf(json, "Expiration"));
+  const auto text_of = [&](const char* name) { return TextIn(json, name).value_or(""); };
+  S3Credentials credentials{text_of("AccessKeyId"), text_of("SecretAccessKey"), text_of("Token"), {}};
+  const auto expires = ParseUtc(text_of("Expiration"));
   if (credentials.access_key.empty() || credentials.secret_key.empty() || !expires) return std::nullopt;
   credentials.expires = *expires;
   return credentials;

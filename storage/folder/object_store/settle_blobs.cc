@@ -40,15 +40,15 @@ Result<std::optional<std::string>> OwnerOf(BlobStore& blobs) {
 Result<std::optional<std::string>> SettledAt(const DataDir& dir) {
   std::error_code error;
   if (!std::filesystem::exists(dir.BlobsMarker(), error)) return std::optional<std::string>();
-  const auto json = ParseJsonFile(dir.BlobsMarker());
-  if (!json.is_object() || !json.contains("blobs") || !json["blobs"].is_string()) {
+  std::optional<std::string> blobs = TextIn(ParseJsonFile(dir.BlobsMarker()), "blobs");
+  if (!blobs) {
     return Error{ErrorCode::kCorrupt,
                  fmt::format("The file {} is damaged: it says where photos and maps lie. Write "
                              "{{\"blobs\": \"s3://bucket/prefix/\"}} into it.",
                              dir.BlobsMarker().string()),
                  ""};
   }
-  return std::optional<std::string>(json["blobs"].get<std::string>());
+  return blobs;
 }
 
 Result<void> SettleAt(const DataDir& dir, const std::string& address) {

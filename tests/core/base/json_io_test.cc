@@ -34,6 +34,12 @@ TEST(ParseJson, ReadsAFileWhereThereIsOne) {
   EXPECT_TRUE(ParseJsonFile(path).is_discarded());
 }
 
+TEST(TextIn, IsAbsentWhereThereIsNone) {
+  EXPECT_EQ(TextIn(ParseJson(R"({"a":"b","c":1})"), "a"), "b");
+  EXPECT_FALSE(TextIn(ParseJson(R"({"a":"b","c":1})"), "c"));
+  for (const char* text : {"{}", "[]", "\"a\"", "{"}) EXPECT_FALSE(TextIn(ParseJson(text), "a")) << text;
+}
+
 TEST(JsonText, WritesNamesThatAreNotUtf8AndIndents) {
   const nlohmann::json value = {{"name", "DJI_\xff.JPG"}};
   EXPECT_EQ(JsonText(value), "{\"name\":\"DJI_\xef\xbf\xbd.JPG\"}");
