@@ -21,10 +21,6 @@ constexpr const char* kFlightColumns =
     " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id), f.owner, f.tags, f.is_kept"
     " FROM flight f ";
 
-Error NoSuchFlight(const std::string& id) {
-  return {ErrorCode::kNotFound, fmt::format("There is no flight {}.", id), ""};
-}
-
 Flight FlightFrom(const Statement& row) {
   Flight flight;
   std::string tags;
@@ -52,12 +48,6 @@ Result<std::optional<std::string>> ReadPage(Statement& query, int limit,
     if (static_cast<int>(items.size()) == limit) return std::optional<std::string>(id_of(items.back()));
     items.push_back(read(query));
   }
-}
-
-Result<void> RequireFlight(SqlConnection& db, const std::string& id) {
-  SKYQUILT_TRY_ASSIGN(const bool known, db.Finds(kIsThere, id));
-  if (!known) return NoSuchFlight(id);
-  return {};
 }
 
 Result<void> RequireNotRunning(SqlConnection& db, const std::string& flight_id) {
@@ -104,6 +94,16 @@ Revision RevisionFrom(const Statement& row) {
 }
 
 }  // namespace
+
+Error NoSuchFlight(const std::string& id) {
+  return {ErrorCode::kNotFound, fmt::format("There is no flight {}.", id), ""};
+}
+
+Result<void> RequireFlight(SqlConnection& db, const std::string& id) {
+  SKYQUILT_TRY_ASSIGN(const bool known, db.Finds(kIsThere, id));
+  if (!known) return NoSuchFlight(id);
+  return {};
+}
 
 StoredFile FileFrom(const Statement& row) {
   return RowOf<StoredFile, std::string, std::string, std::int64_t>(row);

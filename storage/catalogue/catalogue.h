@@ -93,6 +93,11 @@ struct AddedFile {
   std::int64_t replaced_bytes = 0;
 };
 
+// kNotFound, in the words that clients see.
+Error NoSuchFlight(const std::string& id);
+// That there is one, and not in the trash.
+Result<void> RequireFlight(SqlConnection& db, const std::string& id);
+
 class Catalogue {
  public:
   // `records`: where each change of a flight or its files is written down beside them as well, so that a

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "storage/catalogue/catalogue.h"
 #include "storage/jobs/job_rows.h"
 
 namespace skyquilt::storage {
@@ -56,9 +57,7 @@ Result<bool> Trash::PutIf(const std::string& flight_id, Time now, const Conditio
     SKYQUILT_TRY(
         db->Change("UPDATE flight SET deleted_us=?2, deleted_age_us=?3 WHERE id=?1 AND deleted_us IS NULL",
                    flight_id, ToUs(now), age));
-    if (db->Changes() == 0) {
-      return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
-    }
+    if (db->Changes() == 0) return NoSuchFlight(flight_id);
     SKYQUILT_TRY(transaction.Commit());
     Record(flight_id, now);
     return true;

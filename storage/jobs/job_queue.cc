@@ -7,6 +7,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_rows.h"
 
@@ -52,11 +53,7 @@ Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& optio
     job.options = options;
     job.created = now;
     job.priority = turn.priority;
-    SKYQUILT_TRY_ASSIGN(const bool is_there,
-                        db->Finds("SELECT 1 FROM flight WHERE id=? AND deleted_us IS NULL", flight_id));
-    if (!is_there) {
-      return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
-    }
+    SKYQUILT_TRY(RequireFlight(*db, flight_id));
     SKYQUILT_TRY_ASSIGN(
         const bool has_unfinished,
         db->Finds("SELECT 1 FROM job WHERE flight_id=? AND state IN ('accepted','running')", flight_id));
