@@ -155,11 +155,11 @@ Result<std::string> MultipartBoundary(std::string_view content_type) {
   }
   for (const auto& [name, boundary] : parsed.parameters) {
     if (name != "boundary") continue;
-    const bool is_good = !boundary.empty() && boundary.size() <= 70 && boundary.back() != ' ' &&
-                         std::all_of(boundary.begin(), boundary.end(), [](char c) {
-                           return IsLetterOrDigit(c) ||
-                                  std::string_view("'()+_,-./:=? ").find(c) != std::string_view::npos;
-                         });
+    const bool is_good =
+        !boundary.empty() && boundary.size() <= 70 && boundary.back() != ' ' &&
+        std::all_of(boundary.begin(), boundary.end(), [](char c) {
+          return IsLetterOrDigit(c) || std::string_view("'()+_,-./:=? ").find(c) != std::string_view::npos;
+        });
     if (!is_good) return Refuse("its boundary is not 1 to 70 permitted characters");
     return boundary;
   }

@@ -198,6 +198,10 @@ Response NoCache(Response response) {
   return response;
 }
 
+Response NoCacheJson(const nlohmann::ordered_json& document, const char* type) {
+  return NoCache(Text(200, JsonText(document), type));
+}
+
 Response Xml(std::string body, std::string content_type) {
   constexpr const char* kHead = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   return NoCache(Text(200, kHead + std::move(body), std::move(content_type)));

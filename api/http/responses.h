@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
@@ -33,6 +34,8 @@ Response NoContent();
 Response Text(int status, std::string body, std::string content_type);
 // To be asked for anew each time, by its tag if it has one.
 Response NoCache(Response response);
+// Documents of standards, of JSON and so.
+Response NoCacheJson(const nlohmann::ordered_json& document, const char* type = "application/json");
 // So; below the line that every document of XML begins with.
 Response Xml(std::string body, std::string content_type = "application/xml");
 // The same with a tag of its body, which is left out where the client has it.

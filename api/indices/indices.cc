@@ -183,7 +183,7 @@ Result<Response> AnswerBands(Service& service, const Request& request) {
   for (const std::string_view name : indices::ColourRamp::Names()) {
     json["colormaps"].push_back({{"id", name}, {"colours", StopsOf(*indices::ColourRamp::Named(name))}});
   }
-  return NoCache(Json(200, JsonText(json)));
+  return NoCacheJson(json);
 }
 
 Result<Response> AnswerLegend(Service& service, const Request& request, LegendFormat format) {

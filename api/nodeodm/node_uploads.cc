@@ -145,8 +145,8 @@ class WholeForm final : public NodeForm {
   }
 
   Result<void> Start(const NewTask& task) {
-    SKYQUILT_TRY(service_.catalogue.ChangeFlight(flight_id_,
-                                                 {.name = task.name, .options = task.choice.job_options}));
+    SKYQUILT_TRY(
+        service_.catalogue.ChangeFlight(flight_id_, {.name = task.name, .options = task.choice.job_options}));
     storage::NodeTask record = task.Record(flight_id_);
     record.is_committed = true;
     for (const std::string& refused : RefusedFiles()) record.notes += refused + "\n";

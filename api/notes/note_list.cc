@@ -54,9 +54,9 @@ bool IsWords(const std::string& text) {
 }
 
 bool IsNoteId(const std::string& text) {
-  return !text.empty() && text.size() <= kMaxNoteId &&
-         std::all_of(text.begin(), text.end(),
-                     [](char c) { return IsLetterOrDigit(c) || c == '-' || c == '_'; });
+  return !text.empty() && text.size() <= kMaxNoteId && std::all_of(text.begin(), text.end(), [](char c) {
+    return IsLetterOrDigit(c) || c == '-' || c == '_';
+  });
 }
 
 const std::string* TextAt(const Value& object, const char* field) {

@@ -197,7 +197,7 @@ Result<Response> Items(Service& service, const Request& request) {
         FeatureLink(request, PageAt(request, query, query.offset + features.size()), "next", kFeatureType));
   }
   const std::size_t returned = features.size();
-  return OgcDocument({{"type", "FeatureCollection"},
+  return NoCacheJson({{"type", "FeatureCollection"},
                       {"features", std::move(features)},
                       {"numberMatched", matched},
                       {"numberReturned", returned},
@@ -217,7 +217,7 @@ Result<Response> Item(Service& service, const Request& request) {
     feature["links"] = FeatureJson::array(
         {FeatureLink(request, path + "/items/" + EncodedForQuery(id), "self", kFeatureType),
          FeatureLink(request, path, "collection", "application/json")});
-    return OgcDocument(feature, kFeatureType);
+    return NoCacheJson(feature, kFeatureType);
   }
   return Error{ErrorCode::kNotFound, "There is no such photo in this collection.", ""};
 }

@@ -184,16 +184,16 @@ Response MatrixSetList(const Request& request) {
   std::vector<MapGrid> grids = {MapGrid::WorldCrs84()};
   for (int zone = 1; zone <= MapGrid::kZones; ++zone) grids.push_back(MapGrid::Utm(zone));
   for (const MapGrid& grid : grids) add(grid.name(), grid.uri());
-  return OgcDocument({{"tileMatrixSets", sets}});
+  return NoCacheJson({{"tileMatrixSets", sets}});
 }
 
 Result<Response> MatrixSetDocument(const Request& request) {
   const std::string& id = request.Parameter("set");
-  if (const std::optional<int> side_px = MercatorSideOf(id)) return OgcDocument(MercatorSet(id, *side_px));
+  if (const std::optional<int> side_px = MercatorSideOf(id)) return NoCacheJson(MercatorSet(id, *side_px));
   const std::optional<MapGrid> grid = MapGrid::Named(id);
   if (!grid) return Error{ErrorCode::kNotFound, "There is no such tile matrix set.", ""};
   SKYQUILT_TRY_ASSIGN(const MapCrs crs, grid->Crs());
-  return OgcDocument(GridSet(*grid, crs));
+  return NoCacheJson(GridSet(*grid, crs));
 }
 
 Response TilesetList(const MapView& map) {
@@ -201,7 +201,7 @@ Response TilesetList(const MapView& map) {
       SetJson::array({SetLink(map.Link("/ogc/collections/" + map.id + "/map/tiles"), "self", "This list")});
   SetJson tilesets = SetJson::array();
   for (const MapSet& set : map.sets()) tilesets.push_back(SummaryOf(map, set));
-  return OgcDocument({{"links", links}, {"tilesets", tilesets}});
+  return NoCacheJson({{"links", links}, {"tilesets", tilesets}});
 }
 
 Response TilesetDocument(const MapView& map, const MapSet& set) {
@@ -212,7 +212,7 @@ Response TilesetDocument(const MapView& map, const MapSet& set) {
   tileset["boundingBox"] = {{"lowerLeft", {west, south}}, {"upperRight", {east, north}}, {"crs", kCrs84Uri}};
   tileset["centerPoint"] = {{"coordinates", {(west + east) / 2, (south + north) / 2}}, {"crs", kCrs84Uri}};
   if (!limits.empty()) tileset["centerPoint"]["tileMatrix"] = limits.back()["tileMatrix"];
-  return OgcDocument(tileset);
+  return NoCacheJson(tileset);
 }
 
 }  // namespace skyquilt::api

@@ -53,7 +53,7 @@ Response Landing(const Request& request) {
     links.push_back(OgcLink(request, "/ogc/collections", rel + "data", json, "Maps"));
   links.push_back(
       OgcLink(request, "/ogc/tileMatrixSets", kOgcRel + "tiling-schemes", json, "Tile matrix sets"));
-  return OgcDocument(
+  return NoCacheJson(
       {{"title", "Skyquilt"}, {"description", "Maps made of aerial photos"}, {"links", links}});
 }
 
@@ -72,7 +72,7 @@ Response Conformance(const Request&) {
                            "crs", "background", "png", "jpeg"}) {
     classes.push_back(std::string("https://www.opengis.net/spec/ogcapi-maps-1/1.0/conf/") + name);
   }
-  return OgcDocument({{"conformsTo", classes}});
+  return NoCacheJson({{"conformsTo", classes}});
 }
 
 // Imported maps have no photos.
@@ -130,10 +130,10 @@ Result<Response> DescribeCollection(Service& service, const Request& request) {
   if (!kind) {
     SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
                         service.surfaces.Of(shown.flight_id, shown.revision.revision));
-    return OgcDocument(Collection(request, shown, surfaces));
+    return NoCacheJson(Collection(request, shown, surfaces));
   }
   if (FeaturesOf(shown).empty()) return Error{ErrorCode::kNotFound, "This map was not made of photos.", ""};
-  return OgcDocument(ParseOrderedJson(PhotoCollection(request, shown, *kind)));
+  return NoCacheJson(ParseOrderedJson(PhotoCollection(request, shown, *kind)));
 }
 
 Result<Response> Collections(Service& service, const Request& request) {
@@ -154,7 +154,7 @@ Result<Response> Collections(Service& service, const Request& request) {
                             fmt::format("/ogc/collections?limit={}&cursor={}", limit, *page.next_cursor),
                             "next", "application/json", "The next maps"));
   }
-  return OgcDocument({{"links", links}, {"collections", collections}});
+  return NoCacheJson({{"links", links}, {"collections", collections}});
 }
 
 Result<Response> GridTile(Service& service, const Request& request, const MapView& map, const MapGrid& grid,

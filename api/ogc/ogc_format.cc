@@ -43,10 +43,6 @@ bool TakesAsStored(std::string_view accept, const storage::Tileset& tileset) {
 
 }  // namespace
 
-Response OgcDocument(const nlohmann::ordered_json& document, const char* type) {
-  return NoCache(Text(200, JsonText(document), type));
-}
-
 nlohmann::ordered_json OgcLink(const Request& request, std::string_view path, const std::string& rel,
                                const char* type, const char* title) {
   return {{"href", LinkTo(request, path)}, {"rel", rel}, {"type", type}, {"title", title}};

@@ -18,8 +18,6 @@ inline const std::string kOgcRel = "http://www.opengis.net/def/rel/ogc/1.0/";
 inline constexpr const char* kMercatorUri = "http://www.opengis.net/def/crs/EPSG/0/3857";
 inline constexpr const char* kCrs84Uri = "http://www.opengis.net/def/crs/OGC/1.3/CRS84";
 
-// Which is not kept.
-Response OgcDocument(const nlohmann::ordered_json& document, const char* type = "application/json");
 // A link of a document to `path` of this server.
 nlohmann::ordered_json OgcLink(const Request& request, std::string_view path, const std::string& rel,
                                const char* type, const char* title);

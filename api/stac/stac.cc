@@ -8,7 +8,6 @@
 #include "api/http/links.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
-#include "api/ogc/ogc_format.h"
 #include "api/routes.h"
 #include "api/stac/stac_item.h"
 #include "api/stac/stac_search.h"
@@ -54,7 +53,7 @@ Response StacRoot(const Request& request) {
     links.push_back(StacLink(request, "/stac/search", "search", kGeoJsonType));
     links.back()["method"] = method;
   }
-  return OgcDocument({{"type", "Catalog"},
+  return NoCacheJson({{"type", "Catalog"},
                       {"stac_version", "1.0.0"},
                       {"id", "skyquilt"},
                       {"title", "Skyquilt"},
@@ -116,7 +115,7 @@ Result<StacJson> TheCollection(Service& service, const Request& request) {
 
 Result<Response> CollectionDocument(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const StacJson collection, TheCollection(service, request));
-  return OgcDocument(collection);
+  return NoCacheJson(collection);
 }
 
 Result<Response> CollectionList(Service& service, const Request& request) {
@@ -124,7 +123,7 @@ Result<Response> CollectionList(Service& service, const Request& request) {
   StacJson links = StacJson::array();
   links.push_back(StacLink(request, "/stac/collections", "self", kJsonType));
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
-  return OgcDocument({{"collections", StacJson::array({collection})}, {"links", links}});
+  return NoCacheJson({{"collections", StacJson::array({collection})}, {"links", links}});
 }
 
 struct FoundMaps {
@@ -171,7 +170,7 @@ Result<Response> AnswerSearch(Service& service, const Request& request, const Re
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
   links.push_back(StacLink(request, self, "self", kGeoJsonType));
   if (found.next_cursor) links.push_back(next(*found.next_cursor));
-  return OgcDocument({{"type", "FeatureCollection"},
+  return NoCacheJson({{"type", "FeatureCollection"},
                       {"features", features},
                       {"numberReturned", found.maps.size()},
                       {"links", links}},
@@ -233,7 +232,7 @@ Result<Response> AnswerItem(Service& service, const Request& request, const std:
 void AddStacRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/stac", StacRoot);
   router.AddQuick(Method::kGet, "/stac/conformance", [](const Request&) {
-    return OgcDocument({{"conformsTo", ConformanceClasses()}});
+    return NoCacheJson({{"conformsTo", ConformanceClasses()}});
   });
   router.Add(Method::kGet, "/stac/collections", On(service, CollectionList));
   router.Add(Method::kGet, CollectionPath(), On(service, CollectionDocument));

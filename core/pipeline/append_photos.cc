@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "core/alignment/align_flight.h"
 #include "core/alignment/align_by_pose.h"
+#include "core/alignment/align_flight.h"
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/scene/photo_set.h"
 #include "core/base/median.h"

@@ -32,9 +32,8 @@ enum class MapGround { kSmooth, kDense, kAuto };
 enum class MapHeights { kNone, kSurface, kGround };
 
 // As users write them.
-inline constexpr std::pair<const char*, AlignMethod> kAlignMethods[] = {{"auto", AlignMethod::kAuto},
-                                                                        {"images", AlignMethod::kImages},
-                                                                        {"imu", AlignMethod::kImu}};
+inline constexpr std::pair<const char*, AlignMethod> kAlignMethods[] = {
+    {"auto", AlignMethod::kAuto}, {"images", AlignMethod::kImages}, {"imu", AlignMethod::kImu}};
 inline constexpr std::pair<const char*, MapGround> kMapGrounds[] = {
     {"smooth", MapGround::kSmooth}, {"dense", MapGround::kDense}, {"auto", MapGround::kAuto}};
 const char* NameOf(MapGround ground);

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "core/alignment/align_flight.h"
 #include "core/alignment/align_by_pose.h"
+#include "core/alignment/align_flight.h"
 #include "core/bands/calibrate_by_panels.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/try.h"

@@ -69,9 +69,7 @@ bool IsAddressOfThisMachine(const AddressBytes& address) {
 }
 
 // Of a list, which each proxy on the way adds to, the one that spoke to the client: the first.
-std::string FirstOf(std::string_view list) {
-  return std::string(Trim(list.substr(0, list.find(','))));
-}
+std::string FirstOf(std::string_view list) { return std::string(Trim(list.substr(0, list.find(',')))); }
 
 bool IsBelow(std::string_view target, std::string_view base_path) {
   return !base_path.empty() && target.starts_with(base_path) && target.size() > base_path.size() &&

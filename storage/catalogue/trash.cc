@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "storage/catalogue/cancel_jobs.h"
 #include "storage/catalogue/catalogue.h"
-#include "storage/jobs/job_rows.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -18,13 +18,6 @@ inline constexpr const char* kJobColumns =
 
 // A job that waits for its units has this worker, "units", and a lease that never ends by itself.
 inline constexpr std::int64_t kUnitsLeaseUs = std::int64_t{1} << 53;
-// Cancels jobs at the time ?2; those of what follows, of ?1. One that waits for its units has no worker that
-// would notice.
-inline constexpr const char* kCancelJobs =
-    "UPDATE job SET cancel=1,"
-    " finished_us=CASE WHEN state='accepted' OR worker='units' THEN ?2 ELSE finished_us END,"
-    " state=CASE WHEN state='accepted' OR worker='units' THEN 'dismissed' ELSE state END"
-    " WHERE state IN ('accepted','running') AND ";
 
 Job JobFrom(const Statement& row);
 

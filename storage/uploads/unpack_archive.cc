@@ -225,8 +225,7 @@ class Unpacking {
 bool IsArchiveName(std::string_view name) {
   constexpr std::array<std::string_view, 4> kEnds = {".zip", ".tar", ".tar.gz", ".tgz"};
   const std::string lower = LowerCase(name);
-  return std::any_of(kEnds.begin(), kEnds.end(),
-                     [&](std::string_view end) { return lower.ends_with(end); });
+  return std::any_of(kEnds.begin(), kEnds.end(), [&](std::string_view end) { return lower.ends_with(end); });
 }
 
 Result<std::vector<UnpackedFile>> UnpackArchive(const PhotoStore& store, const std::string& flight_id,

@@ -205,9 +205,8 @@ bool IsOfHand(const flight::Remark& said) {
   using flight::RemarkCode;
   if (said.code == RemarkCode::kSentences) {
     const auto first = said.values.find("first");
-    const auto* within = first == said.values.end()
-                             ? nullptr
-                             : std::get_if<std::vector<flight::Remark>>(&first->second.is);
+    const auto* within =
+        first == said.values.end() ? nullptr : std::get_if<std::vector<flight::Remark>>(&first->second.is);
     return within != nullptr && std::any_of(within->begin(), within->end(), IsOfHand);
   }
   return said.code == RemarkCode::kPlacedByPairs || said.code == RemarkCode::kPlacedByOrigin ||

@@ -33,8 +33,8 @@ std::optional<Recalled> RecallFiles(const pyramid::MapMemory& memory, const std:
 std::optional<Recalled> RecallPlaced(const pyramid::MapMemory& memory, const MosaicOptions& options,
                                      const std::vector<NamedDigest>& inputs);
 
-// The map that somebody placed by hand, of a run that was asked for the same, while most of its photos are the
-// same files: whatever else came or went, one that is aligned anew goes there.
+// The map that somebody placed by hand, of a run that was asked for the same, while most of its photos are
+// the same files: whatever else came or went, one that is aligned anew goes there.
 std::optional<FlightFacts> RecallPlacedByHand(const pyramid::MapMemory& memory, const MosaicOptions& options,
                                               const std::vector<NamedDigest>& inputs);
 

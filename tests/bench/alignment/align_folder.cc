@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/alignment/align_flight.h"
 #include "core/alignment/align_by_pose.h"
+#include "core/alignment/align_flight.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"

@@ -32,7 +32,8 @@ TEST(DirectTracks, MovePhotosTogetherThatPosesLeaveApart) {
   }
   const Relief flat(posed.ground_z_in_enu_m);
   BundleProblem problem = MakeBundle(posed, as_recorded, FindLines(EastNorthOf(posed.photos)));
-  problem.soft_tracks = DirectTracks(input, SelectPairs(input.views, input.ground_sigma_m, flat), {}, flat, 2);
+  problem.soft_tracks =
+      DirectTracks(input, SelectPairs(input.views, input.ground_sigma_m, flat), {}, flat, 2);
   AdjustBundle(problem, {.cuts_px = {0.0}, .adjust_lens = false});
 
   const AlignedFlight recorded = AlignByPoseOnly(posed);

@@ -1,10 +1,10 @@
-#include "core/alignment/estimators/epipolar.h"
-
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include <Eigen/Geometry>
 #include <random>
+
+#include "core/alignment/estimators/epipolar.h"
 
 namespace skyquilt::alignment {
 namespace {

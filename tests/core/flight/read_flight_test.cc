@@ -59,8 +59,7 @@ TEST(ReadFlight, OrdersByTheNumbersInNames) {
   folder.Write("frame_10.jpg", PhotoAt(1.0, "2021:06:03 12:00:01"));
   folder.Write("frame_9.jpg", PhotoAt(1.1, "2021:06:03 12:00:01"));
   folder.Write("frame_0100.jpg", PhotoAt(1.2, "2021:06:03 12:00:01"));
-  EXPECT_EQ(Names(Read(folder)),
-            (std::vector<std::string>{"frame_9.jpg", "frame_10.jpg", "frame_0100.jpg"}));
+  EXPECT_EQ(Names(Read(folder)), (std::vector<std::string>{"frame_9.jpg", "frame_10.jpg", "frame_0100.jpg"}));
 }
 
 TEST(ReadFlight, LeavesOutBadFilesWithTheirReasonsAndKeepsTheRest) {

@@ -71,9 +71,8 @@ TEST_F(IdleFlightsTest, CountsFromTheFirstLookOnHoweverOldAFlightIs) {
 
 TEST_F(IdleFlightsTest, EveryChangeBeginsAnew) {
   ExpectToBeginAnewAfter("name", [&] { ASSERT_TRUE(catalogue_.ChangeFlight(flight_, {.name = "meadow"})); });
-  ExpectToBeginAnewAfter("options", [&] {
-    ASSERT_TRUE(catalogue_.ChangeFlight(flight_, {.options = R"({"format":"png"})"}));
-  });
+  ExpectToBeginAnewAfter(
+      "options", [&] { ASSERT_TRUE(catalogue_.ChangeFlight(flight_, {.options = R"({"format":"png"})"})); });
   ExpectToBeginAnewAfter("tags", [&] {
     FlightChange change;
     change.tags = {"maize"};
