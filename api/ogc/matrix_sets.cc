@@ -5,6 +5,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "api/http/responses.h"
 #include "api/ogc/ogc_format.h"
 #include "api/tiles/recode_tile.h"
 #include "core/base/try.h"
