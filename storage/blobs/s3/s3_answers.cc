@@ -32,7 +32,7 @@ Result<const XMLElement*> RootOf(XMLDocument& document, std::string_view xml, co
   return root;
 }
 
-std::string TextIn(const XMLElement& element, const char* name, std::size_t max_bytes) {
+std::string TextOfElement(const XMLElement& element, const char* name, std::size_t max_bytes) {
   const XMLElement* child = element.FirstChildElement(name);
   const char* text = child == nullptr ? nullptr : child->GetText();
   const std::string_view found = text == nullptr ? "" : text;
@@ -40,18 +40,18 @@ std::string TextIn(const XMLElement& element, const char* name, std::size_t max_
 }
 
 std::optional<std::int64_t> NumberIn(const XMLElement& element, const char* name) {
-  const auto number = ParseNumber<std::int64_t>(TextIn(element, name, 20));
+  const auto number = ParseNumber<std::int64_t>(TextOfElement(element, name, 20));
   return number && *number >= 0 ? number : std::nullopt;
 }
 
 // "2009-10-12T17:50:30.000Z"; the second is enough.
 std::chrono::system_clock::time_point TimeIn(const XMLElement& element, const char* name) {
-  std::string text = TextIn(element, name, 40);
+  std::string text = TextOfElement(element, name, 40);
   if (const std::size_t dot = text.find('.'); dot != std::string::npos) text = text.substr(0, dot) + "Z";
   return ParseUtc(text).value_or(std::chrono::system_clock::time_point());
 }
 
-bool IsTrue(const XMLElement& element, const char* name) { return TextIn(element, name, 8) == "true"; }
+bool IsTrue(const XMLElement& element, const char* name) { return TextOfElement(element, name, 8) == "true"; }
 
 bool IsKeyBelow(const std::string& key, std::string_view prefix) {
   return !key.empty() && key.starts_with(prefix);
@@ -68,13 +68,13 @@ Result<ListedPage> ParseListedPage(std::string_view xml, std::string_view prefix
        entry = entry->NextSiblingElement("Contents")) {
     if (++count > kMaxPageEntries) return Unreadable("too many objects");
     const auto bytes = NumberIn(*entry, "Size");
-    ListedObject object{TextIn(*entry, "Key", kMaxKeyBytes), bytes.value_or(0),
+    ListedObject object{TextOfElement(*entry, "Key", kMaxKeyBytes), bytes.value_or(0),
                         TimeIn(*entry, "LastModified")};
     if (!bytes || !IsKeyBelow(object.key, prefix)) return Unreadable("an object that was not asked for");
     page.objects.push_back(std::move(object));
   }
   if (IsTrue(*root, "IsTruncated")) {
-    page.next = TextIn(*root, "NextContinuationToken", kMaxWordBytes);
+    page.next = TextOfElement(*root, "NextContinuationToken", kMaxWordBytes);
     if (page.next.empty()) return Unreadable("a page without its end");
   }
   return page;
@@ -83,7 +83,7 @@ Result<ListedPage> ParseListedPage(std::string_view xml, std::string_view prefix
 Result<std::string> ParseUploadId(std::string_view xml) {
   XMLDocument document;
   SKYQUILT_TRY_ASSIGN(const XMLElement* const root, RootOf(document, xml, "InitiateMultipartUploadResult"));
-  std::string id = TextIn(*root, "UploadId", kMaxWordBytes);
+  std::string id = TextOfElement(*root, "UploadId", kMaxWordBytes);
   if (id.empty()) return Unreadable("an upload without id");
   return id;
 }
@@ -93,7 +93,7 @@ Result<std::string> ParseCopiedEtag(std::string_view xml) {
   if (xml.size() > kMaxAnswerXmlBytes || document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS)
     return Unreadable("no copy");
   const XMLElement* root = document.RootElement();
-  std::string etag = root == nullptr ? "" : TextIn(*root, "ETag", kMaxWordBytes);
+  std::string etag = root == nullptr ? "" : TextOfElement(*root, "ETag", kMaxWordBytes);
   if (etag.empty()) return Unreadable("a copy without its tag");
   return etag;
 }
@@ -102,8 +102,8 @@ std::optional<S3Refusal> ParseRefusal(std::string_view xml) {
   XMLDocument document;
   const Result<const XMLElement*> root = RootOf(document, xml, "Error");
   if (!root) return std::nullopt;
-  S3Refusal refusal{TextIn(**root, "Code", 100), TextIn(**root, "Message", 1000),
-                    TextIn(**root, "Region", 100)};
+  S3Refusal refusal{TextOfElement(**root, "Code", 100), TextOfElement(**root, "Message", 1000),
+                    TextOfElement(**root, "Region", 100)};
   if (refusal.code.empty()) return std::nullopt;
   return refusal;
 }
@@ -114,7 +114,7 @@ std::optional<S3Refusal> ParseDeletionRefusal(std::string_view xml) {
   if (!root) return S3Refusal{"", root.error().detail, ""};
   const XMLElement* error = (*root)->FirstChildElement("Error");
   if (error == nullptr) return std::nullopt;
-  return S3Refusal{TextIn(*error, "Code", 100), TextIn(*error, "Message", 1000), ""};
+  return S3Refusal{TextOfElement(*error, "Code", 100), TextOfElement(*error, "Message", 1000), ""};
 }
 
 std::string DeletionXml(const std::vector<std::string>& keys) {
