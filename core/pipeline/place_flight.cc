@@ -304,7 +304,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   const std::vector<flight::GcpList> lists = read->gcp_lists;
   PlacedFlight placed;
   std::optional<FlightFacts> facts, placed_by_hand;
-  bool is_told = options.placing.has_value();
+  bool is_told = options.placing.has_value(), is_less = false;
   if (is_told) {
     bool contradict = false;
     Result<PlacedFlight> told = PlaceWhereTold(*read, *options.placing, memory, inputs, stages, contradict);
@@ -318,7 +318,8 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   } else if (memory != nullptr) {
     std::optional<Recalled> recalled = RecallPlaced(*memory, options, inputs);
     if (recalled && recalled->facts.is_by_hand && read->gcp_lists.empty()) placed_by_hand = recalled->facts;
-    if (!recalled && read->gcp_lists.empty()) placed_by_hand = RecallPlacedByHand(*memory, options, inputs);
+    is_less = !recalled;
+    if (is_less && read->gcp_lists.empty()) placed_by_hand = RecallPlacedByHand(*memory, options, inputs);
     if (recalled && HasAllPhotosOf(recalled->facts.flight, *read)) {
       if (recalled->added.empty()) {
         facts = std::move(recalled->facts);
@@ -340,7 +341,8 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     SKYQUILT_TRY_ASSIGN(auto anew, PlaceAnew(*std::move(read), options, source, dem, stages, progress,
                                              std::move(found.photos)));
     facts = std::move(anew);
-    if (placed_by_hand && !KeepPlaceByHand(*placed_by_hand, *facts))
+    // What is left of its files may be too little, or lie otherwise: it goes where its records put it.
+    if (placed_by_hand && !KeepPlaceByHand(*placed_by_hand, *facts) && !is_less)
       return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailMapChanged);
   }
   // A map that is only brought elsewhere stays whole without its UTM.

@@ -9,6 +9,7 @@
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/build_mosaic.h"
+#include "core/pipeline/report/flight_facts.h"
 #include "core/pyramid/map_memory.h"
 #include "core/simulate/simulate_flight.h"
 #include "tests/support/bytes_of.h"
@@ -104,6 +105,20 @@ TEST_F(BadInput, OnePhotoMakesAMap) {
   const auto built = test::ValueOf(Build());
   EXPECT_EQ(built.report.photos_pose_only, 1);
   EXPECT_FALSE(map_.tiles.empty());
+}
+
+// One place is too little to bring a map that is aligned anew to.
+TEST_F(BadInput, ALonePhotoThatWasPlacedByHandMakesAMapWhereABadOneGoes) {
+  for (const char* name : {"SIM_0002.JPG", "SIM_0003.JPG", "SIM_0004.JPG"})
+    std::filesystem::remove(photos_ / name);
+  Write("notes.jpg", "remember the batteries\n");
+  test::FactsAlone memory;
+  ASSERT_TRUE(Build({}, &memory).ok());
+  auto by_hand = test::ValueOf(ParseFacts(memory.Recall()));
+  by_hand.is_by_hand = true;
+  ASSERT_TRUE(memory.Remember(WriteFacts(by_hand)).ok());
+  std::filesystem::remove(photos_ / "notes.jpg");
+  EXPECT_TRUE(Build({}, &memory).ok());
 }
 
 TEST_F(BadInput, NothingUsableIsAClearError) {
