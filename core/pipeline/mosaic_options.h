@@ -21,7 +21,8 @@
 
 namespace skyquilt::pipeline {
 
-enum class AlignMethod { kAuto, kImages, kImu };
+// By numbers that maps made before know them by (DigestOfPlacing).
+enum class AlignMethod { kAuto = 0, kImu = 1, kImages = 4 };
 
 // What photos are laid on: the ground alone, on which houses and trees lean, or heights of every cell; or
 // whichever the flight asks for (surface/choose_ground.h).

@@ -136,6 +136,9 @@ TEST(DigestOfPlacing, ChangesWithWhatMovesPhotosAndNotWithWhatDrawsThem) {
   EXPECT_EQ(DigestOfPlacing(options), before);
   options.method = AlignMethod::kImu;
   EXPECT_NE(DigestOfPlacing(options), before);
+  // Maps made before know their method by these, and 2 and 3 for what is gone.
+  EXPECT_EQ(static_cast<int>(AlignMethod::kImu), 1);
+  EXPECT_EQ(static_cast<int>(AlignMethod::kImages), 4);
 }
 
 }  // namespace
