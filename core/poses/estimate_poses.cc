@@ -375,6 +375,8 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
 
   const std::optional<double> given_takeoff_m = GivenTakeoffM(options, tie.photos, log);
   std::optional<geo::LatLon> takeoff;
+  // Where the log begins, whatever its track is then used for.
+  if (keeps_positions) takeoff = log->log.gnss.front().position;
   std::vector<char> is_on_log(tie.photos.size(), 0);
   if (!tie.tied.empty()) {
     Result<LoggedPart> logged = PlaceLogged(log->log, tie, options, given_takeoff_m);

@@ -385,14 +385,23 @@ TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
   const Slope dem;
   EstimatePosesOptions options;
   options.dem = &dem;
-  const auto posed = ValueOf(Estimate(flight, options));
-  for (int k = 0; k < 10; ++k) {
-    const double t = TimeOf(k);
-    EXPECT_NEAR(posed.photos.at(static_cast<std::size_t>(k)).height_above_ground_m, 60.0 - 0.05 * 8.0 * t,
-                0.6);
+  for (const bool is_surveyed : {false, true}) {
+    for (int k = 0; k < 10 && is_surveyed; ++k) {
+      const geo::LatLon at = TruePlaceAt(TimeOf(k));
+      flight::RecordedPosition& own = StandAt(at, flight.photos[static_cast<std::size_t>(k)]);
+      own.height_ellipsoid_m = kGroundM + 60.0;
+      own.is_rtk_fixed = true;
+    }
+    const auto posed = ValueOf(Estimate(flight, options));
+    EXPECT_EQ(posed.report.photos_by_log, is_surveyed ? 0 : 10);
+    for (int k = 0; k < 10; ++k) {
+      const double t = TimeOf(k);
+      EXPECT_NEAR(posed.photos.at(static_cast<std::size_t>(k)).height_above_ground_m, 60.0 - 0.05 * 8.0 * t,
+                  0.6);
+    }
+    EXPECT_NEAR(posed.ground_z_in_enu_m, 0.05 * 8.0 * 30.0, 3.0);
+    EXPECT_THAT(posed.report.height_rule, HasSubstr("elevation model"));
   }
-  EXPECT_NEAR(posed.ground_z_in_enu_m, 0.05 * 8.0 * 30.0, 3.0);
-  EXPECT_THAT(posed.report.height_rule, HasSubstr("elevation model"));
 }
 
 TEST(EstimatePoses, TakesAbsoluteHeightsOverTheElevationModelWhereNoneIsRelative) {
