@@ -191,6 +191,16 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
                     std::move(takeoff)};
 }
 
+// Where corrected positions stay, z = 0 lies at their heights, not at a plain receiver's.
+void HangOnPositions(std::vector<Photo> photos, const EstimatePosesOptions& options,
+                     const std::optional<double>& given_takeoff_m, LoggedPart& part) {
+  std::erase_if(photos, [](const Photo& photo) { return !photo.position; });
+  geo::Wgs84 origin = part.frame.origin();
+  origin.height_ellipsoid_m = ChooseHeights(photos, options.dem, given_takeoff_m).takeoff_ellipsoid_m;
+  part.frame = geo::LocalFrame(origin);
+  part.takeoff.is_above_ellipsoid = true;
+}
+
 void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
   PoseReport& report = posed.report;
   posed.frame = part.frame;
@@ -381,6 +391,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   if (!tie.tied.empty()) {
     Result<LoggedPart> logged = PlaceLogged(log->log, tie, options, given_takeoff_m);
     if (logged) {
+      if (keeps_positions) HangOnPositions(tie.photos, options, given_takeoff_m, *logged);
       for (const TiedPhoto& p : tie.tied) is_on_log[p.photo] = 1;
       if (has_track) {
         const CommonError common = CommonErrorOf(log->log.gnss);

@@ -272,6 +272,11 @@ TEST(EstimatePoses, PutsCorrectedPositionsOfPhotosBeforeAPlainTrack) {
     ASSERT_TRUE(photo.photo.attitude);
     EXPECT_NEAR(photo.photo.attitude->yaw_rad, 0.3, 1e-9) << "the airframe's";
   }
+  flight::Flight with_others = flight;  // photos that only the track places
+  for (std::size_t k = 7; k < 10; ++k) with_others.photos[k].position.reset();
+  const auto mixed = test::ValueOf(EstimatePoses(with_others, {}));
+  EXPECT_EQ(mixed.report.photos_by_log, 3);
+  EXPECT_NEAR(mixed.frame.origin().height_ellipsoid_m, 510.0, 1e-6) << "by the corrected heights";
   for (flight::Photo& photo : flight.photos) photo.position->is_rtk_fixed = false;
   EXPECT_EQ(test::ValueOf(EstimatePoses(flight, {})).photos[0].position_source, "gnss.csv");
 }
