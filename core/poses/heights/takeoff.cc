@@ -19,10 +19,10 @@ using flight::GnssSample;
 // five seconds have none.
 template <typename Sample, typename Value>
 std::optional<double> At(const std::vector<Sample>& samples, double t_s, Value value) {
-  constexpr double kLongestSilenceS = 10.0;
+  constexpr double kWidestGapS = 10.0;
   const auto next = std::upper_bound(samples.begin(), samples.end(), t_s,
                                      [](double t, const Sample& sample) { return t < sample.t_s; });
-  if (next == samples.begin() || next == samples.end() || next->t_s - (next - 1)->t_s > kLongestSilenceS)
+  if (next == samples.begin() || next == samples.end() || next->t_s - (next - 1)->t_s > kWidestGapS)
     return std::nullopt;
   const double w = (t_s - (next - 1)->t_s) / (next->t_s - (next - 1)->t_s);
   return (1.0 - w) * value(*(next - 1)) + w * value(*next);
