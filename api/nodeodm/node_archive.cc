@@ -55,13 +55,15 @@ Value Shots(const Value& photos) {
   return {{"type", "FeatureCollection"}, {"features", features}};
 }
 
-// How far off the ground control points that were used lie, in metres.
+// How far off the ground control points that were used lie, in metres: across alone where no height was
+// compared.
 std::vector<double> ControlMisses(const Value& alignment) {
   std::vector<double> misses_m;
   for (const Value& point : alignment.value("ground_control", Value::array())) {
     if (!point.value("is_used", false)) continue;
+    const auto up_m = point.find("miss_up_m");
     misses_m.push_back(std::hypot(point.value("miss_east_m", 0.0), point.value("miss_north_m", 0.0),
-                                  point.value("miss_up_m", 0.0)));
+                                  up_m != point.end() && up_m->is_number() ? up_m->get<double>() : 0.0));
   }
   return misses_m;
 }

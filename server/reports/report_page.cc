@@ -188,7 +188,7 @@ std::string PointUse(const Json& point) {
 }
 
 // Each with what the map misses it by; of one that is not used the reason. A height that was not compared is
-// 0 in the report, to the last digit.
+// null, in reports of earlier versions 0 to the last digit.
 std::string Points(const Json& report) {
   const Json& control = At(report, {"alignment", "ground_control"});
   if (!control.is_array() || control.empty()) return "";

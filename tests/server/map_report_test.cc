@@ -39,7 +39,7 @@ TEST(ReportPage, HasTheMissOfEachSurveyedPoint) {
   const std::string was = R"("alignment":{)";
   report.insert(report.find(was) + was.size(), R"("ground_control":[
     {"name":"<b>1","sightings":4,"is_used":true,"is_check":false,"reason":"","miss_east_m":0.021,"miss_north_m":-0.03,"miss_up_m":-9.97},
-    {"name":"p2_check","sightings":3,"is_used":true,"is_check":true,"reason":"","miss_east_m":1.5,"miss_north_m":0.25,"miss_up_m":0},
+    {"name":"p2_check","sightings":3,"is_used":true,"is_check":true,"reason":"","miss_east_m":1.5,"miss_north_m":0.25,"miss_up_m":null},
     {"name":"p3","sightings":1,"is_used":false,"is_check":false,"reason":"is <marked> once","miss_east_m":0,"miss_north_m":0,"miss_up_m":0}],)");
   const auto page = ReportPage(report, std::nullopt, "");
   ASSERT_TRUE(page.ok());

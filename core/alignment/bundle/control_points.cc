@@ -302,7 +302,7 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
     if (!apart) continue;
     told.miss_east_m = apart->x();
     told.miss_north_m = apart->y();
-    told.miss_up_m = tied.has_height ? apart->z() : 0.0;
+    told.miss_up_m = tied.has_height ? apart->z() : kNotComparedM;
     double square = 0.0;
     for (const Observation& one : tied.track.observations) {
       square += std::pow(ReprojectionErrorPx(views[one.photo], one, tied.surveyed_in_enu), 2);
@@ -354,7 +354,7 @@ void PredictControl(const BundleProblem& problem, std::vector<ControlReport>& re
     const std::optional<Eigen::Vector3d> apart = SeenFromSurveyed(ViewsOf(others), point);
     if (!apart) continue;
     reports[point.report].left_out =
-        ControlPrediction{apart->x(), apart->y(), point.has_height ? apart->z() : 0.0};
+        ControlPrediction{apart->x(), apart->y(), point.has_height ? apart->z() : kNotComparedM};
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,9 +40,12 @@ struct ControlMarkReport {
   bool operator==(const ControlMarkReport&) const = default;
 };
 
+// The miss in height of a point whose height was compared with nothing; null in report.json.
+inline constexpr double kNotComparedM = std::numeric_limits<double>::quiet_NaN();
+
 // Where a map placed without a point, by the others alone, puts it: minus where it was surveyed.
 struct ControlPrediction {
-  double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
+  double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = kNotComparedM;
 
   bool operator==(const ControlPrediction&) const = default;
 };
@@ -56,7 +60,7 @@ struct ControlReport {
   bool is_used = false;
   bool is_check = false;                 // compared with the finished map alone
   std::optional<flight::Remark> reason;  // why it is not used, or not all of its marks
-  double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
+  double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = kNotComparedM;
   double residual_px = 0.0;
   std::optional<double> system_error_m;       // as of ControlPoint
   std::optional<ControlPrediction> left_out;  // nothing: too few points, or not asked

@@ -74,7 +74,8 @@ void Predict(const std::vector<Tied>& tied, double extent_m, std::vector<alignme
     std::vector<Tied> others = tied;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(left));
     const Complex miss = FitMove(others, extent_m) * tied[left].now - tied[left].surveyed;
-    reports[tied[left].report].left_out = alignment::ControlPrediction{miss.real(), miss.imag(), 0.0};
+    reports[tied[left].report].left_out =
+        alignment::ControlPrediction{miss.real(), miss.imag(), alignment::kNotComparedM};
   }
 }
 

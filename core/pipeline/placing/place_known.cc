@@ -171,7 +171,7 @@ void PredictPairs(const std::vector<PlacePair>& pairs, const std::vector<MarkedP
     const Vector3d miss = fitted->target_from_source * pairs[left].in_source - pairs[left].in_target;
     const bool has_height = std::isfinite(pairs[left].sigma.z());
     reports[marked[left].report].left_out =
-        alignment::ControlPrediction{miss.x(), miss.y(), has_height ? miss.z() : 0.0};
+        alignment::ControlPrediction{miss.x(), miss.y(), has_height ? miss.z() : alignment::kNotComparedM};
   }
 }
 
@@ -221,7 +221,7 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
     alignment::ControlReport& told = reports[marked[k].report];
     told.miss_east_m = miss.x();
     told.miss_north_m = miss.y();
-    told.miss_up_m = std::isfinite(pairs[k].sigma.z()) ? miss.z() : 0.0;
+    told.miss_up_m = std::isfinite(pairs[k].sigma.z()) ? miss.z() : alignment::kNotComparedM;
     told.residual_px = miss.head<2>().norm() / (scale * MedianGsdM(known));
     told.is_used = fitted->holds[k] && miss.head<2>().norm() <= agreed_m;
     if (told.is_used) {

@@ -92,7 +92,9 @@ class FieldWriter {
 
 template <typename Json, typename Value>
 Json JsonOf(const Value& value) {
-  if constexpr (std::is_arithmetic_v<Value> || std::same_as<Value, std::string>) {
+  if constexpr (std::same_as<Value, double>) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+  } else if constexpr (std::is_arithmetic_v<Value> || std::same_as<Value, std::string>) {
     return Json(value);
   } else if constexpr (std::same_as<Value, flight::Remark>) {
     return Json(flight::InWords(value));

@@ -167,6 +167,14 @@ TEST(ReportCodec, ReadsPlainReportsAgain) {
   EXPECT_EQ(ReportOf<alignment::AlignReport>(JsonOf<Json>(surveyed)), surveyed);
 }
 
+TEST(ReportCodec, AHeightThatWasNotComparedIsNull) {
+  Json json = JsonOf<Json>(alignment::ControlReport());
+  EXPECT_TRUE(json.at("miss_up_m").is_null());
+  EXPECT_TRUE(std::isnan(ReportOf<alignment::ControlReport>(json).miss_up_m));
+  json["miss_up_m"] = 0;  // as maps of earlier versions have it
+  EXPECT_EQ(ReportOf<alignment::ControlReport>(json).miss_up_m, 0.0);
+}
+
 TEST(ReportCodec, RefusesWhatIsMissingOrOfAnotherKind) {
   ExpectDamageRefused(FullPoseReport());
   ExpectDamageRefused(FullGroundReport());

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/placing/place_by_lists.h"
 #include "core/pipeline/placing/recall_flight.h"
@@ -86,6 +88,7 @@ TEST(PlaceKnown, SurveyedPointsGivePlaceScaleAndNorth) {
     EXPECT_EQ(placed.poses_report.method, "none");
     EXPECT_EQ(placed.align_report->control.size(), points);
     EXPECT_TRUE(placed.align_report->control[0].is_used);
+    EXPECT_LT(std::abs(placed.align_report->control[0].miss_up_m), 0.1);
     EXPECT_EQ(placed.align_report->position_bias_m, Eigen::Vector3d::Zero());
     EXPECT_THAT(InWords(placed.flight.warnings), Each(Not(HasSubstr("NOT GEOREFERENCED"))));
     EXPECT_THAT(InWords(placed.flight.warnings), Contains("No records: 20 photos placed."));
@@ -99,6 +102,7 @@ TEST(PlaceKnown, PointsWithoutHeightsWillDo) {
   for (flight::GcpPoint& point : request.control.front().points) point.height_m.reset();
   const auto placed = ValueOf(PlaceKnown(flight.known, request));
   EXPECT_LT(flight.WorstTurnRad(placed), 1e-3);
+  EXPECT_TRUE(std::isnan(placed.align_report->control[0].miss_up_m));
   const double height_m =
       placed.flight.photos[0].cam_from_enu.TargetOriginInSource().z() - placed.ground.MeanHeight();
   EXPECT_NEAR(height_m, flight.truth.photos[0].pose.cam_from_enu.TargetOriginInSource().z() - kGroundZ, 0.1);

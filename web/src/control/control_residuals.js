@@ -4,7 +4,7 @@
 import { photoKey } from './control_lists.js';
 
 /** @typedef {{photo: string, px: number, m: number, is_outlier: boolean}} MarkResidual */
-/** @typedef {{name: string, is_used: boolean, reason: string, remark: Remark|undefined, horizontal_m: number, up_m: number, predicted_m: number|null, px: number, is_outlier: boolean, marks: MarkResidual[]}} PointResidual */
+/** @typedef {{name: string, is_used: boolean, reason: string, remark: Remark|undefined, horizontal_m: number, predicted_m: number|null, px: number, is_outlier: boolean, marks: MarkResidual[]}} PointResidual */
 
 const kOutlying = 3;   // times the median
 const kMinPx = 3;      // less is as well as one clicks
@@ -30,7 +30,6 @@ export function residualsOf(report) {
     reason: point.reason,
     remark: point.remark,
     horizontal_m: horizontal(point),
-    up_m: point.miss_up_m,
     predicted_m: point.left_out ? Math.hypot(point.left_out.miss_east_m, point.left_out.miss_north_m) : null,
     px: point.residual_px,
     is_outlier: !point.is_used || horizontal(point) > Math.max(kOutlying * usual_m, kMinGsds * (report?.gsd_m ?? 0)),

@@ -234,10 +234,10 @@
  * @property {Remark} [remark] the same; without it in what was written by earlier versions
  * @property {number} miss_east_m
  * @property {number} miss_north_m
- * @property {number} miss_up_m
+ * @property {number|null} miss_up_m null: no height was compared
  * @property {number} residual_px
  * @property {boolean} [is_check] compared with the finished map, which it does not place
- * @property {{miss_east_m: number, miss_north_m: number, miss_up_m: number}} [left_out] where a map placed by the other points alone puts it
+ * @property {{miss_east_m: number, miss_north_m: number, miss_up_m: number|null}} [left_out] where a map placed by the other points alone puts it
  * @property {{photo: string, residual_px: number, residual_m: number, is_used: boolean}[]} [marks]
  */
 
