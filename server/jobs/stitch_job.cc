@@ -12,6 +12,7 @@
 #include "core/pipeline/build_mosaic.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/report/flight_facts.h"
+#include "core/pipeline/report/judge_map.h"
 #include "core/pipeline/report/locate.h"
 #include "core/pipeline/report/odm_exports.h"
 #include "core/render/blocks/render_layers.h"
@@ -94,11 +95,11 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
     writers.push_back(std::move(writer));
     sinks.push_back({layer, *writers.back()});
   }
-  const bool is_error_known = built.report.quality.absolute.sigma_m.has_value();
+  const alignment::ErrorsKnown known = pipeline::ErrorsKnownOf(built.report.quality.absolute);
   SKYQUILT_TRY_ASSIGN(
       const render::HeightRange heights,
       render::RenderLayers(built.flight, built.ShownGround(), built.seams, built.plan, sinks, options.threads,
-                           progress, pipeline::RaisedM(built.report), is_error_known));
+                           progress, pipeline::RaisedM(built.report), known));
   const render::LayerZooms zooms = render::ZoomsOfLayers(built.plan);
   for (std::size_t i = 0; i < sinks.size(); ++i) {
     storage::TilesetMetadata metadata = TilesetMetadataOf(built.report);
@@ -156,13 +157,13 @@ Result<void> WriteOtherFiles(pipeline::BuiltMosaic& built, const StitchJobOption
 
 Result<void> WriteReports(const pipeline::BuiltMosaic& built, const std::filesystem::path& out_dir) {
   const double raised_m = pipeline::RaisedM(built.report);
-  const bool is_error_known = built.report.quality.absolute.sigma_m.has_value();
+  const alignment::ErrorsKnown known = pipeline::ErrorsKnownOf(built.report.quality.absolute);
   for (const auto& [name, text] :
        {std::pair{"photos.geojson",
                   pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute)},
         std::pair{"cameras.json", pipeline::OdmCamerasJson(built.flight)},
-        std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight, raised_m, is_error_known)},
-        std::pair{"locate.json", pipeline::LocateJson(built.flight, built.ground, raised_m, is_error_known)},
+        std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight, raised_m, known)},
+        std::pair{"locate.json", pipeline::LocateJson(built.flight, built.ground, raised_m, known)},
         std::pair{"report.json", pipeline::ReportJson(built.report)}}) {
     SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / name, text));
   }

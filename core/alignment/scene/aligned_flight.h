@@ -41,9 +41,14 @@ struct AlignedPhoto {
   std::optional<double> sharpness;
 };
 
-// Nothing: it lies where its map does, and nothing supports the place of that (`is_error_known`).
-inline std::optional<double> KnownErrorM(const AlignedPhoto& photo, bool is_error_known) {
-  if (!is_error_known && photo.placement == Placement::kAligned) return std::nullopt;
+// How far off photos lie is known of all; of those that lie by their records, since nothing supports the map
+// that the aligned ones lie in; of none, since the records do not say where that map lies either.
+enum class ErrorsKnown { kOfAll, kOfPoseOnly, kOfNone };
+
+// Nothing: not known.
+inline std::optional<double> KnownErrorM(const AlignedPhoto& photo, ErrorsKnown known) {
+  const bool is_aligned = photo.placement == Placement::kAligned;
+  if (known == ErrorsKnown::kOfNone || (known == ErrorsKnown::kOfPoseOnly && is_aligned)) return std::nullopt;
   return photo.error_radius_m;
 }
 

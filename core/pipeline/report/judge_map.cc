@@ -452,4 +452,10 @@ void TellPhotos(const MapQuality& quality, alignment::AlignedFlight& flight) {
   }
 }
 
+alignment::ErrorsKnown ErrorsKnownOf(const AbsoluteAccuracy& absolute) {
+  if (absolute.sigma_m) return alignment::ErrorsKnown::kOfAll;
+  const bool is_recorded = absolute.by != AbsoluteSupport::kNone && absolute.by != AbsoluteSupport::kHand;
+  return is_recorded ? alignment::ErrorsKnown::kOfPoseOnly : alignment::ErrorsKnown::kOfNone;
+}
+
 }  // namespace skyquilt::pipeline

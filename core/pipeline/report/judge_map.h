@@ -69,4 +69,7 @@ TiedGroups GroupsByTies(const std::vector<alignment::AlignedPhoto>& photos,
 // already. Where nothing says how far, the photos' own numbers stay.
 void TellPhotos(const MapQuality& quality, alignment::AlignedFlight& flight);
 
+// Where neither a position nor a surveyed point places the map, records are of another place than it has.
+alignment::ErrorsKnown ErrorsKnownOf(const AbsoluteAccuracy& absolute);
+
 }  // namespace skyquilt::pipeline

@@ -154,8 +154,8 @@ Json GroundOf(const ground::GroundSurface& ground) {
 
 Json Numbers(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
-Json CameraOf(const alignment::AlignedPhoto& photo, bool is_error_known) {
-  const std::optional<double> error_m = alignment::KnownErrorM(photo, is_error_known);
+Json CameraOf(const alignment::AlignedPhoto& photo, alignment::ErrorsKnown known) {
+  const std::optional<double> error_m = alignment::KnownErrorM(photo, known);
   const camera::Intrinsics& lens = photo.intrinsics;
   const Eigen::Quaterniond& rotation = photo.cam_from_enu.rotation;
   const Eigen::Vector3d& translation = photo.cam_from_enu.translation;
@@ -245,11 +245,10 @@ LocatedMap MapFrom(const Json& json) {
 }  // namespace
 
 std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                       double raised_m, bool is_error_known) {
+                       double raised_m, alignment::ErrorsKnown known) {
   const geo::Wgs84& origin = flight.frame.origin();
   Json cameras = Json::array();
-  for (const alignment::AlignedPhoto& photo : flight.photos)
-    cameras.push_back(CameraOf(photo, is_error_known));
+  for (const alignment::AlignedPhoto& photo : flight.photos) cameras.push_back(CameraOf(photo, known));
   Json json;
   json["version"] = kVersion;
   json["origin"] = {origin.lat_deg, origin.lon_deg, origin.height_ellipsoid_m};

@@ -35,10 +35,9 @@ struct LocatedMap {
 };
 
 // Numbers are written so that they are read again exactly. `raised_m`: as LocatedMap has it.
-// `is_error_known`: else nothing is said of how far off aligned photos are, for nothing supports the map's
-// place.
+// `known`: of which photos it is said how far off they are.
 std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                       double raised_m = 0.0, bool is_error_known = true);
+                       double raised_m = 0.0, alignment::ErrorsKnown known = alignment::ErrorsKnown::kOfAll);
 Result<LocatedMap> ParseLocateJson(std::string_view text);
 
 struct GroundPoint {

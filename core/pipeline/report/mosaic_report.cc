@@ -14,6 +14,7 @@
 #include "core/geo/lat_lon.h"
 #include "core/ground/footprint_on_ground.h"
 #include "core/pipeline/mosaic_options.h"
+#include "core/pipeline/report/judge_map.h"
 #include "core/pipeline/report/report_codec.h"
 #include "core/poses/conventions/attitude_convention.h"
 
@@ -200,7 +201,7 @@ std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::
     properties["placement"] = alignment::PlacementName(photo.placement);
     properties["reason"] = flight::InOneLine(photo.placement_remarks);
     properties["remarks"] = flight::JsonOfRemarks<Json>(photo.placement_remarks);
-    const std::optional<double> error_m = alignment::KnownErrorM(photo, absolute.sigma_m.has_value());
+    const std::optional<double> error_m = alignment::KnownErrorM(photo, ErrorsKnownOf(absolute));
     properties["error_radius_m"] = error_m ? Json(Rounded(*error_m, 3)) : Json(nullptr);
     properties["camera_lon"] = Rounded(camera.lon_deg, 9);
     properties["camera_lat"] = Rounded(camera.lat_deg, 9);

@@ -79,8 +79,8 @@ bool CountsAsSurvey(const MosaicReport& report);
 double RaisedM(const MosaicReport& report);
 
 std::string ReportJson(const MosaicReport& report);
-// A FeatureCollection with one footprint polygon a photo, on the modelled ground. Where nothing supports the
-// map's place (`absolute` without a number), nothing is said of how far off aligned photos are.
+// A FeatureCollection with one footprint polygon a photo, on the modelled ground. How far off photos are is
+// said where `absolute` tells (ErrorsKnownOf).
 std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                           const AbsoluteAccuracy& absolute);
 

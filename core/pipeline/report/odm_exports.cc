@@ -69,7 +69,7 @@ std::string OdmCamerasJson(const alignment::AlignedFlight& flight) {
   return JsonText(cameras, 2) + "\n";
 }
 
-std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m, bool is_error_known) {
+std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m, alignment::ErrorsKnown known) {
   std::vector<flight::CameraEvent> events;
   std::size_t unnamed = 0;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
@@ -84,7 +84,7 @@ std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m, b
     event.height_ellipsoid_m = center.height_ellipsoid_m + raised_m;
     event.yaw_pitch_roll_rad = AirframeAngles(photo.cam_from_enu.rotation);
     event.attitude_kind = flight::AttitudeKind::kAirframe;
-    if (const std::optional<double> error_m = alignment::KnownErrorM(photo, is_error_known))
+    if (const std::optional<double> error_m = alignment::KnownErrorM(photo, known))
       event.sigma_in_ned_m = Eigen::Vector3d::Constant(std::max(0.01, *error_m));
     events.push_back(std::move(event));
   }

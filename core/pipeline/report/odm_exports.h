@@ -12,8 +12,8 @@ std::string OdmCamerasJson(const alignment::AlignedFlight& flight);
 
 // Photos whose names hold blanks are left out, as a comment in it says: the format cannot name them.
 // `raised_m`: added to all heights, as a comment says too: from the records' zero to that of the survey that
-// places the map, from which the list of its points counts. `is_error_known`: as of LocateJson.
+// places the map, from which the list of its points counts. `known`: as of LocateJson.
 std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m = 0.0,
-                      bool is_error_known = true);
+                      alignment::ErrorsKnown known = alignment::ErrorsKnown::kOfAll);
 
 }  // namespace skyquilt::pipeline

@@ -133,11 +133,11 @@ LayerZooms ZoomsOfLayers(const MosaicPlan& plan) {
 Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                                  const SeamMap& seams, const MosaicPlan& plan,
                                  const std::vector<LayerSink>& layers, int threads, Progress& progress,
-                                 double raised_m, bool is_error_known) {
+                                 double raised_m, alignment::ErrorsKnown known) {
   const std::vector<Rgb> photo_colours = PhotoColours(flight.photos.size());
   const auto error_colour = [&](const alignment::AlignedPhoto& photo) {
     constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
-    return ErrorColour(alignment::KnownErrorM(photo, is_error_known).value_or(kNotKnown));
+    return ErrorColour(alignment::KnownErrorM(photo, known).value_or(kNotKnown));
   };
   const auto draw = [&](const RenderBlock& block) {
     DrawnBlock drawn;

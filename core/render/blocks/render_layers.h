@@ -30,11 +30,11 @@ struct LayerZooms {
 LayerZooms ZoomsOfLayers(const MosaicPlan& plan);
 
 // Gives what the heights of the covered ground lie between; zeros without the layer of heights. `raised_m` is
-// added to all heights. `is_error_known`: false where nothing supports the map's place, so that the errors of
-// aligned photos are not known either.
+// added to all heights. `known`: of which photos the errors are coloured.
 Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                                  const SeamMap& seams, const MosaicPlan& plan,
                                  const std::vector<LayerSink>& layers, int threads, Progress& progress,
-                                 double raised_m = 0.0, bool is_error_known = true);
+                                 double raised_m = 0.0,
+                                 alignment::ErrorsKnown known = alignment::ErrorsKnown::kOfAll);
 
 }  // namespace skyquilt::render

@@ -119,7 +119,8 @@ TEST(Locate, TheMostVerticalViewComesFirst) {
 TEST(Locate, SaysNoErrorOfAlignedPhotosWhereNothingSupportsThePlace) {
   alignment::AlignedFlight flight = Flight();
   flight.photos[1].placement = alignment::Placement::kPoseOnly;
-  const Result<LocatedMap> map = ParseLocateJson(LocateJson(flight, Hills(), 0.0, false));
+  const Result<LocatedMap> map =
+      ParseLocateJson(LocateJson(flight, Hills(), 0.0, alignment::ErrorsKnown::kOfPoseOnly));
   ASSERT_TRUE(map);
   const Result<GroundPoint> aligned = GroundAtPixel(*map, "p0", {2000, 1500});
   const Result<GroundPoint> by_pose = GroundAtPixel(*map, "p1", {2000, 1500});

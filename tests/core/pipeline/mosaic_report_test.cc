@@ -69,17 +69,22 @@ void ExpectDamageRefused(const Report& full) {
     EXPECT_FALSE(IsRead<Report>(none)) << none;
 }
 
+alignment::AlignedPhoto LookingDown() {
+  alignment::AlignedPhoto photo;
+  photo.photo.name = "A.JPG";
+  photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+  photo.cam_from_enu =
+      geo::Rigid3::FromRotationAndTargetOrigin(poses::NadirCamFromEnu(0.0), {0.0, 0.0, 60.0});
+  photo.error_radius_m = 1.5;
+  return photo;
+}
+
 // From 60 m above the antimeridian a photo sees some 40 m on either side of it.
 TEST(PhotosGeoJson, AcrossTheAntimeridianARingDoesNotGoRoundTheEarth) {
   for (const double lon_deg : {180.0, -180.0, 179.9999, -179.9999}) {
     alignment::AlignedFlight flight;
     flight.frame = geo::LocalFrame({-17.0, lon_deg, 0.0});
-    alignment::AlignedPhoto photo;
-    photo.photo.name = "A.JPG";
-    photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
-    photo.cam_from_enu =
-        geo::Rigid3::FromRotationAndTargetOrigin(poses::NadirCamFromEnu(0.0), {0.0, 0.0, 60.0});
-    flight.photos.push_back(photo);
+    flight.photos.push_back(LookingDown());
     const Json photos = Json::parse(PhotosGeoJson(flight, ground::GroundSurface::Plane(0.0), {}));
     double west_deg = 1e9, east_deg = -1e9;
     for (const Json& corner : photos["features"][0]["geometry"]["coordinates"][0]) {
@@ -90,6 +95,25 @@ TEST(PhotosGeoJson, AcrossTheAntimeridianARingDoesNotGoRoundTheEarth) {
     EXPECT_LE(west_deg, 180.0) << lon_deg;
     EXPECT_GT(east_deg, 180.0) << lon_deg;
   }
+}
+
+// What an aligned photo and one that lies by its pose state of themselves.
+std::vector<bool> SaysErrors(const AbsoluteAccuracy& absolute) {
+  alignment::AlignedFlight flight;
+  flight.photos = {LookingDown(), LookingDown()};
+  flight.photos[0].placement = alignment::Placement::kAligned;
+  std::vector<bool> said;
+  const Json photos = Json::parse(PhotosGeoJson(flight, ground::GroundSurface::Plane(0.0), absolute));
+  for (const Json& photo : photos["features"])
+    said.push_back(photo["properties"]["error_radius_m"].is_number());
+  return said;
+}
+
+TEST(PhotosGeoJson, SayNoErrorByRecordsWhereThesePlaceNoMap) {
+  EXPECT_EQ(SaysErrors({2.0, AbsoluteSupport::kGnss, 9}), (std::vector<bool>{true, true}));
+  EXPECT_EQ(SaysErrors({std::nullopt, AbsoluteSupport::kGnss, 2}), (std::vector<bool>{false, true}));
+  EXPECT_EQ(SaysErrors({std::nullopt, AbsoluteSupport::kHand, 0}), (std::vector<bool>{false, false}));
+  EXPECT_EQ(SaysErrors({}), (std::vector<bool>{false, false})) << "it lies nowhere";
 }
 
 TEST(ReportCodec, ReadsEveryFigureAgain) {

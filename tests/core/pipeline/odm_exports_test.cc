@@ -55,9 +55,12 @@ TEST(OdmExports, SayNoAccuracyWhereNothingSupportsTheMapsPlace) {
     return log.ok() && log->events.at(0).sigma_in_ned_m.has_value();
   };
   EXPECT_TRUE(says_accuracy(OdmGeoTxt(flight)));
-  const std::string unsupported = OdmGeoTxt(flight, 0.0, false);
+  const std::string unsupported = OdmGeoTxt(flight, 0.0, alignment::ErrorsKnown::kOfPoseOnly);
   EXPECT_NE(unsupported.find("A.JPG"), std::string::npos);
   EXPECT_FALSE(says_accuracy(unsupported));
+  flight.photos[0].placement = alignment::Placement::kPoseOnly;
+  EXPECT_TRUE(says_accuracy(OdmGeoTxt(flight, 0.0, alignment::ErrorsKnown::kOfPoseOnly)));
+  EXPECT_FALSE(says_accuracy(OdmGeoTxt(flight, 0.0, alignment::ErrorsKnown::kOfNone)));
 }
 
 TEST(OdmExports, CountHeightsAsTheSurveyDoesThatPlacesTheMap) {

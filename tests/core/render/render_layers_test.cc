@@ -129,7 +129,8 @@ TEST(RenderLayers, ColourNoErrorOfAlignedPhotosThatNothingSupports) {
   SilentProgress progress;
   const auto rendered =
       RenderLayers(map.flight, map.ground, seams, map.plan,
-                   {{MapLayer::kPhoto, photos}, {MapLayer::kError, errors}}, 2, progress, 0.0, false);
+                   {{MapLayer::kPhoto, photos}, {MapLayer::kError, errors}}, 2, progress, 0.0,
+                   alignment::ErrorsKnown::kOfPoseOnly);
   ASSERT_TRUE(rendered.ok()) << rendered.error().message;
   const std::vector<Rgb> colours = PhotoColours(map.flight.photos.size());
   const int zoom = ZoomsOfLayers(map.plan).max_zoom;

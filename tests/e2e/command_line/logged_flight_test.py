@@ -47,9 +47,10 @@ class Result:
 
     def print(self, name):
         ahead = self.poses["camera_ahead_of_utc_s"]
+        radii = sorted(radius for radius in self.radius if radius is not None)
         print(f"{name}: {self.count} photos, {rms(self.across):.2f} m across, {rms(self.height):.2f} m in height, "
               f"yaw {rms(self.turn):.2f} deg, clock {'not found' if ahead is None else f'{ahead:.3f} s ahead'}, "
-              f"stated radius {sorted(self.radius)[self.count // 2]:.2f} m")
+              f"stated radius {f'{radii[len(radii) // 2]:.2f} m' if radii else 'none'}")
 
 
 class LoggedFlightTest(ScratchCase):
@@ -194,6 +195,7 @@ class HopWithoutGnssTest(ScratchCase):
     def test_says_that_it_is_not_placed_without_an_origin(self):
         result = self.stitch("unplaced", 1)
         self.assertFalse(result.report["is_placed"])
+        self.assertEqual(set(result.radius), {None})
         self.assertTrue(any("--origin" in warning for warning in result.report["warnings"]))
         self.assertGreater(result.report["tile_count"], 0)
 

@@ -100,8 +100,7 @@ class Accuracy(ServerTestCase):
         self.assertIn("unknown: no positions", page)
         self.assertIn("unknown: the scale is a guess", page)
         self.assertNotRegex(page, r"1 sigma|Estimated error|adjusted ones| ha<")
-        radii = [photo["properties"]["error_radius_m"] for photo in json.loads((folder / "photos.geojson").read_text())["features"]
-                 if photo["properties"]["placement"] == "aligned"]
+        radii = [photo["properties"]["error_radius_m"] for photo in json.loads((folder / "photos.geojson").read_text())["features"]]
         self.assertEqual(set(radii), {None})
 
     def test_check_points_say_the_number_and_place_nothing(self):
