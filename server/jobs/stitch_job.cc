@@ -155,14 +155,26 @@ Result<void> WriteOtherFiles(pipeline::BuiltMosaic& built, const StitchJobOption
   return WriteSurface(built, options.mosaic, photos, out_dir, progress);
 }
 
+// Positions near 0, 0 of a map that lies nowhere are of no use to other engines, which would believe them.
+Result<void> WriteGeoTxt(const pipeline::BuiltMosaic& built, alignment::ErrorsKnown known,
+                         const std::filesystem::path& path) {
+  if (built.report.is_placed) {
+    return storage::WriteFileAtomically(
+        path, pipeline::OdmGeoTxt(built.flight, pipeline::RaisedM(built.report), known));
+  }
+  std::error_code gone;  // that of an earlier run
+  std::filesystem::remove(path, gone);
+  return {};
+}
+
 Result<void> WriteReports(const pipeline::BuiltMosaic& built, const std::filesystem::path& out_dir) {
   const double raised_m = pipeline::RaisedM(built.report);
   const alignment::ErrorsKnown known = pipeline::ErrorsKnownOf(built.report.quality.absolute);
+  SKYQUILT_TRY(WriteGeoTxt(built, known, out_dir / "geo.txt"));
   for (const auto& [name, text] :
        {std::pair{"photos.geojson",
                   pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute)},
         std::pair{"cameras.json", pipeline::OdmCamerasJson(built.flight)},
-        std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight, raised_m, known)},
         std::pair{"locate.json", pipeline::LocateJson(built.flight, built.ground, raised_m, known)},
         std::pair{"report.json", pipeline::ReportJson(built.report)}}) {
     SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / name, text));

@@ -2,10 +2,10 @@
 // bands.tif for cameras of several bands, mosaic.pmtiles, mosaic.tif (COG), mosaic_utm.tif, mosaic.kmz,
 // dsm.tif with dsm_photos.tif and dsm_hillshade.tif, dtm.tif with dtm_ground.tif and contours, and
 // layer_*.mbtiles with layers.json by option, report.json, photos.geojson, and for OpenDroneMap cameras.json
-// and geo.txt, each written under a temporary name and published by rename. What both the `stitch` command
-// and the worker run. Blocking; one call at a time per process (it uses all the threads asked for). Errors:
-// kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo; of a file beside the finished map
-// only after its reports are written.
+// and, of a map with a place on Earth, geo.txt, each written under a temporary name and published by rename.
+// What both the `stitch` command and the worker run. Blocking; one call at a time per process (it uses all
+// the threads asked for). Errors: kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo; of
+// a file beside the finished map only after its reports are written.
 #pragma once
 
 #include <filesystem>

@@ -102,6 +102,7 @@ class Accuracy(ServerTestCase):
         self.assertNotRegex(page, r"1 sigma|Estimated error|adjusted ones| ha<")
         radii = [photo["properties"]["error_radius_m"] for photo in json.loads((folder / "photos.geojson").read_text())["features"]]
         self.assertEqual(set(radii), {None})
+        self.assertFalse((folder / "geo.txt").exists(), "other engines would believe positions near 0, 0")
 
     def test_check_points_say_the_number_and_place_nothing(self):
         flight = made_flights.simulated(12, "800x600", "--noise", "xmp")
