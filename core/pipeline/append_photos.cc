@@ -336,7 +336,12 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   for (const flight::LeftOutPhoto& photo : aligned.left_out) {
     if (names.contains(photo.name)) grown.flight.left_out.push_back(photo);
   }
-  if (!placed.empty()) TellAdded(placed.size(), warnings);
+  if (!placed.empty()) {
+    TellAdded(placed.size(), warnings);
+    // The finished photos, and the ground below them, stay where the first rule put them.
+    if (const std::string& rule = posed.report.height_rule; grown.height_rule.find(rule) == std::string::npos)
+      grown.height_rule += "; of photos added since: " + rule;
+  }
   return std::optional<FlightFacts>(std::move(grown));
 }
 

@@ -109,6 +109,7 @@ TEST(HasAllPhotosOf, MissesOneThatIsReadFromAnotherFileNow) {
 poses::PosedFlight Posed(const simulate::SimulatedFlight& truth, std::size_t first = 0) {
   poses::PosedFlight posed;
   posed.frame = truth.frame;
+  posed.report.height_rule = "by the log";
   for (std::size_t i = first; i < truth.photos.size(); ++i) {
     poses::PosedPhoto photo;
     photo.photo = truth.photos[i].photo;
@@ -202,10 +203,12 @@ TEST(AppendPhotos, LeaveAMapPlacedThatSomebodyPlacedAndNoneNowhereThatTheyPlace)
 
 TEST(AppendPhotos, TellOfAllThatCameLaterTogether) {
   Added map({0.0, 1.0, {0.0, 0.0}});
+  map.known.height_rule = "guessed";
   poses::PosedFlight posed = Posed(map.truth);
   posed.photos.resize(Added::kFinished + 1);
   map.known = AppendByRecords(map.known, posed);
   const FlightFacts twice = map.Append();
+  EXPECT_EQ(twice.height_rule, "guessed; of photos added since: by the log");
   ASSERT_EQ(twice.flight.warnings.size(), 1U);
   EXPECT_TRUE(twice.flight.warnings[0] == flight::Remark(flight::RemarkCode::kPhotosAdded, {{"photos", 3}}));
 }
