@@ -92,7 +92,7 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
              report.tile_count, pipeline::QualityInWords(report.quality));
   if (report.ground_choice) {
     fmt::print(
-        "--surface auto: {}; {:.0f} % of what ties photos leans by more than two pixels, three photos see {:.0f} % of the ground\n",
+        "--surface auto: {}; as first placed, {:.0f} % of what ties photos leaned by more than two pixels, three photos saw {:.0f} % of the ground\n",
         pipeline::IsUpright(*report.ground_choice) ? "upright" : "the smooth ground",
         report.ground_choice->leaning_share * 100.0, report.ground_choice->seen_share * 100.0);
   }

@@ -54,7 +54,7 @@ class Upright(ScratchCase):
 
     def test_auto_stands_a_village_upright_and_leaves_a_meadow_smooth(self):
         out = self.scratch / "auto"
-        self.assertIn("--surface auto: upright", self.stitch(out, "--surface", "auto"))
+        self.assertIn("--surface auto: upright; as first placed, ", self.stitch(out, "--surface", "auto"))
         self.assertEqual(self.tiles(out), self.tiles(self.map))
         self.assertEqual(report_of(out)["ground_choice"]["surface"], "dense")
         meadow = self.scratch / "meadow"
