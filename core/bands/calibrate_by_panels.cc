@@ -142,30 +142,13 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
     first_unused.emplace("pictures", unused);
     flight.warnings.push_back({RemarkCode::kPanelsUnused, first_unused});
   }
-  const auto is_told_by_targets = [&](const std::string& band) {
-    return std::any_of(captures.targets.begin(), captures.targets.end(), [&](const auto& target) {
-      return ReflectanceOf(target.reflectance, band).has_value();
-    });
-  };
-  std::vector<std::string> without;
-  for (const Band& band : std::vector<Band>(captures.bands)) {
-    const auto found = by_band.find(band.name);
-    if (found == by_band.end()) {
-      if (band.calibration != Calibration::kKelvin && !is_told_by_targets(band.name))
-        without.push_back(band.name);
-      continue;
-    }
+  for (const auto& [band, pictures] : by_band) {
     std::vector<double> factors;
-    for (const Measured& measured : found->second) factors.push_back(measured.factor);
-    const std::size_t pictures = factors.size();
-    ScaleBand(
-        captures, band.name, std::move(factors), HeldAgainst::kPanel,
-        fmt::format("by {} picture{} of {}", pictures, pictures == 1 ? "" : "s", found->second.front().panel),
-        flight.warnings);
-  }
-  if (!without.empty() && without.size() < captures.bands.size()) {
-    flight.warnings.push_back(
-        {RemarkCode::kBandsWithoutPanel, {{"bands", fmt::format("{}", fmt::join(without, ", "))}}});
+    for (const Measured& measured : pictures) factors.push_back(measured.factor);
+    const std::size_t count = factors.size();
+    ScaleBand(captures, band, std::move(factors), HeldAgainst::kPanel,
+              fmt::format("by {} picture{} of {}", count, count == 1 ? "" : "s", pictures.front().panel),
+              flight.warnings);
   }
 }
 

@@ -2,9 +2,8 @@
 // known: those that the camera marked (MicaSense), those that a reflectance.csv names, and those at both
 // ends of the flight whose panel's code can be read, which leave the flight. Each picture says by which
 // factor its band's values are wrong; the median counts for all photos of the band. A band without a usable
-// picture keeps its values and, unless targets on the ground are to tell of it, is named in the flight's
-// warnings, as are pictures that could not be used. Decodes the pictures of panels, one after the other.
-// Blocking; one thread; never fails.
+// picture keeps its values. Pictures that could not be used are named in the flight's warnings. Decodes the
+// pictures of panels, one after the other. Blocking; one thread; never fails.
 #pragma once
 
 #include "core/bands/captures.h"

@@ -1,5 +1,7 @@
 #include "core/bands/captures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -355,6 +357,19 @@ double ScaleBand(Captures& captures, const std::string& band, std::vector<double
     one.held_against = by;
   }
   return factor;
+}
+
+std::optional<flight::Remark> BandsHeldAgainstNothing(const Captures& captures) {
+  std::vector<std::string> names;
+  bool is_any_held = false;
+  for (const Band& band : captures.bands) {
+    if (band.calibration == Calibration::kKelvin) continue;
+    if (band.held_against == HeldAgainst::kNothing) names.push_back(band.name);
+    is_any_held |= band.held_against != HeldAgainst::kNothing;
+  }
+  if (names.empty() || !is_any_held) return std::nullopt;
+  return flight::Remark(flight::RemarkCode::kBandsWithoutPanel,
+                        {{"bands", fmt::format("{}", fmt::join(names, ", "))}});
 }
 
 std::optional<double> ReflectanceOf(const flight::KnownReflectance& known, const std::string& band) {

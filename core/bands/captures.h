@@ -79,6 +79,10 @@ struct BandsReport {
 double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors, HeldAgainst by,
                  const std::string& method, std::vector<flight::Remark>& warnings);
 
+// Names the bands whose values were held against nothing known, where those of others were: an index of both
+// is off by a factor. Temperatures need nothing known.
+std::optional<flight::Remark> BandsHeldAgainstNothing(const Captures& captures);
+
 // What a list says of a band; nothing where it says nothing.
 std::optional<double> ReflectanceOf(const flight::KnownReflectance& known, const std::string& band);
 

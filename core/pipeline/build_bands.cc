@@ -111,6 +111,7 @@ Result<BuiltBands> BuildBands(const BandedMap& map, const ground::GroundSurface&
                                             {options.threads, left_bytes}, progress));
   bands::Captures captures = map.captures;
   CalibrateByTargets(map, ground, source, captures, cameras);
+  if (auto unheld = bands::BandsHeldAgainstNothing(captures)) cameras.warnings.push_back(*std::move(unheld));
   const render::ExposureModel exposure = render::EstimateExposure(map.references, ground, map.thumbnails);
   render::SeamOptions seam_options;
   seam_options.threads = options.threads;

@@ -286,8 +286,8 @@ TEST_F(CalibrateByPanelsTest, PicturesThatCannotBeUsedAreTold) {
     source_.pictures["1_red.tif"] = std::move(red);
     CalibrateByPanels(flight, captures, source_);
     EXPECT_EQ(captures.captures.back().photos[0].facts.radiometry.per_level, 1.0 / 50'000.0);
-    EXPECT_THAT(flight.warnings, SizeIs(2));
-    EXPECT_THAT(InWords(flight.warnings.back()), HasSubstr("for red"));
+    EXPECT_THAT(flight.warnings, SizeIs(1));
+    EXPECT_THAT(InWords(test::ValueOf(BandsHeldAgainstNothing(captures))), HasSubstr("for red:"));
     return InWords(flight.warnings.front());
   };
   EXPECT_THAT(told(Draw({.side_px = 20.0})), HasSubstr("1_red.tif: no code of a panel can be read"));
@@ -302,14 +302,14 @@ TEST_F(CalibrateByPanelsTest, PicturesThatCannotBeUsedAreTold) {
               HasSubstr("its values are radiance, those of the photos of the ground relative"));
 }
 
-// Targets are measured when the map is there.
-TEST_F(CalibrateByPanelsTest, ABandThatATargetTellsOfIsNotSaidToBeWithout) {
-  PutApart(1);
-  source_.pictures["1_red.tif"] = Draw({.grey = 65'400});
-  captures_.targets.emplace_back().reflectance.bands["red"] = 0.1;
-  CalibrateByPanels(flight_, captures_, source_);
-  ASSERT_THAT(flight_.warnings, SizeIs(1));
-  EXPECT_EQ(flight_.warnings[0].code, flight::RemarkCode::kPanelsUnused);
+TEST_F(CalibrateByPanelsTest, BandsThatNothingKnownTellsOfAreNamedWhereOthersAreTold) {
+  EXPECT_FALSE(BandsHeldAgainstNothing(captures_)) << "values of all bands are as their light has them";
+  std::vector<flight::Remark> warnings;
+  ScaleBand(captures_, "red", {1.2}, HeldAgainst::kTargets, "by 1 target", warnings);
+  const auto told = test::ValueOf(BandsHeldAgainstNothing(captures_));
+  EXPECT_THAT(InWords(told), HasSubstr("for nir:"));
+  captures_.bands[1].calibration = Calibration::kKelvin;
+  EXPECT_FALSE(BandsHeldAgainstNothing(captures_)) << "temperatures need nothing known";
 }
 
 TEST_F(CalibrateByPanelsTest, PicturesThatContradictAreTold) {
