@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <set>
 #include <utility>
 
 #include "core/bands/captures.h"
 #include "core/base/try.h"
+#include "core/geo/lat_lon.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/render/bands/measure_targets.h"
 #include "core/render/bands/register_bands.h"
@@ -62,6 +64,11 @@ void CalibrateByTargets(const BandedMap& map, const ground::GroundSurface& groun
 
 }  // namespace
 
+double MaxLookRad(const alignment::AlignedPhoto& photo, const MosaicOptions& options) {
+  constexpr double kUntiedLookRad = 55.0 * std::numbers::pi / 180.0;
+  return std::min(geo::DegToRad(options.max_look_deg), std::max(photo.tied_look_rad, kUntiedLookRad));
+}
+
 void DrawColourAlone(const bands::Captures& captures, alignment::AlignedFlight& flight) {
   const std::set<std::string> references = ReferencesOf(captures);
   const auto is_reference = [&](const alignment::AlignedPhoto& photo) {
@@ -77,7 +84,7 @@ void DrawColourAlone(const bands::Captures& captures, alignment::AlignedFlight& 
 }
 
 std::optional<BandedMap> BandedMapOf(const FlightFacts& facts, bands::Captures captures,
-                                     double max_look_rad) {
+                                     const MosaicOptions& options) {
   if (captures.empty()) return std::nullopt;
   const std::set<std::string> references = ReferencesOf(captures);
   BandedMap map;
@@ -85,8 +92,8 @@ std::optional<BandedMap> BandedMapOf(const FlightFacts& facts, bands::Captures c
   map.references.photos.clear();
   for (std::size_t i = 0; i < facts.flight.photos.size(); ++i) {
     if (!references.contains(facts.flight.photos[i].photo.name)) continue;
-    map.references.photos.push_back(facts.flight.photos[i]);
-    map.references.photos.back().max_look_rad = max_look_rad;
+    alignment::AlignedPhoto& reference = map.references.photos.emplace_back(facts.flight.photos[i]);
+    reference.max_look_rad = MaxLookRad(reference, options);  // drawn in colour or not
     map.thumbnails.push_back(facts.thumbnails[i]);
   }
   if (map.references.photos.empty()) return std::nullopt;

@@ -28,12 +28,18 @@ struct BandedMap {
   std::optional<geo::Boundary> boundary;      // that they are cut to
 };
 
+// How far off the vertical maps and bands show what a photo sees, radians: as the options say, and what no
+// other photo has seen no further out than 55 degrees, since an error of the photo's angles grows with the
+// square of the tangent towards the horizon.
+double MaxLookRad(const alignment::AlignedPhoto& photo, const MosaicOptions& options);
+
 // Where photos in colour show the ground too, the map for looking is drawn from them: references of bands
 // show nothing of it (max_look_rad is 0).
 void DrawColourAlone(const bands::Captures& captures, alignment::AlignedFlight& flight);
 
 // Nothing for a flight without captures, or of which none was placed.
-std::optional<BandedMap> BandedMapOf(const FlightFacts& facts, bands::Captures captures, double max_look_rad);
+std::optional<BandedMap> BandedMapOf(const FlightFacts& facts, bands::Captures captures,
+                                     const MosaicOptions& options);
 
 struct BuiltBands {
   bands::BandsReport report;

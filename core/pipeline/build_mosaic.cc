@@ -177,8 +177,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   }
 
   DescribeMap(facts, planned, surface, *facts.seams, *rendered, report);
-  std::optional<BandedMap> banded =
-      BandedMapOf(facts, std::move(placed.captures), geo::DegToRad(options.max_look_deg));
+  std::optional<BandedMap> banded = BandedMapOf(facts, std::move(placed.captures), options);
   BuiltMosaic built{aligned,
                     ground,
                     std::move(planned.plan),

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
@@ -39,10 +38,6 @@ namespace {
 using flight::InputFile;
 
 constexpr std::size_t kManyFiles = 500;  // whose features are most of the memory
-
-// An error of a photo's angles grows with the square of the tangent towards the horizon: what no other photo
-// has seen is drawn no further out than this.
-constexpr double kUntiedLookRad = 55.0 * std::numbers::pi / 180.0;
 
 Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOptions& options,
                                 const geo::DemSource* dem, StageRunner& stages, bool keep_unplaced) {
@@ -352,10 +347,8 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   placed.facts.boundary = BoundaryOf(options, memory);
   TellMarks(lists, placed.facts);
   if (!is_told) {  // that keeps what the map was made with
-    for (alignment::AlignedPhoto& photo : placed.facts.flight.photos) {
-      photo.max_look_rad =
-          std::min(geo::DegToRad(options.max_look_deg), std::max(photo.tied_look_rad, kUntiedLookRad));
-    }
+    for (alignment::AlignedPhoto& photo : placed.facts.flight.photos)
+      photo.max_look_rad = MaxLookRad(photo, options);
     DrawColourAlone(placed.captures, placed.facts.flight);
     placed.facts.options = DigestOfPlacing(options);
     placed.facts.asked = options.InWords();

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "core/pipeline/build_bands.h"
 #include "tests/core/pipeline/full_reports.h"
 #include "tests/support/value_of.h"
 
@@ -139,6 +141,20 @@ TEST(DigestOfPlacing, ChangesWithWhatMovesPhotosAndNotWithWhatDrawsThem) {
   // Maps made before know their method by these, and 2 and 3 for what is gone.
   EXPECT_EQ(static_cast<int>(AlignMethod::kImu), 1);
   EXPECT_EQ(static_cast<int>(AlignMethod::kImages), 4);
+}
+
+TEST(BandedMapOf, ShowsNoMoreThanTheMapOfWhatNoOtherPhotoTies) {
+  for (const auto& [tied_deg, shown_deg] :
+       {std::pair{0.0, 55.0}, std::pair{60.0, 60.0}, std::pair{90.0, 65.0}}) {
+    FlightFacts facts = SomeFacts();
+    alignment::AlignedPhoto& photo = facts.flight.photos.front();
+    photo.tied_look_rad = geo::DegToRad(tied_deg);
+    photo.max_look_rad = 0.0;  // the map is drawn in colour
+    bands::Captures captures;
+    captures.captures.emplace_back().reference = photo.photo.name;
+    const auto map = test::ValueOf(BandedMapOf(facts, captures, {}));
+    EXPECT_NEAR(map.references.photos.at(0).max_look_rad, geo::DegToRad(shown_deg), 1e-9);
+  }
 }
 
 }  // namespace
