@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <ratio>
 #include <utility>
 
 #include "core/bands/band_facts.h"
@@ -27,10 +30,12 @@ using flight::RemarkCode;
 constexpr std::size_t kWithoutPanel = 2;
 constexpr double kMaxClippedShare = 0.01;
 constexpr double kMaxSpread = 0.25;  // a panel is even: more is grass, or its rim
+constexpr double kFarH = 2.0;        // later, the sun stands elsewhere
 
 struct Measured {
   double factor = 1.0;
   std::string panel;  // its serial number, or how it is known
+  const flight::Photo* photo = nullptr;
 };
 
 PanelArea AreaOfBox(const std::array<double, 4>& box) {
@@ -84,7 +89,7 @@ Result<Measured> MeasurePanel(const BandPhoto& panel, Calibration usual, const f
   if (levels->spread > kMaxSpread) return NotUsed(RemarkCode::kPanelUneven);
   const std::optional<double> value = MedianIn(ValuesOf(picture, facts.radiometry), *area);
   if (!value || !(*value > 0.0)) return NotUsed(RemarkCode::kPanelBlack);
-  return Measured{*reflectance / *value, name};
+  return Measured{*reflectance / *value, name, &panel.photo};
 }
 
 // By the code in its reference's picture.
@@ -116,6 +121,41 @@ void SearchPanels(Flight& flight, Captures& captures, const PhotoSource& source)
   }
 }
 
+std::vector<const flight::Photo*> PhotosOf(const Captures& captures, const std::string& band) {
+  std::vector<const flight::Photo*> photos;
+  for (const Capture& capture : captures.captures) {
+    for (const BandPhoto& photo : capture.photos) {
+      if (photo.facts.name == band) photos.push_back(&photo.photo);
+    }
+  }
+  return photos;
+}
+
+// To the nearest of others; nothing where clocks do not tell.
+std::optional<double> HoursToNearest(const flight::Photo& photo,
+                                     const std::vector<const flight::Photo*>& others) {
+  using Hours = std::chrono::duration<double, std::ratio<3600>>;
+  std::optional<double> nearest_h;
+  for (const flight::Photo* other : others) {
+    if (!photo.captured_at || !other->captured_at ||
+        photo.captured_at_is_local != other->captured_at_is_local)
+      continue;
+    const double apart_h = std::abs(Hours(*photo.captured_at - *other->captured_at).count());
+    if (!nearest_h || apart_h < *nearest_h) nearest_h = apart_h;
+  }
+  return nearest_h;
+}
+
+// Pictures of another day than the photos of the ground go where there are some of theirs; says how many.
+std::size_t DropOtherDays(const std::vector<const flight::Photo*>& ground, std::vector<Measured>& pictures) {
+  constexpr double kOneDayH = 12.0;
+  const auto is_of_another_day = [&](const Measured& picture) {
+    return HoursToNearest(*picture.photo, ground).value_or(0.0) > kOneDayH;
+  };
+  if (std::all_of(pictures.begin(), pictures.end(), is_of_another_day)) return 0;
+  return std::erase_if(pictures, is_of_another_day);
+}
+
 }  // namespace
 
 void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& source) {
@@ -142,13 +182,26 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
     first_unused.emplace("pictures", unused);
     flight.warnings.push_back({RemarkCode::kPanelsUnused, first_unused});
   }
-  for (const auto& [band, pictures] : by_band) {
+  double farthest_h = 0.0;
+  for (auto& [band, pictures] : by_band) {
+    const std::vector<const flight::Photo*> ground = PhotosOf(captures, band);
+    const std::size_t dropped = DropOtherDays(ground, pictures);
     std::vector<double> factors;
-    for (const Measured& measured : pictures) factors.push_back(measured.factor);
+    std::vector<const flight::Photo*> panels;
+    for (const Measured& measured : pictures) {
+      factors.push_back(measured.factor);
+      panels.push_back(measured.photo);
+    }
+    for (const flight::Photo* photo : ground)
+      farthest_h = std::max(farthest_h, HoursToNearest(*photo, panels).value_or(0.0));
     const std::size_t count = factors.size();
-    ScaleBand(captures, band, std::move(factors), HeldAgainst::kPanel,
-              fmt::format("by {} picture{} of {}", count, count == 1 ? "" : "s", pictures.front().panel),
-              flight.warnings);
+    std::string method =
+        fmt::format("by {} picture{} of {}", count, count == 1 ? "" : "s", pictures.front().panel);
+    if (dropped > 0) method += fmt::format(" without {} of another day", dropped);
+    ScaleBand(captures, band, std::move(factors), HeldAgainst::kPanel, method, flight.warnings);
+  }
+  if (farthest_h > kFarH) {
+    flight.warnings.push_back({RemarkCode::kPanelFarInTime, {{"apart_h", farthest_h}}});
   }
 }
 

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <string_view>
+#include <utility>
 
 #include "core/bands/calibrate_by_panels.h"
 #include "core/bands/find_panel.h"
@@ -195,6 +197,15 @@ class CalibrateByPanelsTest : public testing::Test {
     captures_.captures.erase(captures_.captures.begin() + static_cast<std::ptrdiff_t>(capture));
     flight_.photos.erase(flight_.photos.begin() + static_cast<std::ptrdiff_t>(capture));
   }
+  // The captures follow each other by the minute.
+  static void TakePanelsBefore(int hours, Captures& captures) {
+    const flight::UtcTime first(std::chrono::hours(24 * 19'000 + 12));
+    for (std::size_t i = 0; i < captures.captures.size(); ++i) {
+      for (BandPhoto& photo : captures.captures[i].photos)
+        photo.photo.captured_at = first + std::chrono::minutes(i);
+    }
+    for (BandPhoto& panel : captures.panels) panel.photo.captured_at = first - std::chrono::hours(hours);
+  }
   flight::Flight flight_;
   Captures captures_;
   Drawn source_;
@@ -310,6 +321,33 @@ TEST_F(CalibrateByPanelsTest, BandsThatNothingKnownTellsOfAreNamedWhereOthersAre
   EXPECT_THAT(InWords(told), HasSubstr("for nir:"));
   captures_.bands[1].calibration = Calibration::kKelvin;
   EXPECT_FALSE(BandsHeldAgainstNothing(captures_)) << "temperatures need nothing known";
+}
+
+TEST_F(CalibrateByPanelsTest, APanelFarFromTheFlightIsUsedAndSaid) {
+  for (const auto& [hours, is_told] : {std::pair{1, false}, std::pair{3, true}, std::pair{24, true}}) {
+    flight::Flight flight = flight_;
+    Captures captures = captures_;
+    SetPanelsApart({false, true, false, false, false, false, false, false}, captures, flight);
+    TakePanelsBefore(hours, captures);
+    CalibrateByPanels(flight, captures, source_);
+    EXPECT_NEAR(captures.captures.back().photos[0].facts.radiometry.per_level, kRed / 0.5 / 50'000.0, 1e-9);
+    ASSERT_THAT(flight.warnings, SizeIs(is_told ? 1 : 0)) << hours;
+    if (is_told) EXPECT_THAT(InWords(flight.warnings[0]), HasSubstr(std::to_string(hours) + " hours"));
+  }
+}
+
+TEST_F(CalibrateByPanelsTest, APanelOfAnotherDayIsNotUsedBesideOneOfTheFlights) {
+  PutApart(1);
+  captures_.panels.pop_back();  // that of nir
+  TakePanelsBefore(24, captures_);
+  captures_.panels.push_back(captures_.panels[0]);
+  captures_.panels.back().photo.name = "second.tif";
+  *captures_.panels.back().photo.captured_at += std::chrono::hours(23);
+  source_.pictures["second.tif"] = Draw({.grey = 16'000});
+  CalibrateByPanels(flight_, captures_, source_);
+  EXPECT_NEAR(FactorOf("red"), kRed / 0.3, 1e-6);
+  EXPECT_TRUE(flight_.warnings.empty()) << "nor do the two contradict each other";
+  EXPECT_THAT(captures_.bands[0].method, HasSubstr("without 1 of another day"));
 }
 
 TEST_F(CalibrateByPanelsTest, PicturesThatContradictAreTold) {
