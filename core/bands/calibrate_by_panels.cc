@@ -156,6 +156,37 @@ std::size_t DropOtherDays(const std::vector<const flight::Photo*>& ground, std::
   return std::erase_if(pictures, is_of_another_day);
 }
 
+// What is doubtful in how photos of the ground are held against pictures of panels.
+struct Doubts {
+  double farthest_h = 0.0;
+  std::size_t of_other_cameras = 0;
+};
+
+void ApplyPanels(std::vector<Measured> pictures, const std::string& band, Flight& flight, Captures& captures,
+                 Doubts& doubts) {
+  const std::vector<const flight::Photo*> ground = PhotosOf(captures, band);
+  const std::size_t dropped = DropOtherDays(ground, pictures);
+  FactorsByCamera factors;
+  std::map<std::string, std::vector<const flight::Photo*>> by_camera;
+  std::vector<const flight::Photo*> all;
+  for (const Measured& picture : pictures) {
+    factors[picture.photo->camera_key].push_back(picture.factor);
+    by_camera[picture.photo->camera_key].push_back(picture.photo);
+    all.push_back(picture.photo);
+  }
+  for (const flight::Photo* photo : ground) {
+    const auto own = by_camera.find(photo->camera_key);
+    const bool is_of_other = own == by_camera.end();
+    doubts.of_other_cameras += is_of_other ? 1 : 0;
+    const auto nearest_h = HoursToNearest(*photo, is_of_other ? all : own->second);
+    doubts.farthest_h = std::max(doubts.farthest_h, nearest_h.value_or(0.0));
+  }
+  std::string method = fmt::format("by {} picture{} of {}", pictures.size(), pictures.size() == 1 ? "" : "s",
+                                   pictures.front().panel);
+  if (dropped > 0) method += fmt::format(" without {} of another day", dropped);
+  ScaleBand(captures, band, factors, HeldAgainst::kPanel, method, flight.warnings);
+}
+
 }  // namespace
 
 void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& source) {
@@ -182,26 +213,13 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
     first_unused.emplace("pictures", unused);
     flight.warnings.push_back({RemarkCode::kPanelsUnused, first_unused});
   }
-  double farthest_h = 0.0;
-  for (auto& [band, pictures] : by_band) {
-    const std::vector<const flight::Photo*> ground = PhotosOf(captures, band);
-    const std::size_t dropped = DropOtherDays(ground, pictures);
-    std::vector<double> factors;
-    std::vector<const flight::Photo*> panels;
-    for (const Measured& measured : pictures) {
-      factors.push_back(measured.factor);
-      panels.push_back(measured.photo);
-    }
-    for (const flight::Photo* photo : ground)
-      farthest_h = std::max(farthest_h, HoursToNearest(*photo, panels).value_or(0.0));
-    const std::size_t count = factors.size();
-    std::string method =
-        fmt::format("by {} picture{} of {}", count, count == 1 ? "" : "s", pictures.front().panel);
-    if (dropped > 0) method += fmt::format(" without {} of another day", dropped);
-    ScaleBand(captures, band, std::move(factors), HeldAgainst::kPanel, method, flight.warnings);
+  Doubts doubts;
+  for (const auto& [band, pictures] : by_band) ApplyPanels(pictures, band, flight, captures, doubts);
+  if (doubts.of_other_cameras > 0) {
+    flight.warnings.push_back({RemarkCode::kPanelOfOtherCamera, {{"photos", doubts.of_other_cameras}}});
   }
-  if (farthest_h > kFarH) {
-    flight.warnings.push_back({RemarkCode::kPanelFarInTime, {{"apart_h", farthest_h}}});
+  if (doubts.farthest_h > kFarH) {
+    flight.warnings.push_back({RemarkCode::kPanelFarInTime, {{"apart_h", doubts.farthest_h}}});
   }
 }
 

@@ -234,6 +234,11 @@ void SetMarkedPanelsApart(Captures& apart, Flight& flight) {
   }
 }
 
+double MiddleOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2.0;
+}
+
 }  // namespace
 
 bool SetPanelsApart(const std::vector<bool>& shows_panel, Captures& apart, Flight& flight) {
@@ -331,13 +336,21 @@ Captures SetBandsApart(Flight& flight, int threads) {
   return apart;
 }
 
-double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors, HeldAgainst by,
+double ScaleBand(Captures& captures, const std::string& band, const FactorsByCamera& factors, HeldAgainst by,
                  const std::string& method, std::vector<flight::Remark>& warnings) {
   SKYQUILT_CHECK(!factors.empty(), "a band is scaled by what somebody says");
-  std::sort(factors.begin(), factors.end());
-  const double factor = (factors[(factors.size() - 1) / 2] + factors[factors.size() / 2]) / 2.0;
+  std::map<std::string, double> by_camera;
+  std::vector<double> all;
+  double apart = 0.0;
+  for (const auto& [camera, told] : factors) {
+    const double factor = MiddleOf(told);
+    const auto [least, most] = std::minmax_element(told.begin(), told.end());
+    apart = std::max(apart, (*most - *least) / factor);
+    by_camera[camera] = factor;
+    all.insert(all.end(), told.begin(), told.end());
+  }
+  const double of_all = MiddleOf(std::move(all));
   constexpr double kDoubtedSpread = 0.1;
-  const double apart = (factors.back() - factors.front()) / factor;
   if (apart > kDoubtedSpread) {
     warnings.push_back(
         {by == HeldAgainst::kPanel ? flight::RemarkCode::kPanelsApart : flight::RemarkCode::kTargetsApart,
@@ -346,7 +359,8 @@ double ScaleBand(Captures& captures, const std::string& band, std::vector<double
   for (Capture& capture : captures.captures) {
     for (BandPhoto& photo : capture.photos) {
       if (photo.facts.name != band) continue;
-      photo.facts.radiometry.per_level *= factor;
+      const auto own = by_camera.find(photo.photo.camera_key);
+      photo.facts.radiometry.per_level *= own == by_camera.end() ? of_all : own->second;
       photo.facts.radiometry.calibration = Calibration::kReflectance;
     }
   }
@@ -356,7 +370,7 @@ double ScaleBand(Captures& captures, const std::string& band, std::vector<double
     one.method += (one.method.empty() ? "" : ", ") + method;
     one.held_against = by;
   }
-  return factor;
+  return of_all;
 }
 
 std::optional<flight::Remark> BandsHeldAgainstNothing(const Captures& captures) {

@@ -7,6 +7,7 @@
 // done to captures (ScaleBand) and told of them (BandsReport).
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -72,11 +73,15 @@ struct BandsReport {
   std::vector<BandReport> bands;
 };
 
-// Brings a band's values in `captures` to reflectance, where several witnesses (pictures of a panel, targets
-// on the ground) each say a factor: their median counts and is returned; where they are more than a tenth
-// apart `warnings` tells. `by`: what the witnesses are, `method`: the same in words, for the band's.
-// Precondition: at least one factor, all above 0.
-double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors, HeldAgainst by,
+// By which factors a band's values are wrong, as several witnesses say (pictures of a panel, targets on the
+// ground), by the camera_key of the photos that they are said of.
+using FactorsByCamera = std::map<std::string, std::vector<double>>;
+
+// Brings a band's values in `captures` to reflectance: the median counts for each camera, that of all for
+// those without a factor of their own, and is returned; where a camera's are more than a tenth apart
+// `warnings` tells. `by`: what the witnesses are, `method`: the same in words, for the band's. Precondition:
+// at least one factor for each camera that is named, all above 0.
+double ScaleBand(Captures& captures, const std::string& band, const FactorsByCamera& factors, HeldAgainst by,
                  const std::string& method, std::vector<flight::Remark>& warnings);
 
 // Names the bands whose values were held against nothing known, where those of others were: an index of both

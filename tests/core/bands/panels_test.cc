@@ -316,7 +316,7 @@ TEST_F(CalibrateByPanelsTest, PicturesThatCannotBeUsedAreTold) {
 TEST_F(CalibrateByPanelsTest, BandsThatNothingKnownTellsOfAreNamedWhereOthersAreTold) {
   EXPECT_FALSE(BandsHeldAgainstNothing(captures_)) << "values of all bands are as their light has them";
   std::vector<flight::Remark> warnings;
-  ScaleBand(captures_, "red", {1.2}, HeldAgainst::kTargets, "by 1 target", warnings);
+  ScaleBand(captures_, "red", {{"", std::vector<double>{1.2}}}, HeldAgainst::kTargets, "by 1 target", warnings);
   const auto told = test::ValueOf(BandsHeldAgainstNothing(captures_));
   EXPECT_THAT(InWords(told), HasSubstr("for nir:"));
   captures_.bands[1].calibration = Calibration::kKelvin;
@@ -348,6 +348,24 @@ TEST_F(CalibrateByPanelsTest, APanelOfAnotherDayIsNotUsedBesideOneOfTheFlights) 
   EXPECT_NEAR(FactorOf("red"), kRed / 0.3, 1e-6);
   EXPECT_TRUE(flight_.warnings.empty()) << "nor do the two contradict each other";
   EXPECT_THAT(captures_.bands[0].method, HasSubstr("without 1 of another day"));
+}
+
+TEST_F(CalibrateByPanelsTest, EachCameraIsHeldAgainstItsOwnPanel) {
+  PutApart(1);
+  for (std::size_t i = 0; i < captures_.captures.size(); ++i) {
+    for (BandPhoto& photo : captures_.captures[i].photos) photo.photo.camera_key = i < 4 ? "A" : "B";
+  }
+  for (BandPhoto& panel : captures_.panels) panel.photo.camera_key = "A";
+  captures_.panels.push_back(captures_.panels[0]);
+  captures_.panels.back().photo.name = "second.tif";
+  captures_.panels.back().photo.camera_key = "B";
+  source_.pictures["second.tif"] = Draw({.grey = 16'000});
+  CalibrateByPanels(flight_, captures_, source_);
+  EXPECT_NEAR(captures_.captures[0].photos[0].facts.radiometry.per_level * 50'000.0, kRed / 0.5, 1e-6);
+  EXPECT_NEAR(FactorOf("red"), kRed / 0.3, 1e-6);
+  EXPECT_NEAR(FactorOf("nir"), kNir, 1e-6) << "its camera has none of its own";
+  ASSERT_THAT(flight_.warnings, SizeIs(1));
+  EXPECT_THAT(InWords(flight_.warnings[0]), HasSubstr("3 photos of bands"));
 }
 
 TEST_F(CalibrateByPanelsTest, PicturesThatContradictAreTold) {

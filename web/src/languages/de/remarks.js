@@ -330,6 +330,7 @@ export const remark_words = {
   target_uneven: (v) => `Reflexionsziel ${number(v.target)} ist ungleichmäßig: Prüfen Sie Ort und Radius in ${v.file}.`,
   every_capture_a_panel: (v) => `Laut Kamera oder ${v.file} zeigt jede Aufnahme eine Kalibriertafel: Keine wird als eine solche behandelt.`,
   bands_without_panel: (v) => `Für ${v.bands} ließ sich weder eine Kalibriertafel noch ein Reflexionsziel verwenden: Ein Index aus diesen und anderen Kanälen ist nicht kalibriert.`,
+  panel_of_other_camera: (v) => `${count(v.photos, { one: 'Foto eines Kanals stammt', other: 'Fotos von Kanälen stammen' })} laut Metadaten von einer anderen Kamera als die Bilder der Kalibriertafel; kalibriert wird trotzdem nach diesen. Die Reflexionsgrade können falsch sein.`,
   panel_far_in_time: (v) => `Laut Uhr der Kamera liegen zwischen Fotos des Bodens und dem nächsten Bild der Kalibriertafel bis zu ${fixed(v.apart_h, 0)}\u00a0Stunden: Das Licht kann sich geändert haben, und die Reflexionsgrade können falsch sein.`,
   all_by_images: () => 'Kein Foto sagt, wo es aufgenommen wurde. Wo sie überlappen, werden die Fotos nach dem gelegt, was sie zeigen; die Karte ist dann vollständig, aber ihr Ort auf der Erde unbekannt. Fügen Sie Flugprotokoll, Positionsliste (geo.txt) oder Passpunkte hinzu, oder platzieren Sie die Karte danach.',
   all_by_images_and_control: () => 'Kein Foto sagt, wo es aufgenommen wurde. Wo sie überlappen, werden die Fotos nach dem gelegt, was sie zeigen; die Karte liegt dann dort, wo die Passpunkte sie haben.',
