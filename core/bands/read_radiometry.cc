@@ -107,6 +107,7 @@ void ReadBlackLevel(const ExifTable& exif, const XmpTags& xmp, Radiometry& radio
   std::array<std::optional<double>, 4> levels;
   for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = exif.Number(ExifIfd::kImage, kBlackLevelTag, i);
   if (!levels[0]) levels[0] = xmp.Number("drone-dji:BlackLevel");
+  if (!levels[0]) levels[0] = xmp.Number("drone-dji:BlackCurrent");
   if (!levels[0]) levels[0] = xmp.Number("Camera:BlackCurrent");
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const double level = levels[i].value_or(levels[0].value_or(0.0));

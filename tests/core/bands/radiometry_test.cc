@@ -106,6 +106,13 @@ TEST(RadiometryOfDji, FollowsTheirGuide) {
   EXPECT_NEAR(ValueAt(radiometry, 32, 16) / ValueAt(radiometry, 16, 16), 1.0 + 0.0001 * 256.0, 1e-5);
 }
 
+TEST(RadiometryOfDji, TheBlackLevelMayStandAmongTheMakersTags) {
+  const Radiometry radiometry = RadiometryOf(
+      "drone-dji:BlackCurrent=\"3200\" drone-dji:SensorGain=\"1\" drone-dji:ExposureTime=\"1000\"",
+      flight::ExifWriter());
+  EXPECT_NEAR(ValueAt(radiometry, 0, 0), (20'000 - 3200) / 65535.0 / 1e-3, 1e-2);
+}
+
 TEST(RadiometryOfSequoia, ByTheFactorysMeasurement) {
   // 15 200 levels above black at ISO 200 and 1/500 s; the factory saw 345 levels of 10 bits at 1/200 s, and
   // ten times less light at the sunshine sensor.
