@@ -160,7 +160,9 @@ bool ReadSequoia(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiomet
   radiometry.vignetting = PlaneVignetting(xmp);
   const auto sunlight = ReadIrradianceList(xmp.Text("Camera:IrradianceList"));
   const auto calibration_counts = CalibrationCounts(xmp.Text("Camera:IrradianceCalibrationMeasurement"));
-  const double dark = xmp.Number("Camera:BlackCurrent").value_or(0.0);
+  const double dark = xmp.Number("Camera:BlackCurrent").value_or(0.0);  // of 10 bits
+  if (!exif.Number(ExifIfd::kImage, kBlackLevelTag))
+    radiometry.black.fill(std::clamp(dark * kLevelsOfTenBits, 0.0, kLevels16));
   const bool is_measured = measured && (*measured)[0] > 0.0 && (*measured)[1] > 0.0 && (*measured)[2] > dark;
   if (is_measured && sunlight && calibration_counts) {
     const double calibration_rate =

@@ -127,6 +127,15 @@ TEST(RadiometryOfSequoia, ByTheFactorysMeasurement) {
   EXPECT_NEAR(ValueAt(radiometry, 32, 0), rate / factory / 10.0 / (0.5 + 0.5 * 32.0 / 40.0), 1e-5);
 }
 
+TEST(RadiometryOfSequoia, WithoutATagOfTheTiffTheBlackLevelIsOfTenBits) {
+  const auto exif = flight::ExifWriter()
+                        .Rational(flight::ExifIfd::kExif, kExposureTime, {{1, 500}})
+                        .Short(flight::ExifIfd::kExif, kIso, 200);
+  const Radiometry radiometry =
+      RadiometryOf("Camera:CalibrationMeasurement=\"1,0.005,420\" Camera:BlackCurrent=\"75\"", exif);
+  EXPECT_NEAR(ValueAt(radiometry, 0, 0), (20'000 - 75 * 64) / 65536.0 / (2.0 / 500.0), 1e-2);
+}
+
 TEST(RadiometryOfSequoia, BySensorModelIsUpToAFactor) {
   const Radiometry radiometry = RadiometryOf("Camera:SensorModel=\"5000,4000,16\"");
   EXPECT_EQ(radiometry.calibration, Calibration::kRadiance);
