@@ -177,7 +177,7 @@ void ApplyPanels(std::vector<Measured> pictures, const std::string& band, Flight
   for (const flight::Photo* photo : ground) {
     const auto own = by_camera.find(photo->camera_key);
     const bool is_of_other = own == by_camera.end();
-    doubts.of_other_cameras += is_of_other ? 1 : 0;
+    if (is_of_other) ++doubts.of_other_cameras;
     const auto nearest_h = HoursToNearest(*photo, is_of_other ? all : own->second);
     doubts.farthest_h = std::max(doubts.farthest_h, nearest_h.value_or(0.0));
   }

@@ -1,10 +1,11 @@
 // CalibrateByPanels: brings the values of each band to reflectance by pictures of panels whose reflectance is
 // known: those that the camera marked (MicaSense), those that a reflectance.csv names, and those at both
 // ends of the flight whose panel's code can be read, which leave the flight. Each picture says by which
-// factor its band's values are wrong; the median counts for the photos of the band by the same camera, and for
-// those of cameras without a panel, of which a warning tells. A band without a usable
-// picture keeps its values. Pictures that could not be used are named in the flight's warnings. Decodes the
-// pictures of panels, one after the other. Blocking; one thread; never fails.
+// factor its band's values are wrong; the median counts for the band's photos by the same camera, and for
+// those of cameras without a picture. Pictures of another day than the photos are used where there are none
+// of theirs. A band without a usable picture keeps its values. The flight's warnings name pictures that could
+// not be used and count photos of other cameras; photos hours away from the pictures are told too. Decodes
+// the pictures of panels, one after the other. Blocking; one thread; never fails.
 #pragma once
 
 #include "core/bands/captures.h"
