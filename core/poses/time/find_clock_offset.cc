@@ -17,6 +17,7 @@
 #include "core/poses/time/clock_zone.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/log_cover.h"
+#include "core/poses/time/log_span.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -25,7 +26,8 @@ using flight::FlightLog;
 using flight::Photo;
 using flight::RemarkCode;
 
-constexpr double kLongestGapS = 2.0;
+// Of a track without fixes; of slow ones two of their intervals.
+constexpr double kLongestGapS = 2.0, kGapIntervals = 2.0;
 constexpr double kCoarseStepS = 0.5;
 constexpr std::size_t kMaxSteps = 200'000;
 constexpr std::size_t kMaxPhotosCoarse = 150;
@@ -102,36 +104,41 @@ std::optional<ClockOffset> Search(const ErrorsAt& errors_at, std::size_t count, 
   return found;
 }
 
-// Position at a time; nothing outside the track and in its gaps of more than two seconds.
-std::optional<Eigen::Vector2d> TrackAt(std::span<const TimedPosition> track, double t_s) {
-  const auto after = std::lower_bound(track.begin(), track.end(), t_s,
-                                      [](const TimedPosition& point, double t) { return point.t_s < t; });
-  if (after == track.end()) return std::nullopt;
-  if (after->t_s == t_s) return after->position_m;
-  if (after == track.begin()) return std::nullopt;
-  const auto before = after - 1;
-  const double gap = after->t_s - before->t_s;
-  if (gap > kLongestGapS) return std::nullopt;
-  const double share = (t_s - before->t_s) / gap;
-  return before->position_m + share * (after->position_m - before->position_m);
-}
+// Where the log was.
+struct Track {
+  std::vector<TimedPosition> points;
+  double longest_gap_s = kLongestGapS;
+
+  // Position at a time; nothing outside the track and in its gaps.
+  std::optional<Eigen::Vector2d> At(double t_s) const {
+    const auto after = std::lower_bound(points.begin(), points.end(), t_s,
+                                        [](const TimedPosition& point, double t) { return point.t_s < t; });
+    if (after == points.end()) return std::nullopt;
+    if (after->t_s == t_s) return after->position_m;
+    if (after == points.begin()) return std::nullopt;
+    const auto before = after - 1;
+    const double gap_s = after->t_s - before->t_s;
+    if (gap_s > longest_gap_s) return std::nullopt;
+    const double share = (t_s - before->t_s) / gap_s;
+    return before->position_m + share * (after->position_m - before->position_m);
+  }
+};
 
 // Every offset that keeps four fifths of the photos on the track is tried.
-std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> photos,
-                                             std::span<const TimedPosition> track) {
-  if (photos.size() < 4 || track.size() < 4) return std::nullopt;
+std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> photos, const Track& track) {
+  if (photos.size() < 4 || track.points.size() < 4) return std::nullopt;
   const auto errors_at = [&](double offset, std::size_t stride, std::vector<double>& errors) {
     errors.clear();
     for (std::size_t i = 0; i < photos.size(); i += stride) {
-      const auto position = TrackAt(track, photos[i].t_s + offset);
+      const auto position = track.At(photos[i].t_s + offset);
       errors.push_back(position ? (*position - photos[i].position_m).norm()
                                 : std::numeric_limits<double>::infinity());
     }
   };
   // Four fifths of the photos must lie on the track.
   const std::size_t spare = photos.size() / 5;
-  const Range range{track.front().t_s - photos[spare].t_s,
-                    track.back().t_s - photos[photos.size() - 1 - spare].t_s};
+  const Range range{track.points.front().t_s - photos[spare].t_s,
+                    track.points.back().t_s - photos[photos.size() - 1 - spare].t_s};
   auto found = Search(errors_at, photos.size(), range);
   if (!found) return std::nullopt;
   // Along-track errors over the sum of squared speeds; positions of one receiver err together for some
@@ -139,9 +146,9 @@ std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> phot
   double speeds = 0.0, along = 0.0;
   std::size_t used = 0;
   for (const TimedPosition& photo : photos) {
-    const auto before = TrackAt(track, photo.t_s + found->offset_s - 0.25);
-    const auto at = TrackAt(track, photo.t_s + found->offset_s);
-    const auto after = TrackAt(track, photo.t_s + found->offset_s + 0.25);
+    const auto before = track.At(photo.t_s + found->offset_s - 0.25);
+    const auto at = track.At(photo.t_s + found->offset_s);
+    const auto after = track.At(photo.t_s + found->offset_s + 0.25);
     if (!before || !at || !after) continue;
     const Eigen::Vector2d velocity = (*after - *before) / 0.5;
     const Eigen::Vector2d error = photo.position_m - *at;
@@ -171,16 +178,18 @@ class OffsetSearch {
         refined_(RefineByTriggerInterval(camera.stamp_s, camera.resolution_s)) {
     if (refined_.refined > 0)
       stamps_ = fmt::format("; {} stamps refined by a constant trigger interval", refined_.refined);
-    for (const auto& sample : log.gnss) track_.push_back({sample.t_s, cover_.InPlane(sample.position)});
+    track_.longest_gap_s = std::max(kLongestGapS, kGapIntervals * UsualIntervalS(log.gnss));
+    for (const auto& sample : log.gnss)
+      track_.points.push_back({sample.t_s, cover_.InPlane(sample.position)});
   }
 
   Result<TimeSync> Run() {
-    if (!track_.empty() && ByPositions()) return found_;
+    if (!track_.points.empty() && ByPositions()) return found_;
     // Photos that know where they were and fit nowhere on the track belong to another flight: clocks alone
     // must not tie them to this one.
     const auto placed = std::count_if(camera_.photo.begin(), camera_.photo.end(),
                                       [&](std::size_t i) { return photos_[i].position.has_value(); });
-    if (!track_.empty() && placed >= 3) return NotTied(RemarkCode::kNotTiedByPositions);
+    if (!track_.points.empty() && placed >= 3) return NotTied(RemarkCode::kNotTiedByPositions);
     if (!log_.utc_at_zero && !log_.local_at_zero) return NotTied(RemarkCode::kNotTiedWithoutDate);
     if (!ByClocks()) return NotTied(SpansApart());
     return found_;
@@ -269,7 +278,7 @@ class OffsetSearch {
   LogCover cover_;
   RefinedStamps refined_;
   std::string stamps_;  // what was done to them, in words
-  std::vector<TimedPosition> track_;
+  Track track_;
   TimeSync found_;
 };
 

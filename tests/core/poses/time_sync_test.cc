@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "core/geo/local_frame.h"
 #include "core/poses/time/event_alignment.h"
@@ -206,6 +207,20 @@ TEST(MatchPhotosToLog, LaysPhotoPositionsOnTheTrackWithoutEvents) {
   }
   EXPECT_LT(std::sqrt(square / 10.0), 0.05);
   EXPECT_LT(worst_sigma, 0.2);
+}
+
+TEST(MatchPhotosToLog, LaysPhotoPositionsOnATrackOfAFixInThreeSeconds) {
+  const Survey survey = Fly(1, false, 2.07);
+  auto photos = PhotosOf(survey.exposures_s, 4.25, 1.0);
+  for (std::size_t i = 0; i < photos.size(); ++i)
+    photos[i].position.emplace().position = At(survey.exposures_m[i]);
+  FlightLog log = LogOf(survey, {}, 0.3, 1);
+  std::vector<flight::GnssSample> slow;
+  for (std::size_t i = 0; i < log.gnss.size(); i += 15) slow.push_back(log.gnss[i]);
+  log.gnss = std::move(slow);
+  const auto sync = ValueOf(MatchPhotosToLog(photos, log));
+  EXPECT_EQ(sync.method, TimeSyncMethod::kPositions);
+  EXPECT_NEAR(*sync.camera_ahead_of_utc_s, 4.25, 0.5);
 }
 
 // How many of a second camera's photos, at every other moment of the first, are tied to the log of the first.
