@@ -68,7 +68,7 @@ class ZoneSearch {
           times_s_.begin(), times_s_.end(), [&](double t_s) { return cover_.Covers(t_s + zone.offset_s); }));
       if (zone.covered == 0) continue;
       const bool moves = !cover_.HasTrack() || cover_.WayM(TimesIn(zone)) > kStandsWithinM;
-      if (CoversNearlyAll(zone) && IsCutWhereItLacks(zone))
+      if (CoversNearlyAll(zone) && cover_.IsCutWhereItLacks(TimesIn(zone)))
         (moves ? whole : standing).push_back(zone);
       else if (moves)
         parts.push_back(zone);
@@ -97,33 +97,10 @@ class ZoneSearch {
     return times_s;
   }
 
-  // Where a log ends at rest, photos beyond it say that the clock is wrong.
-  bool IsCutWhereItLacks(const ZoneChoice& zone) const {
-    return std::all_of(times_s_.begin(), times_s_.end(), [&](double t_s) {
-      return cover_.Covers(t_s + zone.offset_s) || cover_.IsCutNear(t_s + zone.offset_s);
-    });
-  }
-
   // Of ten photos one may fall into a moment without a fix.
   bool CoversNearlyAll(const ZoneChoice& zone) const {
     constexpr std::size_t kNearlyAll = 9, kOf = 10;
     return kOf * zone.covered >= kNearlyAll * times_s_.size();
-  }
-
-  // Photos of the ground beside a log from take-off to landing: taken long before or after, or by a camera
-  // that ran all the while. Those that run on beyond one end say that the clock is wrong.
-  bool AreOthersOfGround(const ZoneChoice& zone) const {
-    constexpr double kPauseS = 20.0;
-    bool any_before = false, any_after = false, run_on = false, was_covered = false;
-    for (std::size_t k = 0; k < times_s_.size(); ++k) {
-      const double t_s = times_s_[k] + zone.offset_s;
-      const bool is_covered = cover_.Covers(t_s);
-      any_before = any_before || (!is_covered && t_s < cover_.stretches().front().begin_s);
-      any_after = any_after || (!is_covered && t_s > cover_.stretches().back().end_s);
-      run_on = run_on || (k > 0 && is_covered != was_covered && times_s_[k] - times_s_[k - 1] < kPauseS);
-      was_covered = is_covered;
-    }
-    return !run_on || (any_before && any_after);
   }
 
   // A log of all but a few photos on the ground, or of a part of the flight, that was cut where photos go on;
@@ -134,12 +111,13 @@ class ZoneSearch {
                                        [](const auto& a, const auto& b) { return a.covered < b.covered; });
     if (best == parts.end() || 2 * best->covered <= times_s_.size() || best->zone_min % kHalfHourMin != 0)
       return std::nullopt;
-    const bool is_all_but_few = cover_.HasTrack() && CoversNearlyAll(*best) && AreOthersOfGround(*best);
+    const bool is_all_but_few =
+        cover_.HasTrack() && CoversNearlyAll(*best) && cover_.AreOthersOfGround(TimesIn(*best));
     for (auto other = parts.begin(); other != parts.end(); ++other) {
       const bool is_unlikelier = is_all_but_few && RankOf(other->zone_min) > RankOf(best->zone_min);
       if (other != best && !is_unlikelier && 2 * other->covered >= best->covered) return std::nullopt;
     }
-    if (!is_all_but_few && !IsCutWhereItLacks(*best)) return std::nullopt;
+    if (!is_all_but_few && !cover_.IsCutWhereItLacks(TimesIn(*best))) return std::nullopt;
     return *best;
   }
 

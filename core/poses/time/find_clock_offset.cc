@@ -29,6 +29,7 @@ using flight::RemarkCode;
 // Of a track without fixes; of slow ones two of their intervals.
 constexpr double kLongestGapS = 2.0, kGapIntervals = 2.0;
 constexpr double kCoarseStepS = 0.5;
+constexpr double kOnTrackM = 15.0;  // two plain receivers apart, and a wrong second
 constexpr std::size_t kMaxSteps = 200'000;
 constexpr std::size_t kMaxPhotosCoarse = 150;
 
@@ -36,6 +37,8 @@ struct ClockOffset {
   double offset_s = 0.0;  // add to the photo's time to get the log's
   double sigma_s = 0.0;
   double residual_m = 0.0;  // robust, of one photo
+  double cost = 0.0;        // a photo, of all of them
+  std::size_t on_track = 0;
 };
 
 // Of a track on the log's clock, of photos on the camera's; in one local plane.
@@ -100,6 +103,8 @@ std::optional<ClockOffset> Search(const ErrorsAt& errors_at, std::size_t count, 
     if (std::isfinite(error)) sizes.push_back(std::abs(error));
   }
   if (sizes.empty()) return std::nullopt;
+  found.cost = CostOf(errors);
+  found.on_track = sizes.size();
   found.residual_m = Median(sizes);
   return found;
 }
@@ -124,9 +129,9 @@ struct Track {
   }
 };
 
-// Every offset that keeps four fifths of the photos on the track is tried.
-std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> photos, const Track& track) {
-  if (photos.size() < 4 || track.points.size() < 4) return std::nullopt;
+// Every offset in the range is tried.
+std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> photos, const Track& track,
+                                             Range range) {
   const auto errors_at = [&](double offset, std::size_t stride, std::vector<double>& errors) {
     errors.clear();
     for (std::size_t i = 0; i < photos.size(); i += stride) {
@@ -135,10 +140,6 @@ std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> phot
                                 : std::numeric_limits<double>::infinity());
     }
   };
-  // Four fifths of the photos must lie on the track.
-  const std::size_t spare = photos.size() / 5;
-  const Range range{track.points.front().t_s - photos[spare].t_s,
-                    track.points.back().t_s - photos[photos.size() - 1 - spare].t_s};
   auto found = Search(errors_at, photos.size(), range);
   if (!found) return std::nullopt;
   // Along-track errors over the sum of squared speeds; positions of one receiver err together for some
@@ -202,7 +203,16 @@ class OffsetSearch {
       const Photo& photo = photos_[camera_.photo[k]];
       if (photo.position) timed.push_back({refined_.times_s[k], cover_.InPlane(photo.position->position)});
     }
-    const auto found = SearchByPositions(timed, track_);
+    if (timed.size() < 4 || track_.points.size() < 4) return false;
+    // Every offset that keeps four fifths of the photos on the track is tried.
+    const std::size_t spare = timed.size() / 5;
+    auto found = SearchByPositions(timed, track_,
+                                   {track_.points.front().t_s - timed[spare].t_s,
+                                    track_.points.back().t_s - timed[timed.size() - 1 - spare].t_s});
+    if (!found || found->on_track < timed.size() || found->residual_m > kOnTrackM) {
+      const auto part = PartByClocks(timed);
+      if (part && (!found || part->cost < found->cost)) found = part;
+    }
     // Photos of another flight fit nowhere.
     if (!found || found->residual_m > 50.0) return false;
     found_.method = TimeSyncMethod::kPositions;
@@ -213,26 +223,67 @@ class OffsetSearch {
     return true;
   }
 
+  // Where the log covers most of the photos, and others go on beyond it: with the clocks as they stand, give
+  // or take some minutes, or whole hours off.
+  std::optional<ClockOffset> PartByClocks(std::span<const TimedPosition> timed) const {
+    constexpr int kWidestZoneH = 14;
+    constexpr double kHourS = 3600.0, kMinutesOffS = 1800.0, kSecondsOffS = 60.0;
+    if (!log_.utc_at_zero && !log_.local_at_zero) return std::nullopt;
+    std::optional<ClockOffset> best;
+    for (int hours = -kWidestZoneH; hours <= kWidestZoneH; ++hours) {
+      const double middle_s = SecondsBetween(ZeroOfLog(), first_) + kHourS * hours;
+      const double reach_s = hours == 0 ? kMinutesOffS : kSecondsOffS;
+      const auto found = SearchByPositions(timed, track_, {middle_s - reach_s, middle_s + reach_s});
+      if (!found || found->residual_m > kOnTrackM || 2 * found->on_track <= timed.size()) continue;
+      if ((!best || found->cost < best->cost) && cover_.PhotosRunOn(TimesAt(found->offset_s))) best = found;
+    }
+    return best;
+  }
+
+  std::vector<double> TimesAt(double offset_s) const {
+    std::vector<double> times_s = refined_.times_s;
+    for (double& t_s : times_s) t_s += offset_s;
+    return times_s;
+  }
+
+  // The clocks as they stand, where both know UTC.
+  bool ByUtc(double as_it_stands_s) {
+    found_.offset_s = as_it_stands_s;
+    const std::vector<double> times_s = TimesAt(as_it_stands_s);
+    const auto covered = static_cast<std::size_t>(
+        std::count_if(times_s.begin(), times_s.end(), [&](double t_s) { return cover_.Covers(t_s); }));
+    if (covered == 0) return false;
+    SayCovered(covered);
+    constexpr double kNearlyAll = 0.9;
+    if (static_cast<double>(covered) < kNearlyAll * static_cast<double>(times_s.size()) &&
+        !cover_.AreOthersOfGround(times_s) && !cover_.IsCutWhereItLacks(times_s)) {
+      found_.warnings.push_back({RemarkCode::kPhotosBeyondLog,
+                                 {{"file", log_.file_name},
+                                  {"outside", times_s.size() - covered},
+                                  {"photos", times_s.size()}}});
+    }
+    return true;
+  }
+
+  void SayCovered(std::size_t covered) {
+    if (covered == refined_.times_s.size()) return;
+    found_.notes.push_back(
+        fmt::format("the log covers {} of {}", covered, Counted(refined_.times_s.size(), "photo")));
+  }
+
   // Only the clocks as they stand: UTC, or a camera's clock in whatever zone puts the photos into the log.
   bool ByClocks() {
     const double as_it_stands = SecondsBetween(ZeroOfLog(), first_);
     found_.method = TimeSyncMethod::kClocks;
     found_.sigma_s = std::hypot(kCameraClockSigmaS, log_.utc_sigma_s);
     found_.method_in_words = fmt::format("the clocks of camera and log as they stand{}", stamps_);
-    if (log_.utc_at_zero && !photos_[camera_.photo.front()].captured_at_is_local) {
-      found_.offset_s = as_it_stands;
-      return std::any_of(refined_.times_s.begin(), refined_.times_s.end(),
-                         [&](double t_s) { return cover_.Covers(t_s + as_it_stands); });
-    }
+    if (log_.utc_at_zero && !photos_[camera_.photo.front()].captured_at_is_local) return ByUtc(as_it_stands);
     const auto zone = ChooseZone(photos_, camera_, refined_.times_s, as_it_stands, log_);
     if (!zone) return false;
     found_.offset_s = zone->offset_s;
     found_.notes.emplace_back(
         "the camera's clock is local: the zone that puts the photos into the log was taken");
-    if (zone->covered < refined_.times_s.size()) {
-      found_.notes.push_back(
-          fmt::format("the log covers {} of {}", zone->covered, Counted(refined_.times_s.size(), "photo")));
-    }
+    SayCovered(zone->covered);
     if (zone->fitting > 1)
       found_.notes.push_back(fmt::format("{} time zones would fit the log", zone->fitting));
     if (!zone->decided_by.empty()) found_.notes.push_back(zone->decided_by + " which of them it is");

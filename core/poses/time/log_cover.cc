@@ -99,6 +99,29 @@ double LogCover::WayM(const std::vector<double>& times_s) const {
   return way_m;
 }
 
+bool LogCover::PhotosRunOn(const std::vector<double>& times_s) const {
+  constexpr double kPauseS = 19.5;
+  for (std::size_t k = 1; k < times_s.size(); ++k) {
+    if (times_s[k] - times_s[k - 1] < kPauseS && Covers(times_s[k]) != Covers(times_s[k - 1])) return true;
+  }
+  return false;
+}
+
+bool LogCover::AreOthersOfGround(const std::vector<double>& times_s) const {
+  const bool any_before = std::any_of(times_s.begin(), times_s.end(), [&](double t_s) {
+    return t_s < stretches_.front().begin_s && !Covers(t_s);
+  });
+  const bool any_after = std::any_of(times_s.begin(), times_s.end(), [&](double t_s) {
+    return t_s > stretches_.back().end_s && !Covers(t_s);
+  });
+  return !PhotosRunOn(times_s) || (any_before && any_after);
+}
+
+bool LogCover::IsCutWhereItLacks(const std::vector<double>& times_s) const {
+  return std::all_of(times_s.begin(), times_s.end(),
+                     [&](double t_s) { return Covers(t_s) || IsCutNear(t_s); });
+}
+
 bool LogCover::IsCutNear(double t_s) const {
   constexpr double kLookS = 3.0, kMovesMps = 1.0;
   const auto moves = [&](double from_s, double to_s) {

@@ -27,10 +27,18 @@ class LogCover {
   Eigen::Vector2d InPlane(const geo::LatLon& position) const;
   // How far the track comes from where it was at the first of these times.
   double WayM(const std::vector<double>& times_s) const;
+  // Photos beyond an end of it follow those that it covers without a pause. Times rising, here and below.
+  bool PhotosRunOn(const std::vector<double>& times_s) const;
+  // Photos of the ground beside a log from take-off to landing: taken long before or after, or by a camera
+  // that ran all the while. Those that run on beyond one end say that the clock is wrong.
+  bool AreOthersOfGround(const std::vector<double>& times_s) const;
+  // Where a log ends at rest, photos beyond it say that the clock is wrong.
+  bool IsCutWhereItLacks(const std::vector<double>& times_s) const;
+
+ private:
   // The log ends, or begins, in motion there: it was cut, or covers only a part of the flight.
   bool IsCutNear(double t_s) const;
 
- private:
   std::vector<LogSpan> stretches_;
   std::optional<geo::LocalFrame> frame_;
   std::vector<double> times_s_;

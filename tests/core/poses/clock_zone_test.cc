@@ -106,6 +106,29 @@ TEST(ChooseZone, KnowsTheHour) {
   }
 }
 
+TEST(MatchPhotosToLog, SaysThatAClockOfUtcMayBeOff) {
+  const auto utc = [](std::vector<Photo> photos) {
+    for (Photo& photo : photos) photo.captured_at_is_local = false;
+    return photos;
+  };
+  const FlightLog log =
+      TrackFrom(-10.0, 118.0, [](double t_s) { return OnLegs(std::clamp(t_s, 0.0, 105.0)); });
+  EXPECT_THAT(ValueOf(MatchPhotosToLog(utc(EveryFiveSeconds(0)), log)).warnings, IsEmpty());
+  // A minute fast: the last were taken after landing.
+  const TimeSync fast = ValueOf(MatchPhotosToLog(utc(EveryFiveSeconds(60)), log));
+  ASSERT_THAT(fast.warnings, SizeIs(1));
+  EXPECT_THAT(InWords(fast.warnings.front()), HasSubstr("8 of 19 photos"));
+  // A log that was cut in flight, and two flights with the log of one.
+  const TimeSync cut = ValueOf(MatchPhotosToLog(utc(EveryFiveSeconds(0)), TrackFrom(0.0, 60.0)));
+  EXPECT_THAT(cut.warnings, IsEmpty());
+  std::vector<Photo> two_flights = EveryFiveSeconds(0);
+  for (const Photo& photo : EveryFiveSeconds(kHourS)) {
+    two_flights.push_back(photo);
+    two_flights.back().name = "second_" + photo.name;
+  }
+  EXPECT_THAT(ValueOf(MatchPhotosToLog(utc(two_flights), log)).warnings, IsEmpty());
+}
+
 TEST(ChooseZone, SaysWhichWholeHoursFitAsWell) {
   ExpectOpen(ValueOf(MatchPhotosToLog(EveryFiveSeconds(-5 * kHourS), TrackFrom(-4000.0, 300.0))),
              {"UTC-05:00", "UTC-04:00"});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <utility>
 
@@ -221,6 +222,34 @@ TEST(MatchPhotosToLog, LaysPhotoPositionsOnATrackOfAFixInThreeSeconds) {
   const auto sync = ValueOf(MatchPhotosToLog(photos, log));
   EXPECT_EQ(sync.method, TimeSyncMethod::kPositions);
   EXPECT_NEAR(*sync.camera_ahead_of_utc_s, 4.25, 0.5);
+}
+
+// Photos of these moments that say where they were, on a clock an hour ahead, and the log until a time.
+Result<TimeSync> TiedInPart(const Survey& survey, double log_until_s,
+                            const std::function<bool(double t_s)>& is_taken) {
+  std::vector<double> times_s;
+  std::vector<geo::LatLon> places;
+  for (std::size_t i = 0; i < survey.exposures_s.size(); ++i) {
+    if (!is_taken(survey.exposures_s[i])) continue;
+    times_s.push_back(survey.exposures_s[i]);
+    places.push_back(At(survey.exposures_m[i]));
+  }
+  std::vector<Photo> photos = PhotosOf(times_s, 3600.4, 1.0);
+  for (std::size_t i = 0; i < photos.size(); ++i) photos[i].position.emplace().position = places[i];
+  FlightLog log = LogOf(survey, {}, 0.3, 5);
+  std::erase_if(log.gnss, [&](const flight::GnssSample& sample) { return sample.t_s > log_until_s; });
+  return MatchPhotosToLog(photos, log);
+}
+
+TEST(MatchPhotosToLog, KnowsByPositionsThatAClockIsAnHourOffWhereTheLogEndsInFlight) {
+  const Survey survey = Fly(5, false, 2.07);
+  // Three fifths of the photos: fewer than the search over all offsets asks for.
+  const auto sync = ValueOf(TiedInPart(survey, 280.0, [](double) { return true; }));
+  EXPECT_EQ(sync.method, TimeSyncMethod::kPositions);
+  EXPECT_NEAR(*sync.camera_ahead_of_utc_s, 3600.4, 0.5);
+  // Two flights with the log of the first stand where they say.
+  const auto two = TiedInPart(survey, 210.0, [](double t_s) { return t_s < 200.0 || t_s > 300.0; });
+  EXPECT_FALSE(two.ok());
 }
 
 // How many of a second camera's photos, at every other moment of the first, are tied to the log of the first.
