@@ -67,6 +67,7 @@ class DataflashReader {
         gps_(census.BestGps()),
         baro_(census.First(Kind::kBaro)),
         attitude_rank_(census.First(Kind::kAttitude)),
+        mount_(census.First(Kind::kMount)),
         camera_rank_(census.First(Kind::kCamera)),
         has_gps_(!census.gps_quality.empty() && census.gps_quality.at(gps_) > 0.0),
         has_trigger_(census.Of(Kind::kCamera).size() > 1) {}
@@ -102,6 +103,9 @@ class DataflashReader {
         break;
       case Kind::kAttitude:
         TakeAttitude(plan, payload);
+        break;
+      case Kind::kMount:
+        TakeMount(plan, payload);
         break;
       case Kind::kCamera:
         TakeCamera(plan, payload);
@@ -205,6 +209,15 @@ class DataflashReader {
                                                                          DegToRad(plan.Number(0, payload)))});
   }
 
+  // Yaw from north; of two mounts the first.
+  void TakeMount(const Plan& plan, const std::uint8_t* payload) {
+    const auto roll_deg = plan.Get(0, payload), pitch_deg = plan.Get(1, payload),
+               yaw_deg = plan.Get(2, payload);
+    if (plan.Instance(payload) != mount_ || !roll_deg || !pitch_deg || !yaw_deg) return;
+    builder_.AddGimbal({plan.TimeS(payload), NedFromYawPitchRoll(DegToRad(*yaw_deg), DegToRad(*pitch_deg),
+                                                                 DegToRad(*roll_deg))});
+  }
+
   void TakeCamera(const Plan& plan, const std::uint8_t* payload) {
     if (plan.meaning.rank != camera_rank_) return;
     CameraEvent event;
@@ -235,6 +248,7 @@ class DataflashReader {
   int gps_;
   int baro_;
   int attitude_rank_;
+  int mount_;
   int camera_rank_;
   bool has_gps_;
   bool has_trigger_;

@@ -18,7 +18,8 @@ const std::map<std::string_view, DataflashMeaning>& Meanings() {
       {"GPA2", {Kind::kGpa, 1, 0}},      {"BARO", {Kind::kBaro, 0, 0}},     {"BAR2", {Kind::kBaro, 1, 0}},
       {"RFND", {Kind::kRange, 0, 0}},    {"POS", {Kind::kPosition, 0, 0}},  {"ATT", {Kind::kAttitude, 0, 0}},
       {"AHR2", {Kind::kAttitude, 0, 1}}, {"XKF1", {Kind::kAttitude, 0, 2}}, {"NKF1", {Kind::kAttitude, 0, 3}},
-      {"EKF1", {Kind::kAttitude, 0, 4}}, {"CAM", {Kind::kCamera, 0, 0}},    {"TRIG", {Kind::kCamera, 0, 1}}};
+      {"EKF1", {Kind::kAttitude, 0, 4}}, {"CAM", {Kind::kCamera, 0, 0}},    {"TRIG", {Kind::kCamera, 0, 1}},
+      {"MNT", {Kind::kMount, 0, 0}}};
   return meanings;
 }
 
@@ -38,6 +39,7 @@ constexpr FieldsOfKind kFields[] = {
     {Kind::kRange, "Dist Orient Stat"},
     {Kind::kPosition, "Lat Lng Alt"},
     {Kind::kAttitude, "Roll Pitch Yaw"},
+    {Kind::kMount, "Roll Pitch YawE"},
     {Kind::kCamera, "GPSTime GPSWeek Lat Lng Alt RelAlt GPSAlt Roll|R Pitch|P Yaw|Y Img"},
 };
 

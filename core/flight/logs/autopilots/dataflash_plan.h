@@ -24,6 +24,7 @@ enum class DataflashKind {
   kRange,
   kPosition,
   kAttitude,
+  kMount,
   kCamera
 };
 inline constexpr std::size_t kDataflashKinds = static_cast<std::size_t>(DataflashKind::kCamera) + 1;

@@ -264,6 +264,22 @@ TEST(ParseDataflashText, RefusesLayoutsWithoutMessages) {
   EXPECT_EQ(log.code, ErrorCode::kCorrupt);
 }
 
+TEST(ParseDataflash, ReadsTheAnglesOfTheFirstMount) {
+  DataflashWriter w;
+  w.Define(1, "MNT", "QBffffffff", "TimeUS,I,DesRoll,Roll,DesPitch,Pitch,DesYawB,YawB,DesYawE,YawE");
+  for (int i = 0; i < 10; ++i) {
+    const double us = 5e6 + i * 1e5;
+    w.Write(1, {us, 0, 0, 1, -90, -60, 0, 10, 0, 100});
+    w.Write(1, {us, 1, 0, 0, 0, 0, 0, 0, 0, 0});
+    w.Write(1, {us + 5e4, 0, 0, 1, -90, -60, 0, 10, 0, std::nan("")});  // no heading yet
+  }
+  const auto log = ValueOf(ParseDataflash("flight.BIN", w.bytes()));
+  ASSERT_EQ(log.gimbal.size(), 10u);
+  EXPECT_DOUBLE_EQ(log.gimbal[1].t_s, 5.1);
+  const auto expected = NedFromYawPitchRoll(DegToRad(100.0), DegToRad(-60.0), DegToRad(1.0));
+  EXPECT_LT(expected.angularDistance(log.gimbal[1].ned_from_body), 1e-6);
+}
+
 TEST(ParseDataflash, RefusesALogWithoutMessages) {
   DataflashWriter w;
   EXPECT_EQ(ErrorOf(ParseDataflash("empty.bin", w.bytes())).code, ErrorCode::kCorrupt);
