@@ -356,6 +356,16 @@ Eigen::Vector3d YawPitchRollFromNed(const Eigen::Quaterniond& ned_from_body) {
   return {std::atan2(r(1, 0), r(0, 0)), pitch_rad, std::atan2(r(2, 1), r(2, 2))};
 }
 
+std::optional<Eigen::Quaterniond> NedFromGimbalDevice(const Eigen::Quaterniond& attitude, unsigned flags,
+                                                      const std::optional<double>& heading_rad) {
+  constexpr unsigned kYawLock = 16, kYawInVehicleFrame = 32, kYawInEarthFrame = 64;
+  if (!(attitude.norm() > 0.5)) return std::nullopt;
+  const bool says_frame = (flags & (kYawInVehicleFrame | kYawInEarthFrame)) != 0;
+  if ((flags & (says_frame ? kYawInEarthFrame : kYawLock)) != 0) return attitude;
+  if (!heading_rad) return std::nullopt;
+  return NedFromYawPitchRoll(*heading_rad, 0.0, 0.0) * attitude;
+}
+
 double StandardHeightM(double pressure_pa) {
   return 44330.76923 * (1.0 - std::pow(std::max(pressure_pa, 1.0) / 101325.0, 0.190263));
 }

@@ -119,6 +119,11 @@ std::optional<Eigen::Vector3d> PositiveSigmas(std::optional<double> first, std::
 Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad);
 Eigen::Vector3d YawPitchRollFromNed(const Eigen::Quaterniond& ned_from_body);
 
+// How a gimbal holds its camera, of what MAVLink and PX4 call its attitude status: by `flags`
+// (GIMBAL_DEVICE_FLAGS) yaw counts from north or from the vehicle's heading. Nothing where that is not known.
+std::optional<Eigen::Quaterniond> NedFromGimbalDevice(const Eigen::Quaterniond& attitude, unsigned flags,
+                                                      const std::optional<double>& heading_rad);
+
 // Height of a pressure in the standard atmosphere, metres (ISA troposphere); differences are what counts.
 double StandardHeightM(double pressure_pa);
 

@@ -69,6 +69,7 @@ constexpr std::array kKnown = {
     Known{253, -1, "STATUSTEXT"},
     Known{263, 133, "CAMERA_IMAGE_CAPTURED"},
     Known{265, 26, "MOUNT_ORIENTATION"},
+    Known{285, 137, "GIMBAL_DEVICE_ATTITUDE_STATUS"},
 };
 
 const Known* FindKnown(std::uint32_t id) {

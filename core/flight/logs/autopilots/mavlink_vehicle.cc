@@ -28,6 +28,7 @@ void MavlinkVehicle::Take(const MavlinkPacket& packet) {
       break;
     }
     case kAttitude:
+      heading_rad_ = MavlinkField<float>(p, 12);
       builder_.Add(AttitudeSample{Boot(packet, MavlinkField<std::uint32_t>(p, 0)),
                                   NedFromYawPitchRoll(MavlinkField<float>(p, 12), MavlinkField<float>(p, 8),
                                                       MavlinkField<float>(p, 4))});
@@ -59,11 +60,15 @@ void MavlinkVehicle::Take(const MavlinkPacket& packet) {
     case kMountOrientation: {
       const double yaw_deg =
           p.size() > 16 ? MavlinkField<float>(p, 16) : std::numeric_limits<float>::quiet_NaN();
+      has_mount_ = has_mount_ || std::isfinite(yaw_deg);
       builder_.AddGimbal({Boot(packet, MavlinkField<std::uint32_t>(p, 0)),
                           NedFromYawPitchRoll(DegToRad(yaw_deg), DegToRad(MavlinkField<float>(p, 8)),
                                               DegToRad(MavlinkField<float>(p, 4)))});
       break;
     }
+    case kGimbalDeviceAttitudeStatus:
+      TakeGimbal(packet);
+      break;
     case kCameraFeedback:
       TakeFeedback(packet);
       break;
@@ -168,6 +173,18 @@ void MavlinkVehicle::TakeImu(const MavlinkPacket& packet) {
     sample.angular_rate_radps[static_cast<Eigen::Index>(i)] = MavlinkField<float>(p, 20 + 4 * i);
   }
   builder_.Add(sample);
+}
+
+void MavlinkVehicle::TakeGimbal(const MavlinkPacket& packet) {
+  const LogBytes p = packet.payload;
+  const auto id = MavlinkField<std::uint8_t>(p, 48);
+  if (!gimbal_) gimbal_ = id;
+  if (*gimbal_ != id || has_mount_ || last_ground_us_ == 0) return;
+  const Eigen::Quaterniond q(MavlinkField<float>(p, 4), MavlinkField<float>(p, 8), MavlinkField<float>(p, 12),
+                             MavlinkField<float>(p, 16));
+  const auto ned_from_gimbal = NedFromGimbalDevice(q, MavlinkField<std::uint16_t>(p, 36), heading_rad_);
+  // The gimbal may count from its own start.
+  if (ned_from_gimbal) builder_.AddGimbal({FromGround(packet), *ned_from_gimbal});
 }
 
 void MavlinkVehicle::TakeFeedback(const MavlinkPacket& packet) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,7 @@ enum MavlinkMessageId : std::uint32_t {
   kCameraFeedback = 180,
   kCameraImageCaptured = 263,
   kMountOrientation = 265,
+  kGimbalDeviceAttitudeStatus = 285,
 };
 
 class MavlinkVehicle {
@@ -52,6 +54,7 @@ class MavlinkVehicle {
   void TakeGlobalPosition(const MavlinkPacket& packet);
   void TakeGps(const MavlinkPacket& packet);
   void TakeImu(const MavlinkPacket& packet);
+  void TakeGimbal(const MavlinkPacket& packet);
   void TakeFeedback(const MavlinkPacket& packet);
   void TakeImageCaptured(const MavlinkPacket& packet);
   void Keep(Events& list, CameraEvent event, const MavlinkPacket& packet, std::uint64_t us);
@@ -63,7 +66,10 @@ class MavlinkVehicle {
   ClockPairs ground_clock_;
   double last_boot_s_ = 0.0;
   std::uint64_t last_ground_us_ = 0;
-  Events events_[3];  // the best kind first
+  std::optional<double> heading_rad_;
+  std::optional<std::uint8_t> gimbal_;  // the first of them
+  bool has_mount_ = false;              // whose orientation counts by the vehicle's clock
+  Events events_[3];                    // the best kind first
 };
 
 }  // namespace skyquilt::flight

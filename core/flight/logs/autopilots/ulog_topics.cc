@@ -109,7 +109,23 @@ struct UlogReaders {
     void Take(LogBytes payload) override {
       const auto t_s = stamp.Seconds(payload);
       const auto ned_from_body = GetQuaternion(q, payload);
-      if (t_s && ned_from_body) builder().Add(AttitudeSample{*t_s, *ned_from_body});
+      if (!t_s || !ned_from_body) return;
+      topics.heading_rad_ = YawPitchRollFromNed(*ned_from_body)[0];
+      builder().Add(AttitudeSample{*t_s, *ned_from_body});
+    }
+  };
+
+  struct Gimbal final : Base {
+    Field q = Find("q"), flags = Find("device_flags"), measured = Find("received_from_mavlink");
+    using Base::Base;
+    void Take(LogBytes payload) override {
+      const auto t_s = stamp.Seconds(payload);
+      const auto attitude = GetQuaternion(q, payload);
+      // What the autopilot itself sends to servos is no measurement.
+      if (!t_s || !attitude || Get(measured, payload).value_or(1.0) == 0.0) return;
+      const auto ned_from_gimbal = NedFromGimbalDevice(
+          *attitude, static_cast<unsigned>(Get(flags, payload).value_or(0.0)), topics.heading_rad_);
+      if (ned_from_gimbal) builder().AddGimbal({*t_s, *ned_from_gimbal});
     }
   };
 
@@ -241,6 +257,8 @@ std::unique_ptr<UlogTopics::Reader> UlogTopics::MakeReader(UlogTypes& types, std
     return std::make_unique<UlogReaders::VehicleImu>(*this, types, topic);
   if (topic == "vehicle_attitude" && has("q"))
     return std::make_unique<UlogReaders::Attitude>(*this, types, topic);
+  if (topic == "gimbal_device_attitude_status" && has("q"))
+    return std::make_unique<UlogReaders::Gimbal>(*this, types, topic);
   if (topic == "vehicle_gps_position" || topic == "sensor_gps") {
     return std::make_unique<UlogReaders::Gps>(*this, types, topic);
   }

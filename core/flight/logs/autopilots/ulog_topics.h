@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -33,6 +34,7 @@ class UlogTopics {
   LogBuilder& builder_;
   ClockPairs clock_;
   std::uint64_t clipped_ = 0;
+  std::optional<double> heading_rad_;    // of the vehicle, by its last attitude
   std::vector<ImuSample> vehicle_imu_;   // used where sensor_combined is absent
   std::vector<GnssSample> sensor_gps_;   // used where vehicle_gps_position is absent
   std::vector<BaroSample> sensor_baro_;  // used where vehicle_air_data is absent

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"
@@ -91,6 +93,31 @@ TEST(ParseMavlinkTlog, SaysHowLittleItTrustsTheGroundStation) {
       static_cast<double>(log.utc_at_zero->time_since_epoch().count() - static_cast<std::int64_t>(kGroundUs)),
       1e5, 1e5);
   EXPECT_GE(log.utc_sigma_s, 5.0);
+}
+
+TEST(ParseMavlinkTlog, ReadsHowAGimbalHoldsItsCamera) {
+  const Eigen::Quaterniond q = NedFromYawPitchRoll(0.5, -1.0, 0.0);
+  // GIMBAL_DEVICE_FLAGS; the vehicle heads for 1.5 rad.
+  const std::pair<std::uint16_t, double> frames[] = {{32, 2.0}, {0, 2.0}, {64, 0.5}, {16, 0.5}, {48, 2.0}};
+  for (const auto& [flags, yaw_rad] : frames) {
+    TlogWriter w;
+    for (std::uint32_t i = 0; i < 10; ++i) {
+      const std::uint32_t boot_ms = 60'000 + i * 250;
+      const std::uint64_t ground = kGroundUs + std::uint64_t{boot_ms} * 1000;
+      w.Packet(ground, 30, 39, Pack(boot_ms, 0.1f, -0.2f, 1.5f, 0.0f, 0.0f, 0.0f), true);
+      // It was started two seconds ago.
+      w.Packet(ground + 20'000, 285, 137,
+               Pack(std::uint32_t{2000} + i * 250, static_cast<float>(q.w()), static_cast<float>(q.x()),
+                    static_cast<float>(q.y()), static_cast<float>(q.z()), 0.0f, 0.0f, 0.0f, std::uint32_t{0},
+                    flags, std::uint8_t{0}, std::uint8_t{0}),
+               true);
+    }
+    const auto log = ValueOf(ParseMavlinkTlog("t.tlog", w.bytes()));
+    ASSERT_EQ(log.gimbal.size(), 10u) << flags;
+    EXPECT_NEAR(log.gimbal[3].t_s, 60.77, 1e-6);
+    const auto expected = NedFromYawPitchRoll(yaw_rad, -1.0, 0.0);
+    EXPECT_LT(expected.angularDistance(log.gimbal[3].ned_from_body), 1e-5) << flags;
+  }
 }
 
 TEST(ParseMavlinkTlog, SkipsPacketsWithAWrongChecksum) {

@@ -134,6 +134,32 @@ TEST(ParseUlog, ReadsCameraCaptures) {
   EXPECT_EQ(event.attitude_kind, AttitudeKind::kGimbal);
 }
 
+TEST(ParseUlog, ReadsHowAGimbalHoldsItsCamera) {
+  UlogWriter w;
+  DefineTopics(w);
+  w.Define(
+      "gimbal_device_attitude_status:uint64_t timestamp;float[4] q;uint32_t failure_flags;"
+      "uint16_t device_flags;uint8_t target_system;bool received_from_mavlink;");
+  w.Subscribe(0, "vehicle_attitude");
+  w.Subscribe(1, "gimbal_device_attitude_status");
+  const Eigen::Quaterniond q = NedFromYawPitchRoll(0.5, -1.0, 0.0);
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const std::uint64_t us = 10'000'000 + i * 100'000;
+    w.Data(0, Pack(us, us, 0.70710678f, 0.0f, 0.0f, 0.70710678f));
+    w.Data(1, Pack(us, static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
+                   static_cast<float>(q.z()), std::uint32_t{0}, std::uint16_t{32}, std::uint8_t{1},
+                   std::uint8_t{1}));
+    // What servos are told to do.
+    w.Data(1, Pack(us + 50'000, 1.0f, 0.0f, 0.0f, 0.0f, std::uint32_t{0}, std::uint16_t{0}, std::uint8_t{1},
+                   std::uint8_t{0}));
+  }
+  const auto log = ValueOf(ParseUlog("gimbal.ulg", w.bytes()));
+  ASSERT_EQ(log.gimbal.size(), 10u);
+  EXPECT_NEAR(log.gimbal[1].t_s, 10.1, 1e-9);
+  const auto expected = NedFromYawPitchRoll(geo::DegToRad(90.0) + 0.5, -1.0, 0.0);
+  EXPECT_LT(expected.angularDistance(log.gimbal[1].ned_from_body), 1e-5);
+}
+
 TEST(ParseUlog, CountsEveryTopicAndTheDropouts) {
   const auto log = ValueOf(ParseUlog("flight.ulg", FlightLogBytes(true, true)));
   EXPECT_EQ(log.message_counts.at("sensor_combined"), 1000u);
