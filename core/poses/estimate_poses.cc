@@ -29,6 +29,7 @@
 #include "core/poses/place_by_records.h"
 #include "core/poses/plausible_poses.h"
 #include "core/poses/time/join_logs.h"
+#include "core/poses/time/log_cover.h"
 #include "core/poses/time/tie_to_log.h"
 
 namespace skyquilt::poses {
@@ -87,14 +88,15 @@ std::optional<double> ApartFromRecordsM(const PosedFlight& by_log) {
 }
 
 // What came of the log that leads, for its line. `by_log`: the photos on its series, before others are added.
-void DescribeUse(const flight::FlightLog& log, const LogTie& tie, const PosedFlight& by_log,
+void DescribeUse(const flight::FlightLog& log, const LogTie& tie, const PosedFlight& by_log, bool gives_way,
                  PoseReport& report) {
   const auto by_events = std::count_if(tie.photos.begin(), tie.photos.end(), [&](const Photo& photo) {
     return photo.position && photo.position->source.starts_with(log.file_name);
   });
-  std::string use;
+  std::string use = gives_way ? "its track gives way to the corrected positions" : "";
   if (!by_log.photos.empty()) {
-    use = fmt::format("{} of {} photos placed by its series", by_log.photos.size(), tie.photos.size());
+    use += fmt::format("{}{} of {} photos placed by its series", use.empty() ? "" : "; ",
+                       by_log.photos.size(), tie.photos.size());
     if (const auto apart_m = ApartFromRecordsM(by_log))
       use += fmt::format(", {} from the photos' own positions", flight::LengthInWords(*apart_m));
   }
@@ -133,9 +135,23 @@ bool AreSurveyedBesideTrack(const flight::FlightLog& log, const LogTie& tie) {
   return !log.gnss.empty() && !CommonErrorOf(log.gnss).is_corrected && 2 * surveyed > std::ssize(tie.tied);
 }
 
-// Photos stand where they say. Of the log they take how they were turned and how high they were, where they
-// do not say it.
+// By the receiver; else by how far the track goes in a second.
+std::optional<flight::RecordedVelocity> VelocityAt(const flight::FlightLog& log, const LogCover& cover,
+                                                   double t_s) {
+  const auto* fix = SampleNear(log.gnss, t_s);
+  if (fix != nullptr && fix->velocity_in_ned_mps) {
+    const Eigen::Vector3d& in_ned_mps = *fix->velocity_in_ned_mps;
+    return flight::RecordedVelocity{in_ned_mps.y(), in_ned_mps.x(), -in_ned_mps.z()};
+  }
+  const auto before = cover.PositionAt(t_s - 0.5), after = cover.PositionAt(t_s + 0.5);
+  if (!before || !after) return std::nullopt;
+  return flight::RecordedVelocity{after->x() - before->x(), after->y() - before->y(), 0.0};
+}
+
+// Photos stand where they say. Of the log they take how they were turned, how high and how fast they were,
+// where they do not say it.
 void KeepPositions(const flight::FlightLog& log, LogTie& tie) {
+  const LogCover cover(log);
   std::erase_if(tie.tied, [&](const TiedPhoto& p) {
     Photo& photo = tie.photos[p.photo];
     if (!photo.position) return false;
@@ -146,6 +162,7 @@ void KeepPositions(const flight::FlightLog& log, LogTie& tie) {
       const auto kind = gimbal != nullptr ? flight::AttitudeKind::kGimbal : flight::AttitudeKind::kAirframe;
       photo.attitude = flight::RecordedAttitude{kind, angles.x(), angles.y(), angles.z(), log.file_name};
     }
+    if (!photo.velocity) photo.velocity = VelocityAt(log, cover, p.t_s);
     const auto* height = SampleNear(log.baro, p.t_s);
     if (!photo.position->height_above_takeoff_m && height != nullptr)
       photo.position->height_above_takeoff_m = height->height_above_takeoff_m;
@@ -367,10 +384,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   posed.report.lists_contradict_m = one_frame.contradict_m;
   Append(std::move(one_frame.warnings), posed.warnings);
   const bool keeps_positions = log && AreSurveyedBesideTrack(log->log, tie);
-  if (keeps_positions) {
-    posed.report.logs.push_back(log->log.file_name + ": its track gives way to the corrected positions");
-    KeepPositions(log->log, tie);
-  }
+  if (keeps_positions) KeepPositions(log->log, tie);
   // The track of a log places its photos whatever they repeat.
   const bool has_track = log && !log->log.gnss.empty();
   const auto move_repeated = [&posed](std::vector<Photo>& photos) {
@@ -405,7 +419,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     }
   }
 
-  if (log && !tie.photos.empty() && !keeps_positions) DescribeUse(log->log, tie, posed, posed.report);
+  if (log && !tie.photos.empty()) DescribeUse(log->log, tie, posed, keeps_positions, posed.report);
 
   std::vector<Photo> rest;
   for (std::size_t i = 0; i < tie.photos.size(); ++i) {

@@ -271,11 +271,19 @@ TEST(EstimatePoses, PutsCorrectedPositionsOfPhotosBeforeAPlainTrack) {
     EXPECT_EQ(photo.position_source, "ppk.csv");
     ASSERT_TRUE(photo.photo.attitude);
     EXPECT_NEAR(photo.photo.attitude->yaw_rad, 0.3, 1e-9) << "the airframe's";
+    ASSERT_TRUE(photo.velocity_in_enu_mps);
+    EXPECT_NEAR(photo.velocity_in_enu_mps->y(), 8.0, 0.01) << "by its track";
   }
   flight::Flight with_others = flight;  // photos that only the track places
   for (std::size_t k = 7; k < 10; ++k) with_others.photos[k].position.reset();
+  for (flight::GnssSample& fix : with_others.logs[0].gnss)
+    fix.velocity_in_ned_mps = Eigen::Vector3d(fix.t_s < 5.0 ? 0.0 : 7.5, 0.0, 0.0);
   const auto mixed = test::ValueOf(EstimatePoses(with_others, {}));
   EXPECT_EQ(mixed.report.photos_by_log, 3);
+  EXPECT_THAT(mixed.report.logs,
+              Contains(HasSubstr("gives way to the corrected positions; 3 of 10 photos placed")));
+  ASSERT_TRUE(mixed.photos.back().velocity_in_enu_mps);
+  EXPECT_NEAR(mixed.photos.back().velocity_in_enu_mps->y(), 7.5, 1e-9) << "by its receiver";
   EXPECT_NEAR(mixed.frame.origin().height_ellipsoid_m, 510.0, 1e-6) << "by the corrected heights";
   for (flight::Photo& photo : flight.photos) photo.position->is_rtk_fixed = false;
   EXPECT_EQ(test::ValueOf(EstimatePoses(flight, {})).photos[0].position_source, "gnss.csv");
