@@ -56,6 +56,23 @@ async function openShare(server_options) {
   return { page, mock, flight };
 }
 
+test('what is said while a dialog is open stands in it, can be clicked, and stays when it is closed', options, async () => {
+  const { page } = await openShare();
+  const said = await page.evaluate(async () => {
+    const { showNote } = await import(new URL('src/shared/announce.js', location.href).href);
+    for (const text of ['One note.', 'Another note.']) showNote(text, { duration_ms: 600_000 });
+    return document.querySelector('#share-dialog #live')?.textContent;
+  });
+  assert.equal(said, 'Another note.');
+  await page.click('#share-dialog .note:has-text("One note.") button');
+  assert.deepEqual(await page.locator('.note-text').allTextContents(), ['Another note.']);
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('#share-dialog', { state: 'detached' });
+  await page.click('body > #toasts .note button');
+  assert.equal(await page.locator('.note-text').count(), 0);
+  assert.equal(await page.locator('body > #live').count(), 1);
+});
+
 test('on a server of this computer alone a link says so, and how others see the map', options, async () => {
   const { page, mock, flight } = await openShare();
   assert.match(await page.textContent('#share-who'), /this computer only/);

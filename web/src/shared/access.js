@@ -1,5 +1,6 @@
 // Asks for the access token that a shared server requires (token.js) where a request came without a good one. Who came by a
 // link is told that it is over: a token is asked for where one is at hand.
+import { ask } from './dialogs.js';
 import { h } from './dom.js';
 import { strings } from './strings.js';
 import { isFromLink, isTokenHeld, keepToken, pageToken } from './token.js';
@@ -27,13 +28,10 @@ export function askForToken() {
       h('div', { class: 'dialog-actions' }, h('button', { type: 'submit', class: 'button primary', value: 'go' }, words.go)),
     ),
   );
-  dialog.addEventListener('close', () => {
-    dialog.remove();
+  void ask(dialog).then((choice) => {
     is_asking = false;
-    if (dialog.returnValue !== 'go') return;
+    if (choice !== 'go') return;
     keepToken(input.value.trim());
     location.reload();
   });
-  document.body.append(dialog);
-  dialog.showModal();
 }

@@ -1,7 +1,13 @@
 // The page's few questions, as native <dialog>s (focus is kept inside and returns by itself).
-import { h, put } from './dom.js';
+import { byId, h, put } from './dom.js';
 import { button } from './icons.js';
 import { strings } from './strings.js';
+
+/** What is said stands in the dialog that was opened last: what lies beside that is inert, and read to nobody. */
+function moveNotes() {
+  const place = [...document.querySelectorAll('dialog[open]')].at(-1) ?? document.body;
+  place.append(byId('toasts'), byId('live'));
+}
 
 /**
  * @param {HTMLDialogElement} dialog
@@ -10,8 +16,10 @@ import { strings } from './strings.js';
 export function ask(dialog) {
   document.body.append(dialog);
   dialog.showModal();
+  moveNotes();
   return new Promise((resolve) => {
     dialog.addEventListener('close', () => {
+      moveNotes();
       dialog.remove();
       resolve(dialog.returnValue);
     });
