@@ -10,7 +10,7 @@ import { tilesIn, zoomOfFew } from '../../web/src/map/tile_addresses.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/map/geodesy.js';
 import { answerOf, ApiError } from '../../web/src/shared/api.js';
 import { at, baseOf } from '../../web/src/shared/router.js';
-import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDistance, formatDuration, formatError, formatGsd, formatLength } from '../../web/src/shared/format.js';
+import { byClockOf, clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDistance, formatDuration, formatError, formatGsd, formatLength } from '../../web/src/shared/format.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, namesApart, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
@@ -203,6 +203,16 @@ test('times of capture are those of the place, with their zone where it is known
   assert.match(formatCaptureDay(at('2015-10-31T23:50:02-04:00', '2015-11-01T00:10:02-04:00')), /31.*1/);
   assert.equal(formatCaptureDay(at('yesterday')), '');
   assert.equal(formatCaptureTime(at('2015-13-45T00:00:00Z')), '');
+  // A photo's time is in UTC; its flight knows the zone of the place's clock.
+  const first = '2015-10-27T19:50:02-04:00';
+  assert.equal(byClockOf('2015-10-28T00:10:02.5Z', first), '2015-10-27T20:10:02.500-04:00');
+  assert.equal(byClockOf('2015-10-27T19:50:02Z', '2015-10-28T01:20:02+05:30'), '2015-10-28T01:20:02.000+05:30');
+  for (const iso of ['2015-10-27T20:10:02', 'yesterdayZ']) assert.equal(byClockOf(iso, first), iso);
+  for (const unzoned of [undefined, '2015-10-27T23:50:02Z', '2015-10-27T19:50:02']) assert.equal(byClockOf('2015-10-28T00:10:02Z', unzoned), '2015-10-28T00:10:02Z');
+  const said = (/** @type {string} */ captured_at) => Object.fromEntries(recordFacts(/** @type {any} */ ({ placement: 'aligned', camera_lon: 7, camera_lat: 46, captured_at }), null)).Captured;
+  assert.match(said('2015-10-27T20:10:02.500-04:00'), /8:10.*\(UTC\u22124\)/);
+  assert.match(said('2015-10-28T00:10:02Z'), /12:10.*\(UTC\)/);
+  assert.doesNotMatch(said('2015-10-27T20:10:02'), /UTC/);
 });
 
 test('a view survives the way through the address, and what is no view is none', () => {

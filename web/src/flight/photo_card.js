@@ -3,7 +3,7 @@
 import { announce } from '../shared/announce.js';
 import { formatCoordinates } from '../map/coordinates.js';
 import { h, onEscape, put } from '../shared/dom.js';
-import { formatDate, formatError, formatLength } from '../shared/format.js';
+import { formatCaptureTime, formatError, formatLength } from '../shared/format.js';
 import { button, iconButton } from '../shared/icons.js';
 import { openPhotos } from './photo_viewer.js';
 import { fixed } from '../shared/language.js';
@@ -25,7 +25,8 @@ export function recordFacts(record, off_vertical_deg) {
   if (reason) rows.push([words.reason, reason]);
   rows.push([words.error, known(record.error_radius_m) ? `± ${formatError(Number(record.error_radius_m))}` : words.unknown]);
   if (off_vertical_deg !== null) rows.push([words.view, words.off_vertical(off_vertical_deg)]);
-  if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at, { with_time: true }) || record.captured_at]);
+  const { captured_at } = record;
+  if (captured_at) rows.push([words.captured, formatCaptureTime({ first: captured_at, last: captured_at }) || captured_at]);
   rows.push([words.position, formatCoordinates(record.camera_lon, record.camera_lat, 'decimal')]);
   rows.push([words.height, known(record.camera_height_above_ground_m) ? formatLength(Number(record.camera_height_above_ground_m)) : words.unknown]);
   if (known(record.yaw_deg)) rows.push([words.angles, [record.yaw_deg, record.pitch_deg, record.roll_deg].map(angle).join(words.between_angles)]);

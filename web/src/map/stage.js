@@ -6,6 +6,7 @@
 import { showError, showNote } from '../shared/announce.js';
 import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from '../shared/api.js';
 import { byId, h, loadStyle, put, styleLoaded } from '../shared/dom.js';
+import { byClockOf } from '../shared/format.js';
 import { go, parseRoute } from '../shared/router.js';
 import { controlMark } from './control_mark.js';
 import { compareChooser, compareView, overlap } from './compare_view.js';
@@ -194,7 +195,8 @@ export class Stage {
     this.#parts?.card.show(
       ordered.map((record) => {
         const sighting = seen.get(record.name);
-        return { record: { ...record, ...no_scale }, url: photoPath(flight.id, record.name), pixel: sighting ? { x: sighting.x, y: sighting.y } : null, off_vertical_deg: sighting?.off_nadir_deg ?? null };
+        const captured_at = record.captured_at && byClockOf(record.captured_at, flight.captured?.first);
+        return { record: { ...record, ...no_scale, captured_at }, url: photoPath(flight.id, record.name), pixel: sighting ? { x: sighting.x, y: sighting.y } : null, off_vertical_deg: sighting?.off_nadir_deg ?? null };
       }),
     );
     return ordered.length;

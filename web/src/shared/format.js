@@ -155,6 +155,20 @@ export function formatCaptureTime(captured) {
 }
 
 /**
+ * A moment that is written in UTC, as the clock of the place had it: one rule for a photo and its flight.
+ * @param {string} iso
+ * @param {string|undefined} first of the flight's times of capture, which know the zone of that clock
+ * @returns {string} the same where either knows no zone
+ */
+export function byClockOf(iso, first) {
+  const [zone, sign, hours, minutes] = first?.match(/([+-])(\d\d):(\d\d)$/) ?? [];
+  const utc_ms = Date.parse(iso);
+  if (!zone || !iso.endsWith('Z') || Number.isNaN(utc_ms)) return iso;
+  const ahead_ms = Number(`${sign}1`) * (60 * Number(hours) + Number(minutes)) * 60_000;
+  return new Date(utc_ms + ahead_ms).toISOString().replace('Z', zone);
+}
+
+/**
  * A name no longer than the server takes.
  * @param {string} name
  * @returns {string} at most 200 bytes of UTF-8, never cut inside a character
