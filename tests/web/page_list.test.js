@@ -149,11 +149,14 @@ test('a deleted flight is in the trash at once, whatever happens to the page, an
   assert.equal(mock.deleted.size, 1);
   const again = await context.newPage();
   await again.goto(mock.url);
+  const key = `skyquilt.upload.${flight.id}`;
+  await again.evaluate((/** @type {string} */ name) => localStorage.setItem(name, '[]'), key);
   await again.click('#trash-fold summary');
   assert.match((await again.textContent('#trash')) ?? '', /Meadow.*30 days left/);
   await assertAccessible(again, 'trash');
   await again.click('#trash button:has-text("Restore")');
   await again.waitForSelector('.flights li');
+  assert.equal(await again.evaluate((/** @type {string} */ name) => localStorage.getItem(name), key), '[]', 'it could be taken back');
   assert.equal(mock.flights.size, 1);
   await again.waitForSelector('#trash-fold', { state: 'detached' });
 
@@ -168,6 +171,7 @@ test('a deleted flight is in the trash at once, whatever happens to the page, an
   await again.click('#trash button:has-text("Delete permanently")');
   await again.click('#remove-confirm');
   await again.waitForSelector('#trash-fold', { state: 'detached' });
+  assert.equal(await again.evaluate((/** @type {string} */ name) => localStorage.getItem(name), key), null, 'the browser forgets what was to be sent');
   assert.equal(mock.deleted.size, 0);
   assert.equal(mock.flights.size, 0);
 });
@@ -185,7 +189,8 @@ test('the second half of a double click deletes nothing more', options, async ()
 
 test('a server without a trash is asked before it deletes', options, async () => {
   const { page, mock } = await setUp({ trash_days: 0 });
-  mock.seedReady('Meadow');
+  const key = `skyquilt.upload.${mock.seedReady('Meadow').id}`;
+  await page.evaluate((name) => localStorage.setItem(name, '[]'), key);
   await page.reload();
   await page.hover('.flights li');
   await page.click('.flights li .row-actions button:nth-child(2)');
@@ -197,6 +202,7 @@ test('a server without a trash is asked before it deletes', options, async () =>
   await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 0);
   assert.equal(mock.flights.size, 0);
   assert.equal(await page.locator('.note-action').count(), 0);
+  assert.equal(await page.evaluate((name) => localStorage.getItem(name), key), null, 'nor does the browser keep what was to be sent');
 });
 
 test('the first view is light, and the map library comes only with the first map', options, async () => {
@@ -364,6 +370,30 @@ test('a button of the open flight counts when a job ends while it is pressed', o
   await page.waitForFunction(() => document.querySelector('.flight-view .work')?.childElementCount === 0);
   await page.mouse.up();
   await page.waitForSelector('#rename-input');
+});
+
+test('in a browser that may keep nothing the page works, and what is chosen counts until it is left', options, async () => {
+  const { page, flight } = await setUpFlight('Meadow');
+  await page.addInitScript(() => {
+    const get = () => { throw new DOMException('Nothing is kept here.', 'SecurityError'); };
+    for (const name of ['localStorage', 'sessionStorage']) Object.defineProperty(window, name, { get });
+  });
+  await page.reload();
+  await page.waitForSelector('.flights li');
+  await page.selectOption('#flight-order', 'name');
+  await page.evaluate((/** @type {string} */ id) => { location.hash = `#/flights/${id}`; }, flight.id);
+  await mapIdle(page);
+  const before = await page.textContent('#coordinates');
+  await page.click('.coordinates');
+  assert.notEqual(await page.textContent('#coordinates'), before);
+  const units = await page.evaluate(async () => {
+    const { chosenUnits, keepUnits } = await import(new URL('src/shared/units.js', location.href).href);
+    return ['imperial', 'metric'].map((kind) => {
+      keepUnits(kind);
+      return chosenUnits();
+    });
+  });
+  assert.deepEqual(units, ['imperial', 'metric']);
 });
 
 test('where old flights go to the trash, one is marked to be kept', options, async () => {

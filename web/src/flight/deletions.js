@@ -6,6 +6,7 @@ import { deleteFlight, getTrash, removeFlight, restoreFlight } from '../shared/a
 import { askToRemove } from '../shared/dialogs.js';
 import { strings } from '../shared/strings.js';
 import { uploadOf } from '../upload/drop_zone.js';
+import { forgetUpload } from '../upload/upload_memory.js';
 import { resumeUpload } from '../upload/uploads.js';
 
 /**
@@ -38,6 +39,7 @@ export async function deleteWithUndo(flight, on_change) {
     if (days === 0 && !(await askToRemove(flight.name))) return false;
     upload?.stop({ tells: false });
     await deleteFlight(flight.id);
+    if (days === 0) forgetUpload(flight.id);
     // An upload that the deletion broke off goes on.
     const takeBack = () => restore(flight, on_change).then((is_back) => is_back && upload && resumeUpload(upload));
     const undo = { label: strings.flights.undo, run: () => void takeBack() };
@@ -60,6 +62,7 @@ export async function removeForGood(flight, on_change) {
   if (!(await askToRemove(flight.name))) return;
   try {
     await removeFlight(flight.id);
+    forgetUpload(flight.id);
     announce(strings.trash.removed(flight.name));
   } catch (error) {
     showError(error);

@@ -7,6 +7,7 @@ import { ask } from '../shared/dialogs.js';
 import { h } from '../shared/dom.js';
 import { dotted } from '../shared/format.js';
 import { compassNeedle, icon, iconButton } from '../shared/icons.js';
+import { keepChoice, keptChoice } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
 import { kArrows } from '../shared/follow_pointer.js';
 import { filmstrip } from './filmstrip.js';
@@ -54,7 +55,7 @@ export function openPhotos(photos, first, on_step) {
   );
 
   let shown = first;
-  let is_north = localStorage.getItem(kNorth) === 'yes';
+  let is_north = keptChoice(kNorth) === 'yes';
   let is_first = true;
 
   const turn_rad = () => (is_north ? ((photos[shown].record.yaw_deg ?? 0) * Math.PI) / 180 : 0);
@@ -81,7 +82,7 @@ export function openPhotos(photos, first, on_step) {
   const setNorth = (on) => {
     const was_whole = plane.isWhole();
     is_north = on;
-    localStorage.setItem(kNorth, on ? 'yes' : 'no');
+    keepChoice(kNorth, on ? 'yes' : 'no');
     north.setAttribute('aria-pressed', String(on));
     if (was_whole) plane.showWhole();
     else plane.draw();

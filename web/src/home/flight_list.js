@@ -7,7 +7,7 @@ import { mayChange, shortFacts, stateChip } from '../flight/flight_words.js';
 import { thumbnailPath } from '../shared/api.js';
 import { icon, iconButton, onFirstClick } from '../shared/icons.js';
 import { routeHash } from '../shared/router.js';
-import { nameOrder, number } from '../shared/language.js';
+import { keepChoice, keptChoice, nameOrder, number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 
 // Letters that are no letter with a mark to Unicode, as one types them without.
@@ -70,14 +70,14 @@ export function flightList(actions) {
       class: 'field', id: 'flight-order', 'aria-label': strings.flights.order,
       on: {
         change: () => {
-          localStorage.setItem(kOrder, order.value);
+          keepChoice(kOrder, order.value);
           redraw();
         },
       },
     },
     ...Object.entries(strings.flights.orders).map(([value, label]) => h('option', { value }, label)),
   );
-  const kept = localStorage.getItem(kOrder) ?? '';
+  const kept = keptChoice(kOrder) ?? '';
   if (kept in orders) order.value = kept;
   const filters = h('div', { class: 'filters' }, search, order);
   const tag_filter = tagFilter((tags) => {

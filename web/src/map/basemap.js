@@ -4,7 +4,7 @@
 /** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
 import { authorization } from '../shared/token.js';
 import { at } from '../shared/router.js';
-import { keptChoice } from '../shared/language.js';
+import { keepChoice, keptChoice } from '../shared/language.js';
 
 /** @typedef {'none'|'land'|'server'|`public:${string}`} BasemapKind */
 /** @typedef {{name: string, title: string, tiles: string[], attribution: string, maxzoom: number}} PublicBasemap */
@@ -72,7 +72,7 @@ export function asMarkup(text) {
 }
 
 /** @param {BasemapKind} kind */
-export const keepBasemap = (kind) => localStorage.setItem(kKey, kind);
+export const keepBasemap = (kind) => keepChoice(kKey, kind);
 
 /**
  * @param {BasemapKind} wanted

@@ -15,7 +15,7 @@ import { compassNeedle, toolButton } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
 import { kUnknownErrorColour } from './map_style.js';
 import { ownDataView } from './own_data_view.js';
-import { fixed } from '../shared/language.js';
+import { fixed, keepChoice, keptChoice } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
 import { ownHost } from './tile_addresses.js';
 
@@ -236,7 +236,7 @@ function overlayChooser(view) {
 function coordinateReadout(view) {
   const words = strings.map;
   /** @type {CoordinateForm} */
-  let form = /** @type {CoordinateForm} */ (localStorage.getItem('skyquilt.coordinates') ?? 'decimal');
+  let form = /** @type {CoordinateForm} */ (keptChoice('skyquilt.coordinates') ?? 'decimal');
   if (!coordinate_forms.includes(form)) form = 'decimal';
   /** @type {{lng: number, lat: number}|null} */
   let cursor = null;
@@ -263,7 +263,7 @@ function coordinateReadout(view) {
   view.map.on('move', draw);
   element.addEventListener('click', () => {
     form = coordinate_forms[(coordinate_forms.indexOf(form) + 1) % coordinate_forms.length];
-    localStorage.setItem('skyquilt.coordinates', form);
+    keepChoice('skyquilt.coordinates', form);
     draw();
   });
   draw();

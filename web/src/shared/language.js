@@ -30,7 +30,7 @@ export const languageFor = (kept, tags) => spokenIn(kept) ?? tags.map(spokenIn).
 export const chosenLanguage = () => languageFor(keptChoice(kKey), browserTags());
 
 /** For the next loading of the page. @param {Language} language */
-export const keepLanguage = (language) => localStorage.setItem(kKey, language);
+export const keepLanguage = (language) => keepChoice(kKey, language);
 
 /**
  * The browser's own form of a language: an Austrian who reads German reads Austrian dates.
@@ -95,11 +95,24 @@ export const dateFormat = (options) => once(`date ${JSON.stringify(options)}`, (
 /** Orders names as its readers do, numbers by size. @returns {Intl.Collator} */
 export const nameOrder = () => once('order', () => new Intl.Collator(locale, { numeric: true, sensitivity: 'base' }));
 
+/** What the browser has no room for, or may not keep, counts until the page is left. @type {Map<string, string>} */
+const unkept = new Map();
+
 /** @param {string} key @returns {string|null} also null where the browser keeps nothing, as in frames of other sites: then there is no choice */
 export function keptChoice(key) {
   try {
-    return localStorage.getItem(key);
+    return unkept.get(key) ?? localStorage.getItem(key);
   } catch {
     return null;
+  }
+}
+
+/** @param {string} key @param {string} choice */
+export function keepChoice(key, choice) {
+  try {
+    localStorage.setItem(key, choice);
+    unkept.delete(key);
+  } catch {
+    unkept.set(key, choice);
   }
 }

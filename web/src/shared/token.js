@@ -6,6 +6,9 @@ import { at } from './router.js';
 
 const kKey = 'skyquilt-token';
 
+/** That the page was opened with. @type {string|null} */
+let of_link = null;
+
 /**
  * Keeps the token of a share link, before the first request.
  * @returns {boolean} whether there was one
@@ -15,7 +18,12 @@ export function takeSharedToken() {
   const [route, query = ''] = address.hash.split('?');
   const shared = new URLSearchParams(query).get('token') ?? address.searchParams.get('token');
   if (!shared) return false;
-  sessionStorage.setItem(kKey, shared);
+  of_link = shared;
+  try {
+    sessionStorage.setItem(kKey, shared);
+  } catch {
+    // A browser that may keep nothing has it until the page is left.
+  }
   address.searchParams.delete('token');
   const rest = new URLSearchParams(query);
   rest.delete('token');
@@ -38,10 +46,20 @@ export function holdToken(text) {
 
 export const isTokenHeld = () => held !== null;
 
-const token = () => held ?? sessionStorage.getItem(kKey) ?? localStorage.getItem(kKey) ?? '';
+/** @param {'sessionStorage'|'localStorage'} where @returns {string|null} also null where the browser may keep nothing */
+function keptIn(where) {
+  try {
+    return window[where].getItem(kKey);
+  } catch {
+    return null;
+  }
+}
+
+const linkToken = () => of_link ?? keptIn('sessionStorage');
+const token = () => held ?? linkToken() ?? keptIn('localStorage') ?? '';
 
 /** Came the token with a link? Then whoever reads this knows of links, and nothing of tokens. */
-export const isFromLink = () => held === null && sessionStorage.getItem(kKey) !== null;
+export const isFromLink = () => held === null && linkToken() !== null;
 
 /** @returns {Record<string, string>} headers */
 export const authorization = () => (token() ? { Authorization: `Bearer ${token()}` } : {});

@@ -1,7 +1,7 @@
 // Lengths, areas and volumes in the units of who reads: metres and hectares, or feet and acres. By the browser's country until
 // one chooses; the choice stays in this browser.
 import { formatArea, formatLength, formatVolume, threeDigits } from './format.js';
-import { fixed, keptChoice } from './language.js';
+import { fixed, keepChoice, keptChoice } from './language.js';
 import { strings } from './strings.js';
 
 /** @typedef {'metric'|'imperial'} Units */
@@ -34,7 +34,7 @@ export const units_chosen = new EventTarget();
 
 /** @param {Units} units */
 export function keepUnits(units) {
-  localStorage.setItem(kKey, units);
+  keepChoice(kKey, units);
   units_chosen.dispatchEvent(new Event('change'));
 }
 

@@ -29,7 +29,13 @@ export function rememberUpload(flight_id, files) {
 }
 
 /** @param {string} flight_id */
-export const forgetUpload = (flight_id) => localStorage.removeItem(key(flight_id));
+export function forgetUpload(flight_id) {
+  try {
+    localStorage.removeItem(key(flight_id));
+  } catch {
+    // A browser that may keep nothing has kept nothing.
+  }
+}
 
 /**
  * @param {string} flight_id
