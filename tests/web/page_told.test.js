@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { holdAnswer, mapIdle, openMap, savedBy, twoFrames, until } from './support/browser.js';
-import { allAsked, assertAccessible, options, usePages } from './support/pages.js';
+import { allAsked, assertAccessible, options, stopClock, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
 const { setUp, setUpFlight, setUpReady } = usePages();
@@ -91,6 +91,55 @@ test('of two answers about a flight the one that was asked for later counts', op
   await allAsked(page);
   await twoFrames(page);
   assert.equal(await page.textContent('#flight-title'), 'After');
+});
+
+test('events that a proxy refuses are asked for again a few times, and none of a flight that is gone', options, async () => {
+  const { page, mock } = await setUp({}, { errors: /status of (404|502)|EventSource/ });
+  await page.clock.install();
+  let asked = 0;
+  /** @type {() => void} */
+  let refuse = () => {};
+  /** The first answer comes when the page's time stands still. @param {any} flight */
+  const open = async (flight) => {
+    asked = 0;
+    const gate = new Promise((resolve) => { refuse = () => resolve(undefined); });
+    await page.route('**/api/v1/events?*', async (route) => {
+      asked += 1;
+      await gate;
+      await route.fulfill({ status: 502, contentType: 'text/event-stream', body: '' });
+    });
+    await page.goto(`${mock.url}#/flights/${flight.id}`);
+    await page.waitForSelector(`#flight-title:has-text("${flight.name}")`);
+    await until(() => asked === 1);
+    await stopClock(page);
+  };
+  const [kept, gone] = [mock.addFlight('Meadow'), mock.addFlight('Brook')];
+  await open(kept);
+  refuse();
+  for (const [before, pause_ms] of [2000, 10_000, 30_000, 120_000].entries()) {
+    await until(async () => {
+      await page.clock.runFor(pause_ms / 4);
+      return asked > before + 1;
+    });
+    assert.equal(asked, before + 2);
+  }
+  await page.clock.runFor(130_000);
+  await allAsked(page);
+  assert.equal(asked, 5, 'a few times');
+  await page.clock.resume();
+  await page.unroute('**/api/v1/events?*');
+  await open(gone);
+  let is_refused = false;
+  page.on('response', (answer) => (is_refused ||= answer.url().endsWith(gone.id) && answer.status() === 404));
+  mock.flights.delete(gone.id);
+  refuse();
+  await until(async () => {
+    await page.clock.runFor(1000);
+    return is_refused;
+  });
+  await page.clock.runFor(130_000);
+  await allAsked(page);
+  assert.equal(asked, 1);
 });
 
 test('flights show when they were flown, by the clock of the place', options, async () => {
