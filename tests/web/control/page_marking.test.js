@@ -1,9 +1,10 @@
-// Marking a control point by keyboard, in Chromium without a map: what is saved, and what is not.
+// Marking a control point by keyboard, in Chromium without a map: what is saved, and what is not. And points taken back.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { until } from '../support/browser.js';
 import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
-const { setUpFlight } = usePages();
+const { setUpFlight, setUpReady } = usePages();
 const expected = { x: 30, y: 40 };
 
 /** The dialog over a photo of 256 x 256 pixels, and what the server is sent. */
@@ -69,4 +70,25 @@ test('arrow keys move a cross and save nothing; Enter marks, Escape leaves', opt
   await page.waitForSelector('#marking', { state: 'detached' });
   assert.deepEqual(await marks(), [mark]);
   assert.equal(sent.length, 2);
+});
+
+test('a removed point comes back by its own Undo, and what was changed after it stays', options, async () => {
+  const { page } = await setUpReady('Meadow');
+  let kept = { reference_system: 'EPSG:4326', points: ['P1', 'P2', 'P3'].map((name, i) => ({ name, x: 7 + i / 1000, y: 46, height: null, marks: [] })) };
+  let edition = 0;
+  await page.route('**/control', async (route) => {
+    if (route.request().method() !== 'GET') {
+      kept = route.request().postDataJSON();
+      edition += 1;
+    }
+    await route.fulfill({ json: kept, headers: { ETag: `"${edition}"` } });
+  });
+  await page.click('#control > summary');
+  await page.waitForSelector('#control-points [data-point="P3"]');
+  const shown = () => page.locator('#control-points [data-point]').evaluateAll((rows) => rows.map((row) => row.getAttribute('data-point')));
+  for (const name of ['P1', 'P3']) await page.click(`#control-points [aria-label="Remove ${name}"]`);
+  assert.deepEqual(await shown(), ['P2']);
+  await page.click('.note:has-text("P1") .note-action');
+  assert.deepEqual(await shown(), ['P1', 'P2']);
+  await until(() => kept.points.map(({ name }) => name).join() === 'P1,P2');
 });

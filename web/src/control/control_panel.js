@@ -115,8 +115,15 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
     state.classList.toggle('control-fault', control.state === 'failed' || control.state === 'waiting');
   };
   const remove = (/** @type {string} */ name) => {
-    control.change({ reference_system: control.reference_system, points: control.points.filter((point) => point.name !== name) });
-    showNote(words.removed(name), { action: { label: strings.flights.undo, run: () => control.undo() } });
+    const { reference_system, points } = control;
+    const at = points.findIndex((point) => point.name === name);
+    control.change({ reference_system, points: points.filter((_, i) => i !== at) });
+    // What was changed after it stays; a point of that name, or other coordinates, that came meanwhile as well.
+    const putBack = () => {
+      if (control.point(name) || control.reference_system !== reference_system) return;
+      control.change({ reference_system, points: [...control.points.slice(0, at), points[at], ...control.points.slice(at)] });
+    };
+    showNote(words.removed(name), { action: { label: strings.flights.undo, run: putBack } });
   };
   const mark = async (/** @type {string} */ name) => {
     const point = control.point(name);
