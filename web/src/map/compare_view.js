@@ -2,10 +2,12 @@
 // A second map lies on the first, moves with it, and is clipped (swipe) or made translucent (fade).
 /** @import { Flight } from '../shared/types.js' */
 /** @import { MapView } from './map_view.js' */
+import { getTileJson, listFlights } from '../shared/api.js';
 import { h, onEscape } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { takenDay } from '../flight/flight_words.js';
 import { icon, iconButton } from '../shared/icons.js';
+import { go } from '../shared/router.js';
 import { strings } from '../shared/flight_strings.js';
 
 /** @param {Flight} flight @returns {string} when it was flown, or at least when it was uploaded */
@@ -133,4 +135,70 @@ export function compareChooser(others, on_choose) {
   }
   onEscape(element, () => element.remove());
   return element;
+}
+
+/** The flight that is shown and another one: which, the map of that above the one that is there, and the end of both. */
+export class Comparison {
+  #turn = 0;
+  /** @type {(() => void)|null} */
+  #end = null;
+
+  /** @param {HTMLElement} area of the maps */
+  constructor(area) {
+    this.area = area;
+  }
+
+  /** @param {Flight} flight @param {() => boolean} isShown whether it still is */
+  async choose(flight, isShown) {
+    document.getElementById('compare-chooser')?.remove();
+    const others = (await listFlights()).filter((other) => other.id !== flight.id && overlap(flight, other));
+    if (!isShown() || document.getElementById('compare-chooser')) return;
+    const chooser = compareChooser(others, (other) => {
+      chooser.remove();
+      go({ view: 'compare', id: flight.id, other: other.id });
+    });
+    this.area.append(chooser);
+    /** @type {HTMLElement|null} */ (chooser.querySelector('button'))?.focus();
+  }
+
+  /**
+   * @param {MapView} below shows the left one
+   * @param {Flight} left
+   * @param {Flight} right
+   * @param {(is_on: boolean) => void} on_change
+   */
+  async begin(below, left, right, on_change) {
+    if (!right.tilejson || !right.bounds) return;
+    const turn = this.#turn;
+    const [{ MapView }, tilejson] = await Promise.all([import('./map_view.js'), getTileJson(right.tilejson)]);
+    if (turn !== this.#turn) return;  // ended before it began
+    const container = h('div', { class: 'map map-above', id: 'map-above' });
+    below.container.after(container);
+    const above = new MapView(container, `${strings.compare.right}: ${right.name}`);
+    const comparison = compareView(below, above, { left, right, on_close: () => go({ view: 'flight', id: left.id }) });
+    this.area.append(comparison.element);
+    this.area.classList.add('comparing');
+    on_change(true);
+    // Footprints belong to one of the two flights and would hide what differs.
+    const shown = { footprints: below.shows_footprints, path: below.shows_path };
+    below.setFootprints(false);
+    below.setPath(false);
+    this.#end = () => {
+      below.setFootprints(shown.footprints);
+      below.setPath(shown.path);
+      comparison.close();
+      on_change(false);
+      above.map.remove();
+      container.remove();
+      this.area.classList.remove('comparing');
+    };
+    await above.showMosaic(tilejson, right.bounds);
+  }
+
+  end() {
+    document.getElementById('compare-chooser')?.remove();
+    this.#turn += 1;
+    this.#end?.();
+    this.#end = null;
+  }
 }

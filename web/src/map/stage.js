@@ -4,12 +4,12 @@
 /** @import { MapView } from './map_view.js' */
 /** @import { PlaceSubject } from './place_tool.js' */
 import { showError, showNote } from '../shared/announce.js';
-import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from '../shared/api.js';
+import { ApiError, getPhotos, getSightings, getTileJson, photoPath } from '../shared/api.js';
 import { byId, h, loadStyle, put, styleLoaded } from '../shared/dom.js';
 import { byClockOf } from '../shared/format.js';
-import { go, parseRoute } from '../shared/router.js';
+import { parseRoute } from '../shared/router.js';
 import { controlMark } from './control_mark.js';
-import { compareChooser, compareView, overlap } from './compare_view.js';
+import { Comparison } from './compare_view.js';
 import { mapTools } from './map_tools.js';
 import { measureTool } from './measure_tool.js';
 import { noteLabels } from '../notes/note_labels.js';
@@ -37,13 +37,12 @@ export class Stage {
   #parts = null;
   /** @type {Flight|null} */
   #flight = null;
-  /** @type {(() => void)|null} */
-  #endCompare = null;
   /** The map that is there next lies elsewhere. */
   #fits_next = false;
   #turn = 0;
   #place_turn = 0;
-  #compare_turn = 0;
+  /** @type {Comparison} */
+  #comparison;
   /** @type {{remove: () => void}[]} */
   #control = [];
   /** @type {import('../notes/note_shape.js').Note[]} */
@@ -58,6 +57,7 @@ export class Stage {
 
   constructor() {
     this.area = byId('map-area');
+    this.#comparison = new Comparison(this.area);
     this.note = h('div', { class: 'stage-note', hidden: true });
     this.preview_note = h('p', { class: 'preview-note', id: 'preview-note', hidden: true });
     this.area.append(this.note, this.preview_note);
@@ -434,17 +434,9 @@ export class Stage {
   async #chooseCompare() {
     const flight = this.#flight;
     if (!flight) return;
-    document.getElementById('compare-chooser')?.remove();
     this.#parts?.tools.closeLayers();
     this.#parts?.place.end();
-    const others = (await listFlights()).filter((other) => other.id !== flight.id && overlap(flight, other));
-    if (flight !== this.#flight || document.getElementById('compare-chooser')) return;
-    const chooser = compareChooser(others, (other) => {
-      chooser.remove();
-      go({ view: 'compare', id: flight.id, other: other.id });
-    });
-    this.area.append(chooser);
-    /** @type {HTMLElement|null} */ (chooser.querySelector('button'))?.focus();
+    await this.#comparison.choose(flight, () => flight === this.#flight);
   }
 
   /**
@@ -453,41 +445,18 @@ export class Stage {
    */
   async compare(left, right) {
     this.endCompare();
-    if (!this.#view || !right.tilejson || !right.bounds) return;
-    const turn = this.#compare_turn;
-    const [{ MapView }, tilejson] = await Promise.all([import('./map_view.js'), getTileJson(right.tilejson)]);
-    if (turn !== this.#compare_turn) return;  // ended before it began
-    const container = h('div', { class: 'map map-above', id: 'map-above' });
-    this.#view.container.after(container);
-    const above = new MapView(container, `${strings.compare.right}: ${right.name}`);
-    const comparison = compareView(this.#view, above, { left, right, on_close: () => go({ view: 'flight', id: left.id }) });
-    this.area.append(comparison.element);
-    this.area.classList.add('comparing');
-    this.#closeCard();
-    this.#parts?.place.end();
-    this.#parts?.tools.keepLevel(true);
-    // Footprints belong to one of the two flights and would hide what differs.
-    const below = this.#view;
-    const shown = { footprints: below.shows_footprints, path: below.shows_path };
-    below.setFootprints(false);
-    below.setPath(false);
-    this.#endCompare = () => {
-      below.setFootprints(shown.footprints);
-      below.setPath(shown.path);
-      comparison.close();
-      this.#parts?.tools.keepLevel(false);
-      above.map.remove();
-      container.remove();
-      this.area.classList.remove('comparing');
-    };
-    await above.showMosaic(tilejson, right.bounds);
+    if (!this.#view) return;
+    await this.#comparison.begin(this.#view, left, right, (is_on) => {
+      if (is_on) {
+        this.#closeCard();
+        this.#parts?.place.end();
+      }
+      this.#parts?.tools.keepLevel(is_on);
+    });
   }
 
   endCompare() {
-    document.getElementById('compare-chooser')?.remove();
-    this.#compare_turn += 1;
-    this.#endCompare?.();
-    this.#endCompare = null;
+    this.#comparison.end();
   }
 }
 
