@@ -13,7 +13,7 @@ import { at, baseOf } from '../../web/src/shared/router.js';
 import { byClockOf, clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDistance, formatDuration, formatError, formatGsd, formatLength } from '../../web/src/shared/format.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, namesApart, selectFiles } from '../../web/src/upload/drop_files.js';
-import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
+import { coverageGrid, errorWords, histogram } from '../../web/src/flight/report_pictures.js';
 import { absoluteWords, accuracyMark, flightFacts, isScaleKnown, relativeWords, shortFacts, statusWords } from '../../web/src/flight/flight_words.js';
 import { keptElements } from '../../web/src/shared/dom.js';
 import { recordFacts } from '../../web/src/flight/photo_card.js';
@@ -177,6 +177,8 @@ test('what the server does not know is said to be unknown, and is neither nothin
   assert.deepEqual([said['Position error'], said['Height above ground']], ['unknown', 'unknown']);
   assert.ok(!Object.values(said).some((text) => /NaN|null|undefined/.test(text)), JSON.stringify(said));
   assert.equal(Object.fromEntries(recordFacts({ ...record, error_radius_m: 2.3 }, null))['Position error'], '± 2.3\u00a0m');
+  assert.equal(errorWords([1, 2, 4], 3), 'Median 2\u00a0m, maximum 4\u00a0m.');
+  assert.equal(errorWords([1, 2, 4], 5), 'Median 2\u00a0m, maximum 4\u00a0m. Unknown for 2 photos.');
   const photos = (/** @type {(number|null|undefined)[]} */ ...radii) => /** @type {any} */ ({ features: radii.map((error_radius_m) => ({ properties: { error_radius_m } })) });
   assert.deepEqual(errorsOf(null), { worst_m: null, lacks_some: false });
   assert.deepEqual(errorsOf(photos(null, undefined)), { worst_m: null, lacks_some: true });

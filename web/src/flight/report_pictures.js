@@ -80,6 +80,13 @@ export function histogram(values, bins) {
   return result;
 }
 
+/** @param {number[]} radii_m that are known, rising @param {number} photos of how many */
+export function errorWords(radii_m, photos) {
+  const words = strings.report;
+  const known = words.errors_text(formatError(radii_m[Math.floor((radii_m.length - 1) / 2)]), formatError(radii_m[radii_m.length - 1]));
+  return radii_m.length < photos ? `${known} ${words.errors_unknown(photos - radii_m.length)}` : known;
+}
+
 /**
  * @param {PhotoCollection} photos
  * @returns {HTMLElement|null}
@@ -93,7 +100,7 @@ export function errorPicture(photos) {
   if (radii.length < 2) return null;
   const bars = histogram(radii, 10);
   const most = Math.max(...bars.map(({ count }) => count));
-  const text = strings.report.errors_text(formatError(radii[Math.floor((radii.length - 1) / 2)]), formatError(radii[radii.length - 1]));
+  const text = errorWords(radii, photos.features.length);
   const chart = svg('svg', { class: 'histogram', viewBox: '0 0 200 66', role: 'img', 'aria-label': text });
   bars.forEach(({ from, to, count }, i) => {
     const height = (count / most) * 48;

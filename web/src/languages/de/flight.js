@@ -324,6 +324,7 @@ export const flight_words = {
     coverage_text: (most) => `Bis zu ${count(most, photos)} übereinander. Dunklere Flächen sind von mehr Fotos erfasst.`,
     errors: 'Lagefehler der Fotos',
     errors_text: (median, worst) => `Median ${median}, Maximum ${worst}.`,
+    errors_unknown: (n) => `Unbekannt bei ${count(n, photos)}.`,
     error_bar: (n, from, to) => `${count(n, photos)} von ${from} bis ${to}`,
     corrections: (n) => count(n, { one: 'Hinweis zu einzelnem Foto', other: 'Hinweise zu einzelnen Fotos' }),
     details: 'Details der Verarbeitung',

@@ -322,6 +322,7 @@ export const flight_words = {
     errors: 'Photo position error',
     errors_text: (/** @type {string} */ median, /** @type {string} */ worst) =>
       `Median ${median}, maximum ${worst}.`,
+    errors_unknown: (/** @type {number} */ n) => `Unknown for ${count(n, { one: 'photo', other: 'photos' })}.`,
     error_bar: (/** @type {number} */ n, /** @type {string} */ from, /** @type {string} */ to) =>
       `${count(n, { one: 'photo', other: 'photos' })} from ${from} to ${to}`,
     corrections: (/** @type {number} */ n) => count(n, { one: 'note on a single photo', other: 'notes on single photos' }),
