@@ -257,10 +257,9 @@ class OffsetSearch {
     constexpr double kNearlyAll = 0.9;
     if (static_cast<double>(covered) < kNearlyAll * static_cast<double>(times_s.size()) &&
         !cover_.AreOthersOfGround(times_s) && !cover_.IsCutWhereItLacks(times_s)) {
-      found_.warnings.push_back({RemarkCode::kPhotosBeyondLog,
-                                 {{"file", log_.file_name},
-                                  {"outside", times_s.size() - covered},
-                                  {"photos", times_s.size()}}});
+      found_.warnings.push_back(
+          {RemarkCode::kPhotosBeyondLog,
+           {{"file", log_.file_name}, {"outside", times_s.size() - covered}, {"photos", times_s.size()}}});
     }
     return true;
   }

@@ -316,7 +316,8 @@ TEST_F(CalibrateByPanelsTest, PicturesThatCannotBeUsedAreTold) {
 TEST_F(CalibrateByPanelsTest, BandsThatNothingKnownTellsOfAreNamedWhereOthersAreTold) {
   EXPECT_FALSE(BandsHeldAgainstNothing(captures_)) << "values of all bands are as their light has them";
   std::vector<flight::Remark> warnings;
-  ScaleBand(captures_, "red", {{"", std::vector<double>{1.2}}}, HeldAgainst::kTargets, "by 1 target", warnings);
+  ScaleBand(captures_, "red", {{"", std::vector<double>{1.2}}}, HeldAgainst::kTargets, "by 1 target",
+            warnings);
   const auto told = test::ValueOf(BandsHeldAgainstNothing(captures_));
   EXPECT_THAT(InWords(told), HasSubstr("for nir:"));
   captures_.bands[1].calibration = Calibration::kKelvin;

@@ -127,10 +127,9 @@ TEST(RenderLayers, ColourNoErrorOfAlignedPhotosThatNothingSupports) {
   map.flight.photos[4].placement = alignment::Placement::kPoseOnly;  // its record says how far off it is
   test::MemorySink photos, errors;
   SilentProgress progress;
-  const auto rendered =
-      RenderLayers(map.flight, map.ground, seams, map.plan,
-                   {{MapLayer::kPhoto, photos}, {MapLayer::kError, errors}}, 2, progress, 0.0,
-                   alignment::ErrorsKnown::kOfPoseOnly);
+  const auto rendered = RenderLayers(map.flight, map.ground, seams, map.plan,
+                                     {{MapLayer::kPhoto, photos}, {MapLayer::kError, errors}}, 2, progress,
+                                     0.0, alignment::ErrorsKnown::kOfPoseOnly);
   ASSERT_TRUE(rendered.ok()) << rendered.error().message;
   const std::vector<Rgb> colours = PhotoColours(map.flight.photos.size());
   const int zoom = ZoomsOfLayers(map.plan).max_zoom;

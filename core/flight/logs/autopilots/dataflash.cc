@@ -214,8 +214,8 @@ class DataflashReader {
     const auto roll_deg = plan.Get(0, payload), pitch_deg = plan.Get(1, payload),
                yaw_deg = plan.Get(2, payload);
     if (plan.Instance(payload) != mount_ || !roll_deg || !pitch_deg || !yaw_deg) return;
-    builder_.AddGimbal({plan.TimeS(payload), NedFromYawPitchRoll(DegToRad(*yaw_deg), DegToRad(*pitch_deg),
-                                                                 DegToRad(*roll_deg))});
+    builder_.AddGimbal({plan.TimeS(payload),
+                        NedFromYawPitchRoll(DegToRad(*yaw_deg), DegToRad(*pitch_deg), DegToRad(*roll_deg))});
   }
 
   void TakeCamera(const Plan& plan, const std::uint8_t* payload) {
