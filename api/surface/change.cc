@@ -19,6 +19,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/image/rgba_image.h"
 #include "core/surface/terrain/volume.h"
+#include "storage/exports/custom/export_request.h"
 
 namespace skyquilt::api {
 namespace {
@@ -80,11 +81,10 @@ void LeaveMeasured(storage::SampledHeights& sampled) {
 
 Result<FoundShift> FindShift(HeightChange& change, const geo::LatLonBounds& now,
                              const geo::LatLonBounds& then) {
-  geo::Bounds2 both = geo::MercFromLatLonBounds(now);
-  const geo::Bounds2 theirs = geo::MercFromLatLonBounds(then);
-  both.min = both.min.cwiseMax(theirs.min);
-  both.max = both.max.cwiseMin(theirs.max);
-  if (both.IsEmpty()) return FoundShift(surface::ShiftFault::kTooLittle);
+  const geo::LatLonBounds common = storage::Common(now, then);
+  if (!(common.west_deg < common.east_deg) || !(common.south_deg < common.north_deg))
+    return FoundShift(surface::ShiftFault::kTooLittle);
+  const geo::Bounds2 both = geo::MercFromLatLonBounds(common);
   const double ground_m = geo::GroundMetresPerMercMetre(now.Middle().lat_deg);
   const double cell_m = std::max({kComparedCellM, change.now->cell_m(), change.then->cell_m()});
   const storage::MercGrid grid = ComparedGrid(both, cell_m / ground_m);

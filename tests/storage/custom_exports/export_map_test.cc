@@ -400,6 +400,10 @@ TEST(Common, OfAMapOnTheAntimeridianAreasLieOnBothSides) {
   EXPECT_EQ(both, map.bounds);
   const geo::LatLonBounds beside = Common(map.bounds, {-179.9, -17.08, -179.8, -17.05});
   EXPECT_GT(beside.west_deg, beside.east_deg);
+  // The other way round: of a map east of it, one across it.
+  const geo::LatLonBounds across = Common({-179.9998, -17.05, -179.9990, -16.9}, map.bounds);
+  EXPECT_NEAR(across.west_deg, -179.9998, 1e-9);
+  EXPECT_NEAR(across.east_deg, -179.9994, 1e-9);
   ExportRequest request;
   request.boundary = *ParseBoundary(BoxText({-179.9998, -17.08, -179.9996, -17.05}));
   EXPECT_TRUE(CheckExport(request, map).ok());
