@@ -1,6 +1,7 @@
 #include "server/inputs/open_elevation_model.h"
 
 #include "core/base/try.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/lists/file_kinds.h"
 #include "core/flight/remarks/because.h"
 #include "storage/rasters/geotiff_dem.h"
@@ -13,6 +14,14 @@ Result<std::unique_ptr<storage::GeotiffDem>> Open(const std::filesystem::path& p
   return storage::GeotiffDem::Open(path);
 }
 
+void Take(std::unique_ptr<storage::GeotiffDem> model, const std::string& file, GivenElevations& given) {
+  if (!model->unknown_unit().empty()) {
+    given.warnings.push_back({flight::RemarkCode::kElevationModelUnit,
+                              {{"file", file}, {"unit", flight::Quoted(model->unknown_unit())}}});
+  }
+  given.source = std::move(model);
+}
+
 }  // namespace
 
 Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
@@ -20,7 +29,7 @@ Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
   GivenElevations given;
   if (!dem_path.empty()) {
     SKYQUILT_TRY_ASSIGN(auto opened, Open(dem_path));
-    given.source = std::move(opened);
+    Take(std::move(opened), dem_path, given);
     for (const flight::InputFile& model : flight::ElevationModelsAmong(files)) {
       given.warnings.push_back(
           {flight::RemarkCode::kElevationModelGiven, {{"file", model.name}, {"given", dem_path}}});
@@ -30,7 +39,7 @@ Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
   for (const flight::InputFile& model : flight::ElevationModelsAmong(files)) {
     auto opened = Open(model.path);
     if (opened) {
-      given.source = *std::move(opened);
+      Take(*std::move(opened), model.name, given);
       return given;
     }
     given.warnings.push_back({flight::RemarkCode::kElevationModelNotRead,

@@ -14,7 +14,9 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "core/base/text/plain_text.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/geoid.h"
 
@@ -40,10 +42,41 @@ void RegisterGeotiffOnce() {
   });
 }
 
-double MetresPerUnit(std::string_view unit) {
-  if (unit == "ft" || unit == "foot") return 0.3048;
-  if (unit == "US survey foot" || unit == "us-ft" || unit == "ftUS") return 1200.0 / 3937.0;
-  return 1.0;
+// Nothing where it is none that heights are given in.
+std::optional<double> MetresPerUnit(std::string_view unit) {
+  constexpr double kFootM = 0.3048, kSurveyFootM = 1200.0 / 3937.0;
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"", 1.0},
+      {"m", 1.0},
+      {"metre", 1.0},
+      {"metres", 1.0},
+      {"meter", 1.0},
+      {"meters", 1.0},
+      {"ft", kFootM},
+      {"foot", kFootM},
+      {"feet", kFootM},
+      {"international foot", kFootM},
+      {"us survey foot", kSurveyFootM},
+      {"us survey feet", kSurveyFootM},
+      {"us-ft", kSurveyFootM},
+      {"us_ft", kSurveyFootM},
+      {"ftus", kSurveyFootM},
+      {"foot_us", kSurveyFootM},
+  };
+  const std::string lower = LowerCase(Trim(unit));
+  for (const auto& [name, metres] : kUnits) {
+    if (name == lower) return metres;
+  }
+  return std::nullopt;
+}
+
+// Of the vertical axis, where the system has one; else nothing.
+std::optional<double> MetresPerUnitUpwards(const OGRSpatialReference& system) {
+  if (system.GetAxesCount() != 3) return std::nullopt;
+  OGRAxisOrientation orientation = OAO_Other;
+  double metres = 0.0;
+  const bool is_known = system.GetAxis(nullptr, 2, &orientation, &metres) != nullptr && metres > 0.0;
+  return is_known ? std::optional(metres) : std::nullopt;
 }
 
 struct DropTransform {
@@ -62,6 +95,7 @@ struct GeotiffDem::Raster {
   std::optional<double> hole;
   double scale_m = 1.0;
   double offset_m = 0.0;
+  std::string unknown_unit;
 };
 
 GeotiffDem::GeotiffDem(std::unique_ptr<Raster> raster) : raster_(std::move(raster)) {}
@@ -118,11 +152,16 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
   int has_hole = 0;
   const double hole = band->GetNoDataValue(&has_hole);
   if (has_hole != 0) raster->hole = hole;
-  const double unit_m = MetresPerUnit(band->GetUnitType());
+  const std::optional<double> upwards_m = MetresPerUnitUpwards(*system);
+  const std::optional<double> stated_m = MetresPerUnit(band->GetUnitType());
+  if (!upwards_m && !stated_m) raster->unknown_unit = band->GetUnitType();
+  const double unit_m = upwards_m ? *upwards_m : stated_m.value_or(1.0);
   raster->scale_m = unit_m * band->GetScale();
   raster->offset_m = unit_m * band->GetOffset();
   return std::unique_ptr<GeotiffDem>(new GeotiffDem(std::move(raster)));
 }
+
+const std::string& GeotiffDem::unknown_unit() const { return raster_->unknown_unit; }
 
 std::optional<double> GeotiffDem::GroundHeightM(const geo::LatLon& position) const {
   double x = position.lon_deg;

@@ -18,7 +18,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 // 300 m everywhere in a tenth of a degree about 47.4, 8.5; in an unplaced site grid it cannot be used.
-flight::InputFile WriteModel(const std::filesystem::path& folder, const std::string& name, bool is_placed) {
+flight::InputFile WriteModel(const std::filesystem::path& folder, const std::string& name, bool is_placed,
+                             const char* unit = "") {
   GDALAllRegister();
   OGRSpatialReference system;
   if (is_placed) {
@@ -31,6 +32,7 @@ flight::InputFile WriteModel(const std::filesystem::path& folder, const std::str
   double corner[6] = {8.45, 0.01, 0.0, 47.45, 0.0, -0.01};
   file->SetGeoTransform(corner);
   file->SetSpatialRef(&system);
+  file->GetRasterBand(1)->SetUnitType(unit);
   EXPECT_EQ(file->GetRasterBand(1)->Fill(300.0), CE_None);
   return {name, folder / name};
 }
@@ -49,6 +51,18 @@ TEST(OpenElevationModel, TakesTheFirstThatCanBeReadAndWarnsOfTheOthers) {
   ASSERT_TRUE(none.ok());
   EXPECT_EQ(none->source, nullptr);
   EXPECT_THAT(InWords(none->warnings), ElementsAre(HasSubstr("a.tif is not used")));
+}
+
+TEST(OpenElevationModel, SaysThatAnUnknownUnitCountsAsMetres) {
+  const test::TemporaryFolder folder;
+  const flight::InputFile model = WriteModel(folder.path(), "a.tif", true, "fathom");
+  const auto among = OpenElevationModel("", {model});
+  ASSERT_TRUE(among.ok());
+  EXPECT_THAT(InWords(among->warnings), ElementsAre(HasSubstr("a.tif states its heights in a unit")));
+  EXPECT_THAT(InWords(among->warnings), ElementsAre(HasSubstr("\"fathom\"")));
+  const auto given = OpenElevationModel(model.path.string(), {});
+  ASSERT_TRUE(given.ok());
+  EXPECT_THAT(InWords(given->warnings), ElementsAre(HasSubstr("\"fathom\"")));
 }
 
 // A block of 256 MiB in a file of a few kB: none of it was ever written.

@@ -28,7 +28,7 @@ struct Model {
   std::optional<double> hole;
   std::string unit;
   double scale = 1.0, offset = 0.0;
-  bool is_above_egm96 = false;  // says the system
+  int vertical_epsg = 0;  // of heights, where the system says it
 };
 
 class GeotiffDemTest : public ::testing::Test {
@@ -45,8 +45,10 @@ class GeotiffDemTest : public ::testing::Test {
       file->SetGeoTransform(corner);
       OGRSpatialReference system;
       system.importFromEPSG(model.epsg);
-      if (model.is_above_egm96)
-        system.SetFromUserInput(("EPSG:" + std::to_string(model.epsg) + "+5773").c_str());
+      if (model.vertical_epsg != 0) {
+        system.SetFromUserInput(
+            ("EPSG:" + std::to_string(model.epsg) + "+" + std::to_string(model.vertical_epsg)).c_str());
+      }
       file->SetSpatialRef(&system);
     }
     GDALRasterBand* band = file->GetRasterBand(1);
@@ -139,6 +141,36 @@ TEST_F(GeotiffDemTest, TurnsFeetAndScaledIntegersIntoMetres) {
   EXPECT_NEAR(Open(whole)->GroundHeightM({47.418, 8.503}).value(), 532.1, 1e-3);
 }
 
+TEST_F(GeotiffDemTest, TakesTheUnitOfTheVerticalAxisBeforeThatOfTheBand) {
+  Model feet;
+  feet.vertical_epsg = 6360;  // NAVD88, in US survey feet
+  feet.unit = "m";            // as tools write it that know no other
+  feet.height = [](double, double) { return 1000.0; };
+  const auto by_axis = Open(feet);
+  EXPECT_NEAR(by_axis->GroundHeightM({47.418, 8.503}).value(), 1000.0 * 1200.0 / 3937.0, 1e-4);
+  EXPECT_EQ(by_axis->unknown_unit(), "");
+  Model metres = feet;
+  metres.vertical_epsg = 5773;
+  metres.unit = "";
+  EXPECT_NEAR(Open(metres)->GroundHeightM({47.418, 8.503}).value(), 1000.0, 1e-4);
+}
+
+TEST_F(GeotiffDemTest, KnowsUnitsHoweverTheyAreWrittenAndNamesThoseItDoesNotKnow) {
+  Model model;
+  model.height = [](double, double) { return 1000.0; };
+  for (const auto& [unit, metres] :
+       {std::pair{"Feet", 304.8}, std::pair{"Foot_US", 304.8006096}, std::pair{"Metre", 1000.0}}) {
+    model.unit = unit;
+    const auto dem = Open(model);
+    EXPECT_NEAR(dem->GroundHeightM({47.418, 8.503}).value(), metres, 1e-4) << unit;
+    EXPECT_EQ(dem->unknown_unit(), "") << unit;
+  }
+  model.unit = "fathom";
+  const auto unknown = Open(model);
+  EXPECT_NEAR(unknown->GroundHeightM({47.418, 8.503}).value(), 1000.0, 1e-4);
+  EXPECT_EQ(unknown->unknown_unit(), "fathom");
+}
+
 // Heights above the ellipsoid become heights above the sea, as all other models have them.
 TEST_F(GeotiffDemTest, TakesTheGeoidOffEllipsoidalHeights) {
   Model above_sea;
@@ -160,7 +192,7 @@ TEST_F(GeotiffDemTest, TakesTheGeoidOffEllipsoidalHeightsInMetres) {
   model.west = 461'000.0;
   model.north = 5'253'000.0;
   model.cell = 50.0;
-  model.is_above_egm96 = true;
+  model.vertical_epsg = 5773;  // EGM96
   model.height = [](double, double) { return 450.0; };
   const std::filesystem::path path = Write(model);
   const auto height_m = [&] { return (*GeotiffDem::Open(path))->GroundHeightM({47.418, 8.503}).value(); };

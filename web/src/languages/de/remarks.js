@@ -32,6 +32,7 @@ export const remark_words = {
   files_unknown_and_more: (v) => `Nicht verwendet, weil weder Flugprotokoll noch Liste von Positionen, Passpunkten oder Reflexionsgraden noch Höhenmodell: ${v.files} und ${number(v.more)} weitere.`,
   elevation_models: (v) => `${number(v.models)} Höhenmodelle wurden hinzugefügt; verwendet wird ${v.file}.`,
   elevation_model_given: (v) => `${unused(v)}Die Höhen des Bodens kommen aus ${v.given}.`,
+  elevation_model_unit: (v) => `${v.file} gibt seine Höhen in einer unbekannten Einheit an, ${v.unit}; sie werden als Meter verwendet.`,
   elevation_model_not_read: (v) => `${v.file} wird nicht für die Höhen des Bodens verwendet. ${v.why}`,
   film: (v) => `${v.file} ist ein Video. Einzelbilder daraus werden Fotos, wenn die Karte erstellt wird.`,
   no_bands_for_list: (v) => `${unused(v)}Der Flug hat keine Fotos mehrerer Kanäle.`,

@@ -31,6 +31,7 @@ export const remark_words = {
   files_unknown_and_more: (v) => `Not used, because they are no log, list of positions, control points or reflectances, or elevation model: ${v.files} and ${number(v.more)} more.`,
   elevation_models: (v) => `${number(v.models)} elevation models were added; ${v.file} is used.`,
   elevation_model_given: (v) => `${unused(v)}the ground heights are those of ${v.given}.`,
+  elevation_model_unit: (v) => `${v.file} states its heights in a unit that is not known, ${v.unit}; they are taken as metres.`,
   elevation_model_not_read: (v) => `${v.file} is not used for the ground heights. ${v.why}`,
   film: (v) => `${v.file} is a video. Frames of it become photos when the map is made.`,
   no_bands_for_list: (v) => `${unused(v)}the flight has no photos of several bands.`,
