@@ -37,23 +37,38 @@ Result<CogLayout> CogLayoutOf(SqliteDb& mbtiles, const TilesetFacts& metadata) {
   return layout;
 }
 
+std::uint64_t MostCogBytes(const CogLayout& layout, const std::vector<TableTile>& table) {
+  const auto side = static_cast<std::uint64_t>(layout.tile_size_px);
+  const std::uint64_t encoded_anew = side * side * 4;  // as pixels; of any quality, with its mask
+  const CogCells cells(layout.tiles, layout.tile_size_px, /*quality=*/0);
+  std::uint64_t bytes = 0;
+  for (const TableTile& tile : table)
+    bytes += cells.IsCopied(tile.format) ? tile.bytes + cells.full_mask().size() : encoded_anew;
+  for (const GridLevel& level : layout.grid) {
+    constexpr std::uint64_t kFramesAndPlaces = 64;
+    bytes += static_cast<std::uint64_t>(level.CellCount()) *
+             (kFramesAndPlaces + (level.IsAligned() ? 0 : encoded_anew));
+  }
+  return bytes;
+}
+
 Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
                       const CogOptions& options, Progress& progress) {
   SKYQUILT_TRY_ASSIGN(auto tiles, MbtilesReader::Open(mbtiles));
   CogLayout layout;
+  std::uint64_t most_bytes = 0;
   {
     SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
     SKYQUILT_TRY_ASSIGN(layout, CogLayoutOf(db, tiles->metadata()));
+    SKYQUILT_TRY_ASSIGN(const std::vector<TableTile> table, ReadTileTable(db));
+    most_bytes = MostCogBytes(layout, table);
   }
   const std::vector<GridLevel>& grid = layout.grid;
   const TiffTiles kind = layout.tiles;
-  std::error_code unknown_size;
-  std::uint64_t expected_bytes = std::filesystem::file_size(mbtiles, unknown_size);
   std::int64_t cells = 0;
   for (const GridLevel& level : grid) cells += level.CellCount();
-  expected_bytes += static_cast<std::uint64_t>(cells) * 64;
 
-  TiffHead head(grid, layout.tile_size_px, kind, expected_bytes);
+  TiffHead head(grid, layout.tile_size_px, kind, most_bytes);
   SKYQUILT_TRY_ASSIGN(auto file, StreamFile::Create(path));
   file->Write(head.bytes());
   const CogCells work(kind, layout.tile_size_px, options.jpeg_quality);

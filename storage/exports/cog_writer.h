@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
@@ -26,14 +27,16 @@ struct CogLayout {
   std::vector<GridLevel> grid;
 };
 Result<CogLayout> CogLayoutOf(SqliteDb& mbtiles, const TilesetFacts& metadata);
+// What the file of these tiles takes at most. A picture that several tiles show counts for each of them.
+std::uint64_t MostCogBytes(const CogLayout& layout, const std::vector<TableTile>& table);
 
 struct CogOptions {
   int jpeg_quality = 85;  // of tiles encoded anew
   int threads = 0;        // 0 = all cores
 };
 
-// Streams: memory is the directories (16 bytes per tile) and a few tiles per thread. Published by rename.
-// Blocking.
+// Streams: memory is the directories (16 bytes per tile; 40 before it begins) and a few tiles per thread.
+// Published by rename. Blocking.
 Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
                       const CogOptions& options, Progress& progress);
 

@@ -11,6 +11,7 @@
 
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/encode_tile.h"
+#include "storage/exports/stored_tiles.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
@@ -226,6 +227,29 @@ TEST(WriteCog, KeepsWebpTilesWithTheirAlpha) {
 TEST(WriteCog, IsTheSameWithAnyNumberOfThreads) {
   const PaintedTileset tileset{18, 256, 1001, 2002, 5, 5};
   EXPECT_EQ(test::BytesOf(WriteAndOpen(tileset, 1)->tif), test::BytesOf(WriteAndOpen(tileset, 3)->tif));
+}
+
+// What the tileset holds once stands in the GeoTIFF once for each of its places.
+TEST(WriteCog, HasPlacesOf64BitsWhereOnePictureOfManyTilesTakesMoreThan4GiB) {
+  CogLayout layout;
+  GridLevel level;
+  level.zoom = 20;
+  level.columns = level.rows = 300;
+  level.width_px = level.height_px = 300 * 256;
+  layout.grid = {level};
+  const TableTile tile{*geo::TileId::Make(20, 7, 7), 1, 50'000, image::PictureFormat::kJpeg};
+  const std::uint64_t bytes = MostCogBytes(layout, std::vector<TableTile>(300 * 300, tile));
+  EXPECT_GT(bytes, std::uint64_t{300} * 300 * 50'000);
+  EXPECT_EQ(TiffHead(layout.grid, 256, TiffTiles::kJpeg, bytes).bytes()[2], 43);
+  EXPECT_EQ(TiffHead(layout.grid, 256, TiffTiles::kJpeg, 50'000).bytes()[2], 42);
+}
+
+TEST(WriteCog, TakesNoMoreThanItIsLaidOutFor) {
+  const auto cog = WriteAndOpen({18, 256, 1001, 2002, 7, 6});
+  const auto tiles = *MbtilesReader::Open(cog->mbtiles);
+  auto db = *SqliteDb::Open(cog->mbtiles, OpenMode::kReadOnlyImmutable);
+  EXPECT_LE(std::filesystem::file_size(cog->tif),
+            MostCogBytes(*CogLayoutOf(db, tiles->metadata()), *ReadTileTable(db)));
 }
 
 TEST(WriteCog, PassesGdalsValidator) {
