@@ -111,11 +111,8 @@ Result<Dataset> LinesOf(GDALDataset& heights, double interval_m, double shortest
   return lines;
 }
 
-Result<void> WriteLines(GDALDataset& lines, const std::filesystem::path& folder, const ContourFile& file,
+Result<void> WriteLines(GDALDataset& lines, const ContourFile& file, const TemporaryFile& made,
                         Progress& progress) {
-  const std::filesystem::path path = folder / fmt::format("contours{}", file.ending);
-  // GDAL knows formats by their endings.
-  const TemporaryFile made(folder / "contours.tmp", file.ending);
   std::error_code gone;  // what cannot be removed cannot be written either, which is said
   std::filesystem::remove(made.path(), gone);
   CPLStringList words;
@@ -132,7 +129,7 @@ Result<void> WriteLines(GDALDataset& lines, const std::filesystem::path& folder,
   const bool is_written = written && IsClosedWell(std::move(written));
   CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", nullptr);
   if (!is_written) return LastGdalError(progress);
-  return PublishFile(made.path(), path);
+  return {};
 }
 
 }  // namespace
@@ -163,8 +160,16 @@ Result<double> WriteContours(const std::filesystem::path& heights, double smooth
       {"GeoJSON", ".geojson", {"-t_srs", "EPSG:4326", "-lco", "RFC7946=YES"}},
       {"DXF", ".dxf", {"-select", ""}},
   };
-  for (const ContourFile& file : files)
-    SKYQUILT_TRY(WriteLines(*lines, heights.parent_path(), file, progress));
+  const std::filesystem::path folder = heights.parent_path();
+  std::vector<std::unique_ptr<TemporaryFile>> made;
+  for (const ContourFile& file : files) {
+    // GDAL knows formats by their endings.
+    made.push_back(std::make_unique<TemporaryFile>(folder / "contours.tmp", file.ending));
+    SKYQUILT_TRY(WriteLines(*lines, file, *made.back(), progress));
+  }
+  // Once all are there: beside older ones of other formats they would pass for the same lines.
+  for (std::size_t i = 0; i < files.size(); ++i)
+    SKYQUILT_TRY(PublishFile(made[i]->path(), folder / fmt::format("contours{}", files[i].ending)));
   return interval_m;
 }
 

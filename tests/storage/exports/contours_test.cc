@@ -101,6 +101,17 @@ TEST(Contours, AreTheSameBytesEachTime) {
     EXPECT_EQ(*ReadWholeFile(first.path() / name), *ReadWholeFile(second.path() / name)) << name;
 }
 
+TEST(Contours, ArePublishedTogetherOrNotAtAll) {
+  const test::TemporaryFolder folder;
+  SilentProgress progress;
+  WriteHeights(folder.path() / "dtm.tif", kSide, ConeAt);
+  // The last of them cannot be written.
+  std::filesystem::create_directories(folder.path() / "contours.tmp.dxf" / "in_the_way");
+  EXPECT_FALSE(WriteContours(folder.path() / "dtm.tif", 0.2, progress));
+  for (const char* name : {"contours.gpkg", "contours.geojson", "contours.dxf"})
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / name)) << name;
+}
+
 TEST(ContourInterval, IsTheLeastThatDrawsFew) {
   EXPECT_EQ(ContourIntervalM(0.0, 0.0), 0.1);
   EXPECT_EQ(ContourIntervalM(560.0, 563.9), 0.1);
