@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -77,6 +78,12 @@ std::optional<double> MetresPerUnitUpwards(const OGRSpatialReference& system) {
   double metres = 0.0;
   const bool is_known = system.GetAxis(nullptr, 2, &orientation, &metres) != nullptr && metres > 0.0;
   return is_known ? std::optional(metres) : std::nullopt;
+}
+
+// A mark of holes such as -9999.9 stands in the file's cells as the nearest float.
+double AsStored(double hole, GDALDataType type) {
+  const bool is_float = type == GDT_Float32 && std::abs(hole) <= std::numeric_limits<float>::max();
+  return is_float ? static_cast<float>(hole) : hole;
 }
 
 struct DropTransform {
@@ -151,7 +158,7 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
   GDALRasterBand* band = raster->dataset->GetRasterBand(1);
   int has_hole = 0;
   const double hole = band->GetNoDataValue(&has_hole);
-  if (has_hole != 0) raster->hole = hole;
+  if (has_hole != 0) raster->hole = AsStored(hole, band->GetRasterDataType());
   const std::optional<double> upwards_m = MetresPerUnitUpwards(*system);
   const std::optional<double> stated_m = MetresPerUnit(band->GetUnitType());
   if (!upwards_m && !stated_m) raster->unknown_unit = band->GetUnitType();

@@ -125,6 +125,15 @@ TEST_F(GeotiffDemTest, KnowsNothingOutsideAndInHoles) {
   EXPECT_FALSE(dem->GroundHeightM({-47.418, -171.0}));
 }
 
+TEST_F(GeotiffDemTest, KnowsHolesWhoseMarkNoFloatHolds) {
+  Model model;
+  model.hole = -9999.9;
+  model.height = [](double lon, double) { return lon < 8.503 ? -9999.9 : 321.0; };
+  const auto dem = Open(model);
+  EXPECT_FALSE(dem->GroundHeightM({47.418, 8.501}));
+  EXPECT_NEAR(dem->GroundHeightM({47.418, 8.5045}).value(), 321.0, 1e-6);
+}
+
 TEST_F(GeotiffDemTest, TurnsFeetAndScaledIntegersIntoMetres) {
   Model feet;
   feet.unit = "ft";
