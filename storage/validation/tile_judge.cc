@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
 
 #include "core/geo/web_mercator.h"
@@ -138,21 +139,22 @@ void TileJudge::JudgeBounds(const TilesetClaims& claims, FileVerdict& verdict) c
                 "bounds " + TextOfBounds(said) + " are none; they are west,south,east,north in degrees");
     return;
   }
-  const std::vector<std::uint64_t>& finest = by_zoom_[static_cast<std::size_t>(MaxZoom())];
-  geo::Bounds2 covered = geo::TileId::Make(MaxZoom(), static_cast<std::int64_t>(finest.front() >> 32),
-                                           static_cast<std::int64_t>(finest.front() & 0xFFFFFFFFu))
-                             ->BoundsInMerc();
-  for (const std::uint64_t place : finest) {
-    const geo::Bounds2 tile = geo::TileId::Make(MaxZoom(), static_cast<std::int64_t>(place >> 32),
-                                                static_cast<std::int64_t>(place & 0xFFFFFFFFu))
-                                  ->BoundsInMerc();
-    covered = {covered.min.cwiseMin(tile.min), covered.max.cwiseMax(tile.max)};
-  }
-  const std::string where = TextOfBounds(geo::LatLonBoundsFromMerc(covered));
   const bool is_world = said.east_deg - said.west_deg >= 359.9;
   said.south_deg = std::max(said.south_deg, -kLastLatDeg);
   said.north_deg = std::min(said.north_deg, kLastLatDeg);
   const geo::Bounds2 told = geo::MercFromLatLonBounds(said);
+  geo::Bounds2 covered;
+  for (const std::uint64_t place : by_zoom_[static_cast<std::size_t>(MaxZoom())]) {
+    const geo::Bounds2 tile = geo::TileId::Make(MaxZoom(), static_cast<std::int64_t>(place >> 32),
+                                                static_cast<std::int64_t>(place & 0xFFFFFFFFu))
+                                  ->BoundsInMerc();
+    // Those of a map across the antimeridian lie at both ends of the web map's square.
+    constexpr double kWorldM = 2.0 * geo::kMercHalfWidthM;
+    const double off_m = 0.5 * (told.min.x() + told.max.x() - tile.min.x() - tile.max.x());
+    const Eigen::Vector2d turn_m(kWorldM * std::round(off_m / kWorldM), 0.0);
+    covered.Include(geo::Bounds2{tile.min + turn_m, tile.max + turn_m});
+  }
+  const std::string where = TextOfBounds(geo::LatLonBoundsFromMerc(covered).OnEarth());
   const double tile_m = geo::TileSizeInMercM(MaxZoom()), slack_m = 1.01 * tile_m;
   const bool are_apart = told.min.x() >= covered.max.x() || told.max.x() <= covered.min.x() ||
                          told.min.y() >= covered.max.y() || told.max.y() <= covered.min.y();

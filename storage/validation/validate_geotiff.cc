@@ -68,19 +68,26 @@ void JudgeGeoreference(GDALDataset& raster, FileVerdict& verdict) {
   const std::unique_ptr<OGRCoordinateTransformation> to_wgs84(
       OGRCreateCoordinateTransformation(&own, &wgs84));
   const double width = raster.GetRasterXSize(), height = raster.GetRasterYSize();
-  std::array<double, 4> x{t[0], t[0] + width * t[1], t[0] + height * t[2],
-                          t[0] + width * t[1] + height * t[2]};
-  std::array<double, 4> y{t[3], t[3] + width * t[4], t[3] + height * t[5],
-                          t[3] + width * t[4] + height * t[5]};
-  if (!to_wgs84 || !to_wgs84->Transform(4, x.data(), y.data()) ||
+  // The corners, and the middle.
+  std::array<double, 5> x{t[0], t[0] + width * t[1], t[0] + height * t[2],
+                          t[0] + width * t[1] + height * t[2], t[0] + 0.5 * (width * t[1] + height * t[2])};
+  std::array<double, 5> y{t[3], t[3] + width * t[4], t[3] + height * t[5],
+                          t[3] + width * t[4] + height * t[5], t[3] + 0.5 * (width * t[4] + height * t[5])};
+  if (!to_wgs84 || !to_wgs84->Transform(5, x.data(), y.data()) ||
       !std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); }) ||
       !std::all_of(y.begin(), y.end(), [](double v) { return std::isfinite(v) && std::abs(v) <= 90.1; })) {
     verdict.Add(Severity::kError, "it lies where its coordinate system has no places on Earth");
     return;
   }
-  verdict.bounds =
-      geo::LatLonBounds{*std::min_element(x.begin(), x.end()), *std::min_element(y.begin(), y.end()),
-                        *std::max_element(x.begin(), x.end()), *std::max_element(y.begin(), y.end())};
+  // Across the antimeridian they go on as the middle has it.
+  constexpr double kHalfTurnDeg = 180.0 + 1e-6;
+  for (double& lon_deg : x) {
+    if (lon_deg - x[4] > kHalfTurnDeg) lon_deg -= 360.0;
+    if (x[4] - lon_deg > kHalfTurnDeg) lon_deg += 360.0;
+  }
+  const geo::LatLonBounds around{*std::min_element(x.begin(), x.end()), *std::min_element(y.begin(), y.end()),
+                                 *std::max_element(x.begin(), x.end()), *std::max_element(y.begin(), y.end())};
+  verdict.bounds = around.OnEarth();
 }
 
 void JudgeTiling(const std::vector<Level>& levels, Severity layout, FileVerdict& verdict) {

@@ -1,0 +1,81 @@
+// Verdicts of maps across the antimeridian, which have tiles at both ends of the web map's square. Damage of
+// all kinds: tests/e2e/command_line/validate_test.py.
+#include "storage/validation/validate_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
+#include "core/image/rgba_image.h"
+#include "core/pyramid/encode_tile.h"
+#include "storage/exports/cog_writer.h"
+#include "storage/exports/pmtiles_writer.h"
+#include "storage/tilesets/mbtiles_writer.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr int kZoom = 8, kRow = 100;
+constexpr double kTileDeg = 360.0 / 256;
+
+// A tile on either side of it; the bounds begin at `west_deg`.
+void WriteAcross(const std::filesystem::path& path, double west_deg) {
+  auto writer = *MbtilesWriter::Create(path);
+  image::RgbaImage white = image::RgbaImage::Transparent(256, 256);
+  for (std::uint8_t& value : white.rgba) value = 255;
+  const auto encoded = pyramid::EncodeTile(white, {});
+  ASSERT_TRUE(encoded);
+  for (const int column : {255, 0})
+    ASSERT_TRUE(writer->Put(*geo::TileId::Make(kZoom, column, kRow), encoded->format, encoded->bytes));
+  TilesetMetadata metadata;
+  metadata.name = "across";
+  metadata.min_zoom = metadata.max_zoom = kZoom;
+  metadata.bounds = geo::LatLonBoundsFromMerc(geo::TileId::Make(kZoom, 255, kRow)->BoundsInMerc());
+  metadata.bounds.west_deg = west_deg;
+  metadata.bounds.east_deg = west_deg + 2 * kTileDeg;
+  ASSERT_TRUE(writer->Publish(metadata));
+}
+
+std::string ErrorsOf(const FileVerdict& verdict) {
+  std::string errors;
+  for (const Finding& finding : verdict.findings) {
+    if (finding.severity != Severity::kNote) errors += finding.what + "\n";
+  }
+  return errors;
+}
+
+TEST(ValidateMap, FindsNothingWrongWithOneAcrossTheAntimeridian) {
+  const test::TemporaryFolder folder;
+  SilentProgress progress;
+  const auto mbtiles = folder.path() / "map.mbtiles", pmtiles = folder.path() / "map.pmtiles",
+             tif = folder.path() / "map.tif";
+  WriteAcross(mbtiles, 180.0 - kTileDeg);
+  ASSERT_TRUE(WritePmtiles(mbtiles, pmtiles, progress));
+  ASSERT_TRUE(WriteCog(mbtiles, tif, {}, progress));
+  for (const auto& path : {mbtiles, pmtiles, tif}) {
+    const auto verdicts = ValidateMap(path, false, progress);
+    ASSERT_TRUE(verdicts);
+    const FileVerdict& verdict = verdicts->front();
+    EXPECT_EQ(ErrorsOf(verdict), "") << path;
+    ASSERT_TRUE(verdict.bounds);
+    EXPECT_NEAR(verdict.bounds->west_deg, 180.0 - kTileDeg, 1e-6) << path;
+    EXPECT_NEAR(verdict.bounds->east_deg, 180.0 + kTileDeg, 1e-6) << path;
+  }
+}
+
+TEST(ValidateMap, StillFindsTilesBeyondTheBoundsThere) {
+  const test::TemporaryFolder folder;
+  SilentProgress progress;
+  WriteAcross(folder.path() / "map.mbtiles", 180.0 - 3 * kTileDeg);
+  const auto verdicts = ValidateMap(folder.path() / "map.mbtiles", false, progress);
+  ASSERT_TRUE(verdicts);
+  EXPECT_NE(ErrorsOf(verdicts->front()), "");
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
