@@ -8,12 +8,16 @@
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <cstddef>
 #include <memory>
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/geo/web_mercator.h"
 #include "storage/rasters/gdal_steps.h"
 
 namespace skyquilt::storage {
@@ -68,9 +72,47 @@ class MemoryFile {
   std::string path_;
 };
 
-// Of each class the polygons of its cells, in Web Mercator.
-Result<std::vector<OGRMultiPolygon>> PolygonsOf(const ClassGrid& grid, std::size_t classes) {
-  SKYQUILT_TRY_ASSIGN(const GdalFile raster, AsRaster(grid));
+// A part of the grid, and how far it moves to lie within the web map's square.
+struct GridPart {
+  ClassGrid cells;
+  double east_by_m = 0.0;
+};
+
+ClassGrid ColumnsOf(const ClassGrid& grid, int from, int to) {
+  const MercGrid& all = grid.grid;
+  ClassGrid part{all, {}};
+  part.grid.west_m += from * all.pixel_width_m;
+  part.grid.width_px = to - from;
+  for (int row = 0; row < all.height_px; ++row) {
+    const auto first = grid.classes.begin() + static_cast<std::ptrdiff_t>(row) * all.width_px;
+    part.classes.insert(part.classes.end(), first + from, first + to);
+  }
+  return part;
+}
+
+// Of a map across the antimeridian both sides of it; a column that it goes through belongs to both.
+std::vector<GridPart> PartsOf(const ClassGrid& grid) {
+  constexpr double kOnEdge = 1e-6;  // of a cell
+  const double line = (geo::kMercHalfWidthM - grid.grid.west_m) / grid.grid.pixel_width_m;
+  if (line + kOnEdge >= grid.grid.width_px) return {{grid, 0.0}};
+  const auto west_end = static_cast<int>(std::ceil(line - kOnEdge)),
+             east_begin = static_cast<int>(std::floor(line + kOnEdge));
+  return {{ColumnsOf(grid, 0, west_end), 0.0},
+          {ColumnsOf(grid, east_begin, grid.grid.width_px), -2.0 * geo::kMercHalfWidthM}};
+}
+
+void BringInside(OGRPolygon& polygon, double east_by_m) {
+  for (OGRLinearRing* ring : polygon) {
+    for (int i = 0; i < ring->getNumPoints(); ++i) {
+      const double x = ring->getX(i) + east_by_m;
+      ring->setPoint(i, std::clamp(x, -geo::kMercHalfWidthM, geo::kMercHalfWidthM), ring->getY(i));
+    }
+  }
+}
+
+// To each class the polygons of its cells, in Web Mercator.
+Result<void> AddPolygonsOf(const GridPart& part, std::vector<OGRMultiPolygon>& polygons) {
+  SKYQUILT_TRY_ASSIGN(const GdalFile raster, AsRaster(part.cells));
   const GdalFile shapes = CreateIn("Memory", "", 0, 0, 0);
   OGRLayer* const layer = shapes ? shapes->CreateLayer("zones", nullptr, wkbPolygon, nullptr) : nullptr;
   OGRFieldDefn field("zone", OFTInteger);
@@ -86,13 +128,14 @@ Result<std::vector<OGRMultiPolygon>> PolygonsOf(const ClassGrid& grid, std::size
                              "(resolution_m) or fewer classes.",
                              layer->GetFeatureCount(), kMaxParts),
                  ""};
-  std::vector<OGRMultiPolygon> polygons(classes);
   for (const auto& feature : *layer) {
     const int zone = feature->GetFieldAsInteger(0);
-    if (zone < 1 || static_cast<std::size_t>(zone) > classes) continue;
-    polygons[static_cast<std::size_t>(zone) - 1].addGeometryDirectly(feature->StealGeometry());
+    if (zone < 1 || static_cast<std::size_t>(zone) > polygons.size()) continue;
+    OGRPolygon* const polygon = feature->StealGeometry()->toPolygon();
+    BringInside(*polygon, part.east_by_m);
+    polygons[static_cast<std::size_t>(zone) - 1].addGeometryDirectly(polygon);
   }
-  return polygons;
+  return {};
 }
 
 Result<void> FillLayer(OGRLayer& layer, std::vector<OGRMultiPolygon>& polygons,
@@ -140,7 +183,8 @@ Result<std::string> OutlineClasses(const ClassGrid& grid, std::span<const ClassF
                                    OutlineFormat format) {
   RegisterGdalOnce();
   const QuietGdal quiet;
-  SKYQUILT_TRY_ASSIGN(std::vector<OGRMultiPolygon> polygons, PolygonsOf(grid, facts.size()));
+  std::vector<OGRMultiPolygon> polygons(facts.size());
+  for (const GridPart& part : PartsOf(grid)) SKYQUILT_TRY(AddPolygonsOf(part, polygons));
   OGRSpatialReference merc, degrees;
   merc.importFromEPSG(3857);
   degrees.importFromEPSG(4326);

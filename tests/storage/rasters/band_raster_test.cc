@@ -193,6 +193,12 @@ TEST(ClassOutlinesTest, SievingJoinsSmallPatches) {
   EXPECT_EQ(grid.classes[4 * 20 + 15], 2);
 }
 
+std::unique_ptr<GDALDataset> OpenInMemory(const std::string& path, std::string& bytes) {
+  VSIFCloseL(
+      VSIFileFromMemBuffer(path.c_str(), reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
+  return std::unique_ptr<GDALDataset>(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
+}
+
 TEST(ClassOutlinesTest, AreReadBackAsGeoJsonAndAsShapefile) {
   const std::vector<ClassFacts> facts = {{0.1, 0.3, 0.2, 9900.0}, {0.4, 0.6, 0.5, 9100.0}};
   for (const OutlineFormat format : {OutlineFormat::kGeoJson, OutlineFormat::kShapefile}) {
@@ -200,9 +206,7 @@ TEST(ClassOutlinesTest, AreReadBackAsGeoJsonAndAsShapefile) {
     Result<std::string> bytes = OutlineClasses(Halves(), facts, format);
     ASSERT_TRUE(bytes) << bytes.error().message << bytes.error().detail;
     const std::string path = is_shapefile ? "/vsimem/read.shz" : "/vsimem/read.geojson";
-    VSIFCloseL(
-        VSIFileFromMemBuffer(path.c_str(), reinterpret_cast<GByte*>(bytes->data()), bytes->size(), FALSE));
-    const std::unique_ptr<GDALDataset> read(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
+    const auto read = OpenInMemory(path, *bytes);
     ASSERT_NE(read, nullptr);
     OGRLayer* const layer = read->GetLayer(0);
     ASSERT_EQ(layer->GetFeatureCount(), 2);
@@ -221,6 +225,26 @@ TEST(ClassOutlinesTest, AreReadBackAsGeoJsonAndAsShapefile) {
     EXPECT_NEAR(areas[0] / areas[1], 99.0 / 91.0, 1e-4);
     VSIUnlink(path.c_str());
   }
+}
+
+// 25 m on either side of the antimeridian, which goes through the third column.
+TEST(ClassOutlinesTest, EndAtTheAntimeridianAndGoOnAtItsOtherSide) {
+  const ClassGrid grid{{geo::kMercHalfWidthM - 25.0, 5000.0, 10.0, 10.0, 5, 2},
+                       std::vector<std::uint8_t>(10, 1)};
+  Result<std::string> bytes = OutlineClasses(grid, std::vector<ClassFacts>(1), OutlineFormat::kGeoJson);
+  ASSERT_TRUE(bytes) << bytes.error().message << bytes.error().detail;
+  const auto read = OpenInMemory("/vsimem/across.geojson", *bytes);
+  ASSERT_NE(read, nullptr);
+  OGRLayer* const layer = read->GetLayer(0);
+  ASSERT_EQ(layer->GetFeatureCount(), 1);
+  constexpr double kDegPerM = 180.0 / geo::kMercHalfWidthM;
+  for (const auto& feature : *layer) {
+    const OGRMultiPolygon* const sides = feature->GetGeometryRef()->toMultiPolygon();
+    ASSERT_EQ(sides->getNumGeometries(), 2);
+    for (const OGRPolygon* side : *sides)
+      EXPECT_NEAR(side->get_Area(), 25.0 * 20.0 * kDegPerM * kDegPerM, 1e-10);
+  }
+  VSIUnlink("/vsimem/across.geojson");
 }
 
 TEST(ClassOutlinesTest, RefusesMorePartsThanAnybodyCanUse) {
