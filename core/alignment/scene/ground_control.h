@@ -40,7 +40,7 @@ struct ControlMarkReport {
   bool operator==(const ControlMarkReport&) const = default;
 };
 
-// The miss in height of a point whose height was compared with nothing; null in report.json.
+// How far off in height a point is whose height was compared with nothing; null in report.json.
 inline constexpr double kNotComparedM = std::numeric_limits<double>::quiet_NaN();
 
 // Where a map placed without a point, by the others alone, puts it: minus where it was surveyed.
