@@ -162,7 +162,8 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
   const std::optional<double> upwards_m = MetresPerUnitUpwards(*system);
   const std::optional<double> stated_m = MetresPerUnit(band->GetUnitType());
   if (!upwards_m && !stated_m) raster->unknown_unit = band->GetUnitType();
-  const double unit_m = upwards_m ? *upwards_m : stated_m.value_or(1.0);
+  // Metres are also written by tools that know no other unit: of two that differ, the other one is meant.
+  const double unit_m = upwards_m && *upwards_m != 1.0 ? *upwards_m : stated_m.value_or(1.0);
   raster->scale_m = unit_m * band->GetScale();
   raster->offset_m = unit_m * band->GetOffset();
   return std::unique_ptr<GeotiffDem>(new GeotiffDem(std::move(raster)));

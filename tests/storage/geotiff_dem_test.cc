@@ -150,7 +150,7 @@ TEST_F(GeotiffDemTest, TurnsFeetAndScaledIntegersIntoMetres) {
   EXPECT_NEAR(Open(whole)->GroundHeightM({47.418, 8.503}).value(), 532.1, 1e-3);
 }
 
-TEST_F(GeotiffDemTest, TakesTheUnitOfTheVerticalAxisBeforeThatOfTheBand) {
+TEST_F(GeotiffDemTest, TakesTheUnitOfTheVerticalAxisOrOfTheBandWhicheverIsNoMetre) {
   Model feet;
   feet.vertical_epsg = 6360;  // NAVD88, in US survey feet
   feet.unit = "m";            // as tools write it that know no other
@@ -162,6 +162,8 @@ TEST_F(GeotiffDemTest, TakesTheUnitOfTheVerticalAxisBeforeThatOfTheBand) {
   metres.vertical_epsg = 5773;
   metres.unit = "";
   EXPECT_NEAR(Open(metres)->GroundHeightM({47.418, 8.503}).value(), 1000.0, 1e-4);
+  metres.unit = "ft";
+  EXPECT_NEAR(Open(metres)->GroundHeightM({47.418, 8.503}).value(), 304.8, 1e-4);
 }
 
 TEST_F(GeotiffDemTest, KnowsUnitsHoweverTheyAreWrittenAndNamesThoseItDoesNotKnow) {

@@ -159,7 +159,7 @@ TEST(ReportCodec, KeepsTheNamesThatFilesHave) {
       R"("focal_y_px":700.2,"center_x_px":399.5,"center_y_px":299.5,"k1":0.1,"k2":-0.2,)"
       R"("k3":0.3,"p1":0.0001,"p2":-0.0002},"sigma_focal_px":0.4,"focal_is_held":false}],)"
       R"("photo_reports":[{"name":"DJI_1.JPG","placement":"aligned",)"
-      R"("reason":"placed by its recorded pose: no other picture fits it unambiguously; is blurred",)"
+      R"("reason":"placed by its recorded pose; images were not compared; is blurred",)"
       R"("remarks":[{"code":"by_pose_alone","values":{}},{"code":"doubt_blurred","values":{}}],)"
       R"("features":4000,"links":6,"observations":321,"residual_rms_px":0.6,"moved_m":0.3333333333333333,)"
       R"("turned_deg":-2.5,"placed_by":"images","faults":["position_wrong",)"
