@@ -1,9 +1,9 @@
 // GeotiffDem: heights of the ground from a GeoTIFF elevation model in any coordinate system GDAL knows,
-// between cells bilinearly, in metres (by the unit of the vertical axis or that stated of the band, whichever is no
-// metre; else as they are), above the sea (the geoid taken off where the coordinate system counts heights from
-// the ellipsoid). Reads blocks, never the whole file: at most 16 MiB large, with 64 MiB kept. One thread at a
-// time. Errors of Open: kNotFound, kUnsupportedFormat (no GeoTIFF, one that does not say where it lies, or one
-// in larger blocks).
+// between cells bilinearly, in metres (by the unit of the vertical axis or that stated of the band, whichever
+// is no metre; else as they are), above the sea (the geoid taken off where the coordinate system counts
+// heights from the ellipsoid). Reads blocks, never the whole file: at most 16 MiB large, with 64 MiB kept.
+// One thread at a time. Errors of Open: kNotFound, kUnsupportedFormat (no GeoTIFF, one that does not say
+// where it lies, or one in larger blocks).
 #pragma once
 
 #include <filesystem>
