@@ -117,14 +117,13 @@ bool NextRow(LineReader& lines, char separator, std::vector<std::string_view>& c
   return false;
 }
 
-void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields) {
+void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields, std::string_view blanks) {
   fields.clear();
-  std::size_t at = 0;
-  while (at < line.size() && fields.size() < kMaxFields) {
-    while (at < line.size() && IsBlank(line[at])) ++at;
-    const std::size_t start = at;
-    while (at < line.size() && !IsBlank(line[at])) ++at;
-    if (at > start) fields.push_back(line.substr(start, at - start));
+  std::size_t at = line.find_first_not_of(blanks);
+  while (at != std::string_view::npos && fields.size() < kMaxFields) {
+    const std::size_t end = std::min(line.find_first_of(blanks, at), line.size());
+    fields.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(blanks, end);
   }
 }
 

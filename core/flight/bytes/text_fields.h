@@ -90,8 +90,9 @@ std::string_view Unquote(std::string_view field);
 // Cuts at `separator`; fields that begin and end with double quotes may hold it (a quote elsewhere is a
 // letter: 33.4"). A blank as separator: at runs of blanks. At most 1024 fields; fields are trimmed.
 void SplitFields(std::string_view line, char separator, std::vector<std::string_view>& fields);
-// Cuts at runs of blanks and tabs.
-void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields);
+// Cuts at runs of `blanks`, of whatever characters these are.
+void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields,
+                 std::string_view blanks = " \t\r\n");
 // The cells of the next line that is neither blank nor a comment; false at the end. Looks at no line that
 // begins at `end` or behind it.
 bool NextRow(LineReader& lines, char separator, std::vector<std::string_view>& cells,

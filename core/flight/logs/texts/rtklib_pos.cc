@@ -54,18 +54,6 @@ void ReadHeaderLine(std::string_view line, PosHeader& header) {
   }
 }
 
-// More than any row has fields are left alone.
-void SplitSolution(std::string_view line, std::string_view between, std::vector<std::string_view>& words) {
-  constexpr std::size_t kMaxWords = 64;
-  words.clear();
-  std::size_t at = line.find_first_not_of(between);
-  while (at != std::string_view::npos && words.size() < kMaxWords) {
-    const std::size_t end = std::min(line.find_first_of(between, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(between, end);
-  }
-}
-
 std::optional<double> DegreesOf(std::string_view d, std::string_view m, std::string_view s) {
   const auto degrees = ParseNumber(d);
   const auto minutes = ParseNumber(m);
@@ -85,7 +73,7 @@ struct Solution {
 
 std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
                                  std::vector<std::string_view>& words) {
-  SplitSolution(line, header.between, words);
+  SplitBlanks(line, words, header.between);
   if (words.size() < 6) return std::nullopt;
   Solution solution;
   if (words[0].find_first_of("/-") != std::string_view::npos) {
