@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/formats.h"
+#include "core/flight/logs/log_builder.h"
 #include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::pipeline {
@@ -48,11 +48,8 @@ std::string CameraId(const flight::Photo& photo) {
 // Angles of the airframe that a down-looking camera would be fixed to: zero where gimbal angles turn
 // singular.
 Eigen::Vector3d AirframeAngles(const Eigen::Quaterniond& cam_from_enu) {
-  const Eigen::Matrix3d ned_from_body =
-      (poses::EnuFromNed().conjugate() * cam_from_enu.conjugate() * poses::CamFromBody()).toRotationMatrix();
-  return {std::atan2(ned_from_body(1, 0), ned_from_body(0, 0)),
-          std::asin(std::clamp(-ned_from_body(2, 0), -1.0, 1.0)),
-          std::atan2(ned_from_body(2, 1), ned_from_body(2, 2))};
+  return flight::YawPitchRollFromNed(poses::EnuFromNed().conjugate() * cam_from_enu.conjugate() *
+                                     poses::CamFromBody());
 }
 
 }  // namespace

@@ -19,7 +19,6 @@ Eigen::Quaterniond NadirCamFromEnu(double yaw_rad);
 Eigen::Quaterniond CamFromBody();
 // The gimbal frame: x along the optical axis, y image right, z image down.
 Eigen::Quaterniond CamFromGimbal();
-Eigen::Quaterniond NedFromBody(double yaw_rad, double pitch_rad, double roll_rad);
 Eigen::Quaterniond EnuFromNed();
 
 struct CameraAngles {

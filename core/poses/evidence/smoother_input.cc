@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/flight/logs/log_builder.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/evidence/recorded_series.h"
 #include "core/poses/smoother/chain_factors.h"
@@ -206,7 +207,8 @@ class Preparation {
       const Quaterniond cam_from_enu = CamFromEnu(*p.photo->attitude);
       // A level body under the camera: the slow error's yaw part is then about the vertical, whatever the
       // tilt.
-      const Quaterniond enu_from_body = EnuFromNed() * NedFromBody(AnglesOf(cam_from_enu).yaw_rad, 0.0, 0.0);
+      const double yaw_rad = AnglesOf(cam_from_enu).yaw_rad;
+      const Quaterniond enu_from_body = EnuFromNed() * flight::NedFromYawPitchRoll(yaw_rad, 0.0, 0.0);
       out_.cam_from_body.push_back((cam_from_enu * enu_from_body).normalized());
       out_.attitude_origins.push_back(AttitudeOrigin::kRecorded);
       out_.input.attitudes.push_back({p.t_s, enu_from_body.normalized(), 0.0017, true});

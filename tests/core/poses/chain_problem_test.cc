@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/flight/logs/log_builder.h"
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/smoother/block_skyline.h"
@@ -92,7 +93,7 @@ struct Track {
     KnotState knot;
     const double course_rad = geo::DegToRad(course_deg);
     knot.velocity_in_enu_mps = speed_mps * Eigen::Vector3d(std::sin(course_rad), std::cos(course_rad), 0.0);
-    knot.enu_from_body = EnuFromNed() * NedFromBody(geo::DegToRad(nose_deg), 0.0, 0.0);
+    knot.enu_from_body = EnuFromNed() * flight::NedFromYawPitchRoll(geo::DegToRad(nose_deg), 0.0, 0.0);
     times_s.push_back(static_cast<double>(knots.size()));
     knots.push_back(knot);
   }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/attitude_convention.h"
@@ -70,7 +71,7 @@ FlightLog Track(double begin_s, double end_s, double zero_s = 0.0) {
     fix.velocity_in_ned_mps = Eigen::Vector3d(8.0, 0.0, 0.0);
     log.gnss.push_back(fix);
     log.baro.push_back({t - zero_s, at.height_ellipsoid_m - kGroundM});
-    log.attitude.push_back({t - zero_s, NedFromBody(0.0, -0.1, 0.0), true});
+    log.attitude.push_back({t - zero_s, flight::NedFromYawPitchRoll(0.0, -0.1, 0.0), true});
   }
   return log;
 }

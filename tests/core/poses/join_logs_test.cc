@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/estimate_poses.h"
@@ -243,7 +244,7 @@ TEST(EstimatePoses, PutsCorrectedPositionsOfPhotosBeforeAPlainTrack) {
   FlightLog track = Gnss(1000.0);
   for (const flight::GnssSample& fix : track.gnss) {
     track.baro.push_back({fix.t_s, fix.t_s < 5.0 ? 0.0 : 60.0});
-    track.attitude.push_back({fix.t_s, NedFromBody(0.3, -0.1, 0.0), true});
+    track.attitude.push_back({fix.t_s, flight::NedFromYawPitchRoll(0.3, -0.1, 0.0), true});
   }
   flight.logs = {track, Triggers(1000.0)};
   // 1.5 m east of the track.
