@@ -5,8 +5,7 @@
 // below autopilots, csv, texts, subtitles and tracks; two formats that share most of their reading share one.
 #pragma once
 
-#include <span>
-#include <string>
+#include <string_view>
 
 #include "core/base/result.h"
 #include "core/flight/bytes/log_bytes.h"
@@ -93,9 +92,6 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
 // kUnsupportedFormat for an unknown reference system.
 bool LooksLikeGeoTxt(LogBytes head);
 Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
-// In EPSG:4326 with all digits. Only events with a name and a position are written; kInvalidArgument for a
-// name with blanks, which the format cannot hold.
-Result<std::string> WriteGeoTxt(std::span<const CameraEvent> events);
 
 // Geolocation CSV of Pix4D without a header line (with one it is a table): "image,latitude,longitude,height[,
 // three angles][,accH,accV]"; coordinates of a projected system stand east first, as "image,x,y,z". Without

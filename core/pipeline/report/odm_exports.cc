@@ -6,14 +6,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <vector>
 
-#include "core/base/check.h"
 #include "core/base/text/json_io.h"
 #include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::pipeline {
@@ -67,7 +65,7 @@ std::string OdmCamerasJson(const alignment::AlignedFlight& flight) {
 }
 
 std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m, alignment::ErrorsKnown known) {
-  std::vector<flight::CameraEvent> events;
+  std::string text = "EPSG:4326\n";
   std::size_t unnamed = 0;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
     if (photo.photo.name.find_first_of(" \t\r\n") != std::string::npos) {
@@ -75,25 +73,20 @@ std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m, a
       continue;
     }
     const geo::Wgs84 center = flight.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
-    flight::CameraEvent event;
-    event.image_name = photo.photo.name;
-    event.position = geo::LatLon{center.lat_deg, center.lon_deg};
-    event.height_ellipsoid_m = center.height_ellipsoid_m + raised_m;
-    event.yaw_pitch_roll_rad = AirframeAngles(photo.cam_from_enu.rotation);
-    event.attitude_kind = flight::AttitudeKind::kAirframe;
+    const Eigen::Vector3d deg = AirframeAngles(photo.cam_from_enu.rotation) * (180.0 / geo::kPi);
+    text += fmt::format("{} {:.10f} {:.10f} {:.4f} {:.6f} {:.6f} {:.6f}", photo.photo.name, center.lon_deg,
+                        center.lat_deg, center.height_ellipsoid_m + raised_m, deg.x(), deg.y(), deg.z());
     if (const std::optional<double> error_m = alignment::KnownErrorM(photo, known))
-      event.sigma_in_ned_m = Eigen::Vector3d::Constant(std::max(0.01, *error_m));
-    events.push_back(std::move(event));
+      text += fmt::format(" {0:.4f} {0:.4f}", std::max(0.01, *error_m));
+    text += '\n';
   }
-  Result<std::string> text = flight::WriteGeoTxt(events);
-  SKYQUILT_CHECK(text.ok(), "names with blanks were left out");
   // Comments at the end: above the rows they could pass for names of columns.
-  if (raised_m != 0.0) *text += "# Heights count as those of the surveyed points that place the map.\n";
+  if (raised_m != 0.0) text += "# Heights count as those of the surveyed points that place the map.\n";
   if (unnamed > 0) {
-    *text += fmt::format("# Not here, for this file cannot hold the blanks in their names: {}\n",
-                         Counted(unnamed, "photo"));
+    text += fmt::format("# Not here, for this file cannot hold the blanks in their names: {}\n",
+                        Counted(unnamed, "photo"));
   }
-  return *std::move(text);
+  return text;
 }
 
 }  // namespace skyquilt::pipeline

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -102,41 +100,6 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     builder.log().mapping.push_back(fmt::format("z -> times {} to metres", metres_per_height_unit));
   }
   return std::move(builder).Finish();
-}
-
-Result<std::string> WriteGeoTxt(std::span<const CameraEvent> events) {
-  std::string text = "EPSG:4326\n";
-  for (const CameraEvent& event : events) {
-    if (!event.image_name || event.image_name->empty() || !event.position) continue;
-    if (event.image_name->find_first_of(" \t\r\n") != std::string::npos) {
-      return Error{
-          ErrorCode::kInvalidArgument,
-          fmt::format("geo.txt cannot hold the blank in \"{}\"; rename the photo", *event.image_name), ""};
-    }
-    text += fmt::format("{} {:.10f} {:.10f}", *event.image_name, event.position->lon_deg,
-                        event.position->lat_deg);
-    const auto height_m = event.height_ellipsoid_m ? event.height_ellipsoid_m : event.height_amsl_m;
-    // Later columns need the earlier ones: what is not known is NaN for angles and stops the row for heights.
-    if (height_m) {
-      text += fmt::format(" {:.4f}", *height_m);
-      const bool has_angles = event.yaw_pitch_roll_rad.has_value();
-      if (has_angles || event.sigma_in_ned_m) {
-        Eigen::Vector3d deg = Eigen::Vector3d::Constant(std::nan(""));
-        if (has_angles) {
-          deg = *event.yaw_pitch_roll_rad * (180.0 / geo::kPi);
-          // A gimbal counts from the horizon, this file from nadir.
-          if (event.attitude_kind == AttitudeKind::kGimbal) deg.y() += 90.0;
-        }
-        text += has_angles ? fmt::format(" {:.6f} {:.6f} {:.6f}", deg.x(), deg.y(), deg.z()) : " NaN NaN NaN";
-      }
-      if (event.sigma_in_ned_m) {
-        text += fmt::format(" {:.4f} {:.4f}", std::max(event.sigma_in_ned_m->x(), event.sigma_in_ned_m->y()),
-                            event.sigma_in_ned_m->z());
-      }
-    }
-    text += '\n';
-  }
-  return text;
 }
 
 }  // namespace skyquilt::flight

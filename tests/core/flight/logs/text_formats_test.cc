@@ -119,29 +119,6 @@ TEST(ParseGeoTxt, ReadsProjectedAndGeographicSystems) {
   EXPECT_DOUBLE_EQ((*degrees.events.at(0).sigma_in_ned_m)[2], 0.03);
 }
 
-TEST(WriteGeoTxt, IsReadBackAsWritten) {
-  std::vector<CameraEvent> events(2);
-  events[0].image_name = "a.jpg";
-  events[0].position = geo::LatLon{-33.123456789, 151.987654321};
-  events[0].height_ellipsoid_m = 123.4567;
-  events[0].yaw_pitch_roll_rad = Eigen::Vector3d(DegToRad(30.0), DegToRad(-88.0), DegToRad(1.0));
-  events[0].attitude_kind = AttitudeKind::kGimbal;
-  events[0].sigma_in_ned_m = Eigen::Vector3d(0.02, 0.01, 0.05);
-  events[1].image_name = "b.jpg";
-  events[1].position = geo::LatLon{-33.2, 151.9};
-  const auto text = ValueOf(WriteGeoTxt(events));
-  ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(text)));
-  const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf(text)));
-  ASSERT_EQ(log.events.size(), 2u);
-  EXPECT_NEAR(log.events[0].position->lat_deg, -33.123456789, 1e-10);
-  EXPECT_NEAR(*log.events[0].height_ellipsoid_m, 123.4567, 1e-4);
-  EXPECT_NEAR((*log.events[0].yaw_pitch_roll_rad)[1], DegToRad(2.0), 1e-9) << "counted from nadir now";
-  EXPECT_DOUBLE_EQ((*log.events[0].sigma_in_ned_m)[0], 0.02);
-  EXPECT_FALSE(log.events[1].height_ellipsoid_m.has_value());
-  events[0].image_name = "a b.jpg";
-  EXPECT_FALSE(WriteGeoTxt(events).ok());
-}
-
 TEST(ParseGcpList, JoinsSightingsOfOnePoint) {
   const std::string text =
       "EPSG:4326\n16.47592207\t47.64350399\t463.662\t2501.09\t2452.00\tMAX_0029.JPG\tA\n"
