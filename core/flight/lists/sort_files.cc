@@ -93,7 +93,7 @@ Result<Place> PlaceOf(const InputFile& file) {
       return Because(ErrorCode::kUnsupportedFormat, *std::move(why));
   }
   if (!format) return is_note ? nullptr : unknown;
-  return *format == LogFormat::kGcpList ? &SortedFiles::gcp_lists : &SortedFiles::logs;
+  return *format == LogKind::kGcpList ? &SortedFiles::gcp_lists : &SortedFiles::logs;
 }
 
 // XMP in a file of its own.

@@ -17,34 +17,33 @@ using Recognises = bool (*)(LogBytes head);
 using Parse = Result<FlightLog> (*)(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed);
 
 struct Format {
-  LogFormat format;
   Recognises recognises;
-  Parse parse;             // null: not a flight log
+  Parse parse;             // null: a list of points, no flight log
   bool is_binary = false;  // the others are asked of text alone
 };
 
 // In the order of certainty: the first that fits is meant. The tolerant CSV fits most and comes last.
 constexpr std::array kFormats = {
-    Format{LogFormat::kUlog, LooksLikeUlog, ParseUlog, true},
-    Format{LogFormat::kDataflash, LooksLikeDataflash, ParseDataflash, true},
-    Format{LogFormat::kMavlinkTlog, LooksLikeMavlinkTlog, ParseMavlinkTlog, true},
-    Format{LogFormat::kDataflash, LooksLikeDataflashText, ParseDataflashText},
-    Format{LogFormat::kGpx, LooksLikeGpx, ParseGpx},
-    Format{LogFormat::kKml, LooksLikeKml, ParseKml},
-    Format{LogFormat::kGeoJson, LooksLikeGeoJson, ParseGeoJson},
-    Format{LogFormat::kSenseflyGeoinfo, LooksLikeSenseflyGeoinfo, ParseSenseflyGeoinfo},
-    Format{LogFormat::kDjiMrk, LooksLikeDjiMrk, ParseDjiMrk},
-    Format{LogFormat::kDjiSrt, LooksLikeDjiSrt, ParseDjiSrt},
-    Format{LogFormat::kAss, LooksLikeAss, ParseAss},
-    Format{LogFormat::kRtklibPos, LooksLikeRtklibPos, ParseRtklibPos},
-    Format{LogFormat::kNmea, LooksLikeNmea, ParseNmea},
-    Format{LogFormat::kGeoTxt, LooksLikeGeoTxt, ParseGeoTxt},
-    Format{LogFormat::kGcpList, LooksLikeGcpList, nullptr},
-    Format{LogFormat::kFlightCsv, LooksLikeFlightCsv, ParseFlightCsv},
-    Format{LogFormat::kImagesCsv, LooksLikeImagesCsv, ParseImagesCsv},
-    Format{LogFormat::kTolerantCsv, LooksLikeNamedPlaces, ParseTolerantCsv},
-    Format{LogFormat::kPix4dCsv, LooksLikePix4dCsv, ParsePix4dCsv},
-    Format{LogFormat::kTolerantCsv, LooksLikeTolerantCsv, ParseTolerantCsv},
+    Format{LooksLikeUlog, ParseUlog, true},
+    Format{LooksLikeDataflash, ParseDataflash, true},
+    Format{LooksLikeMavlinkTlog, ParseMavlinkTlog, true},
+    Format{LooksLikeDataflashText, ParseDataflashText},
+    Format{LooksLikeGpx, ParseGpx},
+    Format{LooksLikeKml, ParseKml},
+    Format{LooksLikeGeoJson, ParseGeoJson},
+    Format{LooksLikeSenseflyGeoinfo, ParseSenseflyGeoinfo},
+    Format{LooksLikeDjiMrk, ParseDjiMrk},
+    Format{LooksLikeDjiSrt, ParseDjiSrt},
+    Format{LooksLikeAss, ParseAss},
+    Format{LooksLikeRtklibPos, ParseRtklibPos},
+    Format{LooksLikeNmea, ParseNmea},
+    Format{LooksLikeGeoTxt, ParseGeoTxt},
+    Format{LooksLikeGcpList, nullptr},
+    Format{LooksLikeFlightCsv, ParseFlightCsv},
+    Format{LooksLikeImagesCsv, ParseImagesCsv},
+    Format{LooksLikeNamedPlaces, ParseTolerantCsv},
+    Format{LooksLikePix4dCsv, ParsePix4dCsv},
+    Format{LooksLikeTolerantCsv, ParseTolerantCsv},
 };
 
 const Format* Recognise(LogBytes head) {
@@ -117,11 +116,11 @@ Result<const Format*> RecogniseOrExplain(LogBytes head, std::string_view name) {
 
 }  // namespace
 
-Result<std::optional<LogFormat>> RecogniseLog(LogBytes head, std::string_view name) {
+Result<std::optional<LogKind>> RecogniseLog(LogBytes head, std::string_view name) {
   SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(name, head));
   SKYQUILT_TRY_ASSIGN(const auto format, RecogniseOrExplain(text.bytes(), name));
-  if (format == nullptr) return std::optional<LogFormat>();
-  return std::optional<LogFormat>(format->format);
+  if (format == nullptr) return std::optional<LogKind>();
+  return std::optional(format->parse == nullptr ? LogKind::kGcpList : LogKind::kFlight);
 }
 
 Result<FlightLog> ParseLog(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {

@@ -15,32 +15,16 @@
 
 namespace skyquilt::flight {
 
-enum class LogFormat {
-  kDataflash,
-  kUlog,
-  kMavlinkTlog,
-  kFlightCsv,
-  kImagesCsv,
-  kTolerantCsv,
-  kDjiMrk,
-  kDjiSrt,
-  kAss,
-  kRtklibPos,
-  kGeoTxt,
-  kPix4dCsv,
-  kSenseflyGeoinfo,
-  kGpx,
-  kKml,
-  kGeoJson,
-  kNmea,
-  kGcpList,  // known, but not a flight log: ReadGcpList (gcp_list.h) reads it
+enum class LogKind {
+  kFlight,
+  kGcpList,  // not a flight log: ReadGcpList (gcp_list.h) reads it
 };
 
 // How many first bytes RecogniseLog wants to see (a shorter file: all of it).
 inline constexpr std::size_t kRecogniseBytes = std::size_t{64} << 10;
 
 // Nothing for what is no log. Error: kUnsupportedFormat for a log that we know but cannot read, with advice.
-Result<std::optional<LogFormat>> RecogniseLog(LogBytes head, std::string_view name);
+Result<std::optional<LogKind>> RecogniseLog(LogBytes head, std::string_view name);
 
 Result<FlightLog> ReadLog(const InputFile& file);
 

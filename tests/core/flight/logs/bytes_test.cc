@@ -191,7 +191,7 @@ TEST(LogText, RefusesWhatWouldNotFit) {
 TEST(ReadLog, ReadsAnySortOfTextInUtf16) {
   const auto table =
       Utf16(u"time_s\tlat\tlon\talt_m\n1\t46.8\t7.1\t500\n2\t46.8001\t7.1\t500\n", false, true);
-  EXPECT_EQ(**RecogniseLog(BytesOf(table), "a.csv"), LogFormat::kTolerantCsv);
+  EXPECT_EQ(**RecogniseLog(BytesOf(table), "a.csv"), LogKind::kFlight);
   EXPECT_EQ(ParseLog("a.csv", BytesOf(table))->gnss.size(), 2u);
   const auto gpx = Utf16(
       u"<?xml version=\"1.0\"?><gpx><trk><trkseg><trkpt lat=\"46.8\" lon=\"7.1\"><ele>1</ele>"

@@ -67,8 +67,7 @@ TEST(ParseImagesCsv, ReadsPosesOfPhotos) {
       "image,utc,lat,lon,alt_ell,yaw,pitch,roll,sh,sv,s_rp,s_yaw\n"
       "a.jpg,2024-01-01T10:00:00Z,47.5,8.5,500,10,-90,0,0.02,0.03,0.5,2\n"
       "b.jpg,2024-01-01T10:00:02.5Z,47.6,8.5,500,,,,,,,\n";
-  const auto format = ValueOf(RecogniseLog(BytesOf(text), "whatever.dat"));
-  EXPECT_EQ(*format, LogFormat::kImagesCsv);
+  EXPECT_EQ(ValueOf(ParseLog("whatever.dat", BytesOf(text))).format, "images_csv");
   const auto log = ValueOf(ParseImagesCsv("images.csv", BytesOf(text)));
   ASSERT_EQ(log.events.size(), 2u);
   EXPECT_NEAR((*log.events[0].yaw_pitch_roll_rad)[1], DegToRad(-90.0), 1e-12);
@@ -216,9 +215,8 @@ TEST(MapTolerantColumns, ReadsUnitsBehindNamesInAnyCase) {
 TEST(ParseTolerantCsv, ReadsAGnssLogWithUnitsInItsNames) {
   const std::string text =
       "time_s,lat_deg,lon_deg,alt_m,hacc_m\n100.0,46.8,7.1,500.5,1.5\n100.2,46.800001,7.1,500.6,1.4\n";
-  const auto format = ValueOf(RecogniseLog(BytesOf(text), "gnss.csv"));
-  ASSERT_EQ(format, LogFormat::kTolerantCsv);
   const auto log = ValueOf(ParseLog("gnss.csv", BytesOf(text)));
+  EXPECT_EQ(log.format, "tolerant_csv");
   ASSERT_EQ(log.gnss.size(), 2u);
   EXPECT_NEAR(log.gnss[1].t_s, 0.2, 1e-9);
   EXPECT_DOUBLE_EQ(*log.counter_at_zero_s, 100.0);

@@ -87,8 +87,7 @@ TEST(ParseAss, ReadsDialogues) {
       "ReH:40\\NISO:100\r\nComment: 0,0:00:01.60,0:00:02.00,Default,,0,0,0,,GPS(W: 1, N: 1, 1)\r\n"
       "Dialogue: 0,0:01:01.50,0:01:02.00,Default,,0,0,0,,2016.6.23 16:33:00\\NGPS(W: -91.25, N: 46.5, 199)\r\n"
       "Dialogue: broken\r\n");
-  const auto format = ValueOf(RecogniseLog(BytesOf(text), "MAX_0001.ASS"));
-  EXPECT_EQ(format, LogFormat::kAss);
+  EXPECT_EQ(ValueOf(ParseLog("MAX_0001.ASS", BytesOf(text))).format, "ass");
   const auto log = ValueOf(ParseAss("MAX_0001.ASS", BytesOf(text)));
   ASSERT_EQ(log.gnss.size(), 2U);
   EXPECT_DOUBLE_EQ(log.gnss[0].t_s, 1.5);
