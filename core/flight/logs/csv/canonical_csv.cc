@@ -196,8 +196,7 @@ Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const Co
   std::vector<std::string_view> cells;
   if (!NextRow(lines, ',', cells)) return builder.Refuse(RemarkCode::kFileEmpty);
   std::vector<CsvColumn> columns = MapCanonicalColumns(cells);
-  SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, ',', columns));
-  settled.pitch_is_level = false;  // the format counts from the horizon
+  SKYQUILT_TRY_ASSIGN(const SettledColumns settled, SettleColumns(name, lines, ',', columns));
   return ReadImageRows(columns, settled, ',', lines, std::move(builder));
 }
 

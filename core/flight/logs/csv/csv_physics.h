@@ -37,9 +37,8 @@ struct SensorAxes {
 Result<SensorAxes> SettleInertialUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview,
                                        double seconds_per_time);
 
-// Angles that are read as degrees and keep to the course of the positions as radians alone. True: there were
-// such.
-bool SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview);
+// Angles that are read as degrees and keep to the course of the positions as radians alone.
+void SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview);
 
 // Pascals, hectopascals, kilopascals and inches of mercury differ by more than the weather and any flight.
 void SettlePressureUnit(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview);

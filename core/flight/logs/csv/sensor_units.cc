@@ -190,13 +190,12 @@ Result<SensorAxes> SettleInertialUnits(std::vector<CsvColumn>& columns, std::vec
   return axes;
 }
 
-bool SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
+void SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
   constexpr double kMinAlong = 0.6,
                    kMinMoreAlong = 0.1;               // of rows; degrees about 0 fit the legs to the north
   constexpr double kOneTurn = 2.0 * geo::kPi + 0.01;  // as written, rounded
   constexpr double kMinTurn = 1.0;  // as written: a nose that is held one way proves nothing
   const double per_degree = geo::DegToRad(1.0);
-  bool are_found = false;
   for (const CsvMeanings angles :
        {CsvMeanings{M::kRoll, M::kYaw}, CsvMeanings{M::kGimbalRoll, M::kGimbalYaw}}) {
     if (IsUnitWritten(columns, angles) || LargestOf(preview, angles) > kOneTurn * per_degree) continue;
@@ -205,9 +204,7 @@ bool SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& prev
                  as_degrees = ShareAlongCourse(preview, angles.last, 1.0);
     if (as_radians < kMinAlong || as_radians < as_degrees + kMinMoreAlong) continue;
     Rescale(columns, preview, angles, 1.0 / per_degree, "rad");
-    are_found = true;
   }
-  return are_found;
 }
 
 void SettlePressureUnit(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {

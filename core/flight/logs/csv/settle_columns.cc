@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <tuple>
 
@@ -36,7 +35,6 @@ struct CellCounts {
   std::uint64_t changes = 0;             // cells unlike the one above
   std::uint64_t names = 0;               // neither numbers nor flags
   std::uint64_t pictures = 0;            // names with the ending of one
-  std::uint64_t level_pitches = 0;
   std::string_view last;
   // Of the first ones of a column of times:
   std::uint64_t clocks = 0;
@@ -80,9 +78,7 @@ void CountCell(const CsvColumn& column, std::string_view cell, CellCounts& count
     counts.pictures += MayNamePhoto(column.meaning) && IsNamedAsPicture(cell);
     return;
   }
-  const auto number = ReadCsvNumber(column, cell);
-  counts.numbers += number.has_value();
-  counts.level_pitches += column.meaning == M::kPitch && number && std::abs(*number) < geo::DegToRad(45.0);
+  counts.numbers += ReadCsvNumber(column, cell).has_value();
   MarkEvidence evidence = EvidenceOfMark(cell);
   if (dimension == Dimension::kCoordinate && evidence == MarkEvidence::kLoneComma)
     evidence = MarkEvidence::kComma;
@@ -297,10 +293,6 @@ Result<SettledColumns> SettleColumns(std::string_view name, LineReader lines, ch
   SettleMarks(table, separator, columns);
   SettleDates(table, lines, separator, columns, settled);
   settled.rows_are_photos = RowsArePhotos(table, columns);
-  if (const CsvColumn* pitch = ColumnOf(columns, M::kPitch)) {
-    const CellCounts& cells = table.columns[static_cast<std::size_t>(pitch - columns.data())];
-    settled.pitch_is_level = 2 * cells.level_pitches > cells.numbers;
-  }
   return settled;
 }
 

@@ -19,7 +19,7 @@ namespace skyquilt::flight {
 struct SettledColumns {
   // Each row names a photo of its own and says where it was taken; times, if any, are dates.
   bool rows_are_photos = false;
-  bool pitch_is_level = false;     // most pitches lie within 45 degrees of zero
+  bool pitch_is_level = false;     // most lie near zero; for who reads other programs' rows to set
   std::vector<std::string> notes;  // for FlightLog::mapping
   std::vector<Remark> warnings;    // what was assumed
 };

@@ -93,6 +93,7 @@ std::vector<CsvRow> PreviewOf(LineReader lines, const CsvHeader& header) {
   return preview;
 }
 
+// Whether most pitches lie within 45 degrees of zero.
 bool PitchIsLevel(const std::vector<CsvRow>& preview) {
   std::size_t pitches = 0, level = 0;
   for (const CsvRow& row : preview) {
@@ -248,7 +249,8 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
     if (counter != nullptr && HasPlane(header->columns)) counter->meaning = M::kIgnored;
     // Other numbers under these names may be exchanged, or metres: core/poses/lists judges.
     static_cast<void>(SettlePositions(header->columns, preview));
-    if (SettleAngleUnits(header->columns, preview)) settled.pitch_is_level = PitchIsLevel(preview);
+    SettleAngleUnits(header->columns, preview);
+    settled.pitch_is_level = PitchIsLevel(preview);
     SettleListHeight(header->columns, preview, named != nullptr || HasPlane(header->columns));
     SettleZeroOfHeights(named, header->columns);
     return ReadImageRows(header->columns, settled, header->separator, lines, LogBuilder("tolerant_csv", name),
