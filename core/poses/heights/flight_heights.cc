@@ -50,36 +50,6 @@ std::optional<double> HeightFromSpacing(const std::vector<Photo>& photos) {
   return *spacing_m / kUsualForwardStep * lens.MeanFocalPx() / short_side_px;
 }
 
-// Absolute heights over an elevation model that counts from sea level.
-bool ByElevationModel(const std::vector<Photo>& photos, const geo::DemSource& dem, FlightHeights& heights) {
-  std::vector<double> grounds;
-  std::vector<std::optional<double>> ellipsoid_m(photos.size());
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    if (!photos[i].position) continue;
-    ellipsoid_m[i] = EllipsoidHeightM(*photos[i].position);
-    const auto ground_m = dem.GroundHeightM(photos[i].position->position);
-    if (!ground_m) continue;
-    grounds.push_back(*ground_m + geo::GeoidHeightM(photos[i].position->position).value_or(0.0));
-  }
-  const auto ground_m = MedianIfAny(std::move(grounds));
-  if (!ground_m) return false;
-  std::vector<double> above;
-  for (const auto& height_m : ellipsoid_m) {
-    if (height_m) above.push_back(*height_m - *ground_m);
-  }
-  const auto typical_m = MedianIfAny(std::move(above));
-  if (!typical_m || *typical_m < 5.0) return false;  // absolute heights that lie below the ground are none
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    if (ellipsoid_m[i]) heights.above_ground_m[i] = *ellipsoid_m[i] - *ground_m;
-  }
-  heights.takeoff_ellipsoid_m = *ground_m;
-  heights.is_above_ellipsoid = true;
-  heights.sigma_m = 5.0;
-  heights.rule = HeightRule::kElevationModel;
-  heights.rule_in_words = "absolute height above the elevation model";
-  return true;
-}
-
 // Absolute heights over the place of take-off, whose height somebody gives. False: none lies above it.
 bool ByGivenTakeoff(const std::vector<Photo>& photos, double takeoff_ellipsoid_m, FlightHeights& heights) {
   constexpr double kLowestFlightM = 5.0;
@@ -99,6 +69,21 @@ bool ByGivenTakeoff(const std::vector<Photo>& photos, double takeoff_ellipsoid_m
   heights.is_above_ellipsoid = true;
   heights.sigma_m = 5.0;
   heights.rule_in_words = "absolute height above the take-off as given, flat ground at take-off height";
+  return true;
+}
+
+// The same over an elevation model that counts from sea level.
+bool ByElevationModel(const std::vector<Photo>& photos, const geo::DemSource& dem, FlightHeights& heights) {
+  std::vector<double> grounds;
+  for (const Photo& photo : photos) {
+    if (!photo.position) continue;
+    const auto ground_m = dem.GroundHeightM(photo.position->position);
+    if (ground_m) grounds.push_back(*ground_m + geo::GeoidHeightM(photo.position->position).value_or(0.0));
+  }
+  const auto ground_m = MedianIfAny(std::move(grounds));
+  if (!ground_m || !ByGivenTakeoff(photos, *ground_m, heights)) return false;
+  heights.rule = HeightRule::kElevationModel;
+  heights.rule_in_words = "absolute height above the elevation model";
   return true;
 }
 
