@@ -105,38 +105,23 @@ using flight::RecordedAttitude;
 
 struct Reading {
   std::string_view name;
-  RecordedAttitude (*of)(const RecordedAttitude&);
-};
+  AttitudeKind kind;
+  double pitch_sign = 1.0, pitch_zero_rad = 0.0;
 
-RecordedAttitude AsRecorded(const RecordedAttitude& a) { return a; }
-RecordedAttitude FromNadir(const RecordedAttitude& a) {
-  RecordedAttitude read = a;
-  read.pitch_rad -= 0.5 * geo::kPi;
-  return read;
-}
-RecordedAttitude DownPositive(const RecordedAttitude& a) {
-  RecordedAttitude read = a;
-  read.pitch_rad = -read.pitch_rad;
-  return read;
-}
-RecordedAttitude OfAirframe(const RecordedAttitude& a) {
-  RecordedAttitude read = a;
-  read.kind = AttitudeKind::kAirframe;
-  return read;
-}
-RecordedAttitude OfCamera(const RecordedAttitude& a) {
-  RecordedAttitude read = a;
-  read.kind = AttitudeKind::kGimbal;
-  return read;
-}
+  RecordedAttitude Of(RecordedAttitude recorded) const {
+    recorded.kind = kind;
+    recorded.pitch_rad = pitch_sign * recorded.pitch_rad + pitch_zero_rad;
+    return recorded;
+  }
+};
 
 std::vector<Reading> ReadingsOf(AttitudeKind kind) {
   if (kind == AttitudeKind::kAirframe)
-    return {{"as recorded", AsRecorded}, {"as the camera's own", OfCamera}};
-  return {{"as recorded", AsRecorded},
-          {"as the airframe's", OfAirframe},
-          {"with pitch from nadir", FromNadir},
-          {"with pitch down positive", DownPositive}};
+    return {{"as recorded", kind}, {"as the camera's own", AttitudeKind::kGimbal}};
+  return {{"as recorded", kind},
+          {"as the airframe's", AttitudeKind::kAirframe},
+          {"with pitch from nadir", kind, 1.0, -0.5 * geo::kPi},
+          {"with pitch down positive", kind, -1.0}};
 }
 
 // What the photos' positions and heights say, in metres about the first.
@@ -185,7 +170,7 @@ double Score(const std::vector<Photo>& photos, const std::vector<std::optional<P
   for (std::size_t k = 0; k < members.size(); ++k) {
     const std::size_t i = members[k];
     const Eigen::Vector3d axis =
-        CamFromEnu(reading.of(*photos[i].attitude)).conjugate() * Eigen::Vector3d::UnitZ();
+        CamFromEnu(reading.Of(*photos[i].attitude)).conjugate() * Eigen::Vector3d::UnitZ();
     const bool looks_down = axis.z() < -0.35;  // 20 degrees below the horizon
     seen += looks_down ? 1 : 0;
     std::optional<std::pair<Eigen::Vector2d, double>> here;
@@ -224,7 +209,7 @@ ConventionChoice ChooseOfGroup(const std::vector<std::optional<Place>>& places, 
   }
   choice.words += ")";
   if (choice.is_changed) {
-    for (const std::size_t i : members) photos[i].attitude = taken.of(*photos[i].attitude);
+    for (const std::size_t i : members) photos[i].attitude = taken.Of(*photos[i].attitude);
   }
   return choice;
 }
