@@ -55,18 +55,16 @@ double GroundSeenM2(const CameraStand& stand) {
 std::vector<std::optional<Remark>> WhyImplausible(const std::vector<CameraStand>& stands,
                                                   const geo::LocalFrame& frame) {
   std::vector<std::optional<Remark>> why(stands.size());
-  std::vector<double> easts, norths;
+  std::vector<Eigen::Vector2d> places;
   for (std::size_t i = 0; i < stands.size(); ++i) {
     if (!IsOnEarth(stands[i])) {
       why[i] = RemarkCode::kLeftNoNumbers;
       continue;
     }
-    const Eigen::Vector3d center = stands[i].cam_from_enu.TargetOriginInSource();
-    easts.push_back(center.x());
-    norths.push_back(center.y());
+    places.emplace_back(stands[i].cam_from_enu.TargetOriginInSource().head<2>());
   }
-  if (easts.empty()) return why;
-  const Eigen::Vector2d middle(Median(std::move(easts)), Median(std::move(norths)));
+  if (places.empty()) return why;
+  const Eigen::Vector2d middle = MedianByAxis(places);
   std::vector<double> seen_m2(stands.size(), 0.0), some_m2, pixels_m2;
   for (std::size_t i = 0; i < stands.size(); ++i) {
     if (why[i]) continue;

@@ -167,12 +167,8 @@ void CompareShape(const Places& own, TriedReading& tried) {
   }
   if (differences.size() < kMinRowsOfShape) return;
   const auto median_length_around_median = [](const std::vector<Eigen::Vector2d>& points) {
-    std::vector<double> xs, ys, lengths;
-    for (const Eigen::Vector2d& point : points) {
-      xs.push_back(point.x());
-      ys.push_back(point.y());
-    }
-    const Eigen::Vector2d median(Median(std::move(xs)), Median(std::move(ys)));
+    const Eigen::Vector2d median = MedianByAxis(points);
+    std::vector<double> lengths;
     for (const Eigen::Vector2d& point : points) lengths.push_back((point - median).norm());
     return Median(std::move(lengths));
   };
