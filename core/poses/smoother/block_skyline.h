@@ -21,7 +21,6 @@ class BlockSkyline {
 
   int size() const { return static_cast<int>(first_.size()); }
   int First(int row) const { return first_[static_cast<std::size_t>(row)]; }
-  bool Holds(int row, int column) const { return column <= row && column >= First(row); }
   void SetZero();
   // The block of row >= column, inside the outline.
   Matrix22& At(int row, int column) { return blocks_[Index(row, column)]; }

@@ -53,8 +53,7 @@ inline constexpr int kAtTauGnss = 0;      // a GNSS fix stamped t was true at t 
 inline constexpr int kAtLeverGnss = 1;    // antenna in body
 inline constexpr int kAtTauCamera = 4;    // a photo stamped t was taken at t + tau
 inline constexpr int kAtBoresight = 5;    // true camera rotation = nominal, then Exp(boresight) in body
-inline constexpr int kAtLeverCamera = 8;  // camera centre in body
-inline constexpr int kBorderUsed = 11;
+inline constexpr int kBorderUsed = 8;
 
 struct BorderState {
   Vector22 value = Vector22::Zero();
@@ -62,7 +61,6 @@ struct BorderState {
   Eigen::Vector3d LeverGnss() const { return value.segment<3>(kAtLeverGnss); }
   double TauCamera() const { return value(kAtTauCamera); }
   Eigen::Vector3d Boresight() const { return value.segment<3>(kAtBoresight); }
-  Eigen::Vector3d LeverCamera() const { return value.segment<3>(kAtLeverCamera); }
 };
 
 }  // namespace skyquilt::poses

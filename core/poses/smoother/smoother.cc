@@ -113,17 +113,14 @@ PhotoPose PoseOfPhoto(const ChainProblem& problem, const ChainGuess& guess, int 
   const Eigen::Quaterniond at_exposure = s.enu_from_body * geo::RotationFromVector(tau * rate);
   out.pose.enu_from_body = (at_exposure * geo::RotationFromVector(border.Boresight())).normalized();
   out.pose.velocity_in_enu_mps = s.velocity_in_enu_mps;
-  out.pose.position_in_enu_m =
-      s.position_in_enu_m + tau * s.velocity_in_enu_mps + at_exposure * border.LeverCamera();
+  out.pose.position_in_enu_m = s.position_in_enu_m + tau * s.velocity_in_enu_mps;
   out.pose.attitude_bias_rad = s.attitude_bias_rad;
   out.by_knot.block<3, 3>(0, kAtRotation) = r;
-  out.by_knot.block<3, 3>(3, kAtRotation) = -r * Skew(border.LeverCamera());
   out.by_knot.block<3, 3>(3, kAtPosition).setIdentity();
   out.by_knot.block<3, 3>(3, kAtVelocity) = tau * Matrix3d::Identity();
   out.by_border.block<3, 1>(0, kAtTauCamera) = r * rate;
   out.by_border.block<3, 3>(0, kAtBoresight) = r;
   out.by_border.block<3, 1>(3, kAtTauCamera) = s.velocity_in_enu_mps;
-  out.by_border.block<3, 3>(3, kAtLeverCamera) = r;
   for (int i = 0; i < kStateSize; ++i) {
     if (!(problem.border_sigma()(i) > 0.0)) out.by_border.col(i).setZero();
   }

@@ -115,7 +115,7 @@ struct SmootherInput {
   SmootherOptions options;
 };
 
-// The body (with the camera's lever arm, boresight and clock offset applied) at one photo. Covariance as in
+// The body (with the camera's boresight and clock offset applied) at one photo. Covariance as in
 // PosedPhoto: error = (rotation about enu axes, position), true R = Exp(rotation) * estimate.
 struct SmoothedPose {
   double t_s = 0.0;
