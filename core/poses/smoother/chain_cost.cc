@@ -25,16 +25,16 @@ double Bound(double sigmas) {
 
 struct CostSink {
   double huber_sigmas;
-  FactorCount* count;
+  SmootherReport* report;
   double cost = 0.0;
 
   template <int M>
   void Add(const char* kind, int, int, const Linear<M>& linear, bool robust) {
     const Robust r = Huber(linear.residual.squaredNorm(), robust, Bound<M>(huber_sigmas));
     cost += r.cost;
-    if (!count) return;
-    ++count->used[kind];
-    if (r.weight < 1.0) ++count->down_weighted[kind];
+    if (report == nullptr) return;
+    ++report->used[kind];
+    if (r.weight < 1.0) ++report->down_weighted[kind];
   }
 };
 
@@ -218,8 +218,8 @@ void ChainProblem::Visit(const ChainGuess& guess, Sink& sink) const {
   VisitFixes(guess, sink);
 }
 
-double ChainProblem::Cost(const ChainGuess& guess, FactorCount* count) const {
-  CostSink sink{input_.options.huber_sigmas, count};
+double ChainProblem::Cost(const ChainGuess& guess, SmootherReport* report) const {
+  CostSink sink{input_.options.huber_sigmas, report};
   Visit(guess, sink);
   return sink.cost;
 }

@@ -4,9 +4,7 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/poses/smoother/block_skyline.h"
@@ -62,12 +60,6 @@ struct ChainGuess {
   BorderState border;
 };
 
-// What a pass over all factors counts beside the cost.
-struct FactorCount {
-  std::map<std::string, int> used;
-  std::map<std::string, int> down_weighted;
-};
-
 class ChainProblem {
  public:
   // `input` is clean (finite, in order, inside the timeline) and outlives the problem.
@@ -90,7 +82,8 @@ class ChainProblem {
   // before.
   std::vector<int> Outline(bool with_photo_neighbours) const;
 
-  double Cost(const ChainGuess& guess, FactorCount* count = nullptr) const;
+  // `report`: counts the factors where it is given.
+  double Cost(const ChainGuess& guess, SmootherReport* report = nullptr) const;
   // Fills matrix and gradient (of the cost, by each block's small step); returns the cost.
   double Linearise(const ChainGuess& guess, BlockSkyline& matrix, std::vector<Vector22>& gradient) const;
 

@@ -210,10 +210,7 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
   }
   matrix.SelectedInverse();
   FillPoses(problem, guess, matrix, output);
-  FactorCount count;
-  problem.Cost(guess, &count);
-  output.report.used = std::move(count.used);
-  output.report.down_weighted = std::move(count.down_weighted);
+  problem.Cost(guess, &output.report);
   output.report.knots = problem.timeline().size();
   if (!output.report.converged)
     output.report.warnings.push_back("The smoother stopped before it had settled.");
