@@ -86,12 +86,8 @@ flight::FlightLog PartFor(const flight::FlightLog& log, double first_s, double l
   flight::FlightLog part;
   part.format = log.format;
   part.file_name = log.file_name;
-  part.imu = Part(log.imu, begin_s, end_s);
-  part.attitude = Part(log.attitude, begin_s, end_s);
-  part.gnss = Part(log.gnss, begin_s, end_s);
-  part.baro = Part(log.baro, begin_s, end_s);
-  part.range = Part(log.range, begin_s, end_s);
-  part.gimbal = Part(log.gimbal, begin_s, end_s);
+  flight::ForEachSeries(
+      [&](auto& of_part, const auto& all) { of_part = Part(all, begin_s, end_s); }, part, log);
   return part;
 }
 

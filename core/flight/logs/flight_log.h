@@ -107,4 +107,15 @@ struct FlightLog {
   std::vector<Remark> warnings;                         // damage, drop-outs, what was skipped and why
 };
 
+// Calls `take` with each series of samples, but not with the events: of one log, or the same of several.
+template <typename Take, typename... Logs>
+void ForEachSeries(const Take& take, Logs&... logs) {
+  take(logs.imu...);
+  take(logs.attitude...);
+  take(logs.gimbal...);
+  take(logs.gnss...);
+  take(logs.baro...);
+  take(logs.range...);
+}
+
 }  // namespace skyquilt::flight

@@ -240,12 +240,7 @@ void LogBuilder::KeepLongestSegment() {
       return false;
     });
   };
-  keep(log_.imu);
-  keep(log_.attitude);
-  keep(log_.gimbal);
-  keep(log_.gnss);
-  keep(log_.baro);
-  keep(log_.range);
+  ForEachSeries(keep, log_);
   keep(log_.events);
   std::uint64_t total = 0;
   for (const std::uint64_t count : samples_of_segment_) total += count;
@@ -292,9 +287,8 @@ FlightLog LogBuilder::Finish() && {
   std::stable_sort(log_.events.begin(), log_.events.end(),
                    [](const CameraEvent& a, const CameraEvent& b) { return a.t_s < b.t_s; });
   DropHeightsThatAreFillers();
-  const std::size_t duplicates = SortAndDropDuplicates(log_.imu) + SortAndDropDuplicates(log_.attitude) +
-                                 SortAndDropDuplicates(log_.gimbal) + SortAndDropDuplicates(log_.gnss) +
-                                 SortAndDropDuplicates(log_.baro) + SortAndDropDuplicates(log_.range);
+  std::size_t duplicates = 0;
+  ForEachSeries([&](auto& samples) { duplicates += SortAndDropDuplicates(samples); }, log_);
   if (duplicates > 0) Warn({RemarkCode::kSamplesOfOneTime, {{"samples", duplicates}}});
   if (not_finite_ > 0) Warn({RemarkCode::kSamplesWithoutNumbers, {{"samples", not_finite_}}});
   if (bad_positions_ > 0) Warn({RemarkCode::kPositionsWithoutFix, {{"positions", bad_positions_}}});

@@ -37,22 +37,14 @@ bool PlacesPhotos(const FlightLog& log) {
                      [](const auto& event) { return event.has_time && event.position.has_value(); });
 }
 
-template <typename Sample>
-std::vector<Sample> Shifted(std::vector<Sample> samples, double by_s) {
-  for (Sample& sample : samples) sample.t_s += by_s;
-  return samples;
-}
-
 FlightLog Shifted(const FlightLog& log, double by_s) {
   FlightLog moved = log;
-  moved.imu = Shifted(std::move(moved.imu), by_s);
-  moved.attitude = Shifted(std::move(moved.attitude), by_s);
-  moved.gnss = Shifted(std::move(moved.gnss), by_s);
-  moved.baro = Shifted(std::move(moved.baro), by_s);
-  moved.range = Shifted(std::move(moved.range), by_s);
-  moved.gimbal = Shifted(std::move(moved.gimbal), by_s);
+  const auto shift = [by_s](auto& samples) {
+    for (auto& sample : samples) sample.t_s += by_s;
+  };
+  flight::ForEachSeries(shift, moved);
   std::erase_if(moved.events, [](const auto& event) { return !event.has_time; });
-  moved.events = Shifted(std::move(moved.events), by_s);
+  shift(moved.events);
   return moved;
 }
 
@@ -184,12 +176,7 @@ class Joiner {
       more.baro.clear();  // heights over an unknown zero
     }
     out_.notes.push_back(fmt::format("{} ({}), another part of the flight", more.file_name, more.format));
-    Append(log.imu, std::move(more.imu));
-    Append(log.attitude, std::move(more.attitude));
-    Append(log.gnss, std::move(more.gnss));
-    Append(log.baro, std::move(more.baro));
-    Append(log.range, std::move(more.range));
-    Append(log.gimbal, std::move(more.gimbal));
+    flight::ForEachSeries([](auto& into, auto& from) { Append(into, std::move(from)); }, log, more);
     Append(log.events, std::move(more.events));
   }
 
