@@ -1,7 +1,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <map>
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/bytes/text_fields.h"
@@ -195,25 +194,18 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   std::uint64_t bad = 0;
   std::size_t first_bad_line = 0;
   std::string first_bad;
-  std::map<std::string, std::uint64_t, std::less<>> counts;
   ConsumedSteps steps(consumed);
   while (NextFilledLine(lines, steps, line)) {
-    const Sentence found_sentence = SplitSentence(line, fields);
-    if (found_sentence == Sentence::kDamaged && ++bad == 1) {
+    const Sentence found = SplitSentence(line, fields);
+    if (found == Sentence::kDamaged && ++bad == 1) {
       first_bad_line = lines.line_number();
       first_bad = Quoted(line, kQuotedSentence);
     }
-    if (found_sentence != Sentence::kWhole) continue;
-    const std::string_view sentence = fields[0].substr(0, 8);
-    const auto found = counts.find(sentence);
-    if (found != counts.end())
-      ++found->second;
-    else if (counts.size() < 200)
-      counts.emplace(sentence, 1);
+    if (found != Sentence::kWhole) continue;
+    builder.Count(std::string(fields[0].substr(0, 8)), 1);
     reader.Take(fields);
   }
   reader.Finish();
-  for (const auto& [sentence, count] : counts) builder.Count(sentence, count);
   if (builder.gnss_count() == 0) {
     if (bad == 0) return builder.Refuse(RemarkCode::kNmeaWithoutFix);
     return Because(ErrorCode::kCorrupt,
