@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "core/flight/bytes/text_fields.h"
@@ -207,23 +206,13 @@ class PropertyWalker {
 }  // namespace
 
 std::optional<double> ParseXmpNumber(std::string_view text) {
-  const std::string trimmed = Trimmed(text);
-  const char* begin = trimmed.c_str();
-  const char* const end = begin + trimmed.size();
-  if (begin != end && *begin == '+') ++begin;
-  double value = 0.0;
-  auto [rest, error] = std::from_chars(begin, end, value);
-  if (error != std::errc()) return std::nullopt;
-  if (rest != end && *rest == '/') {
-    double denominator = 0.0;
-    const auto second = std::from_chars(rest + 1, end, denominator);
-    if (second.ec != std::errc() || denominator == 0.0) return std::nullopt;
-    value /= denominator;
-    rest = second.ptr;
+  const std::size_t slash = text.find('/');
+  auto value = ParseNumber(text.substr(0, slash));
+  if (value && slash != std::string_view::npos) {
+    const auto denominator = ParseNumber(text.substr(slash + 1));
+    value = denominator && *denominator != 0.0 ? std::optional(*value / *denominator) : std::nullopt;
   }
-  if (rest != end) return std::nullopt;
-  if (!std::isfinite(value) || std::abs(value) > 1e9) return std::nullopt;
-  return value;
+  return value && std::abs(*value) <= 1e9 ? value : std::nullopt;
 }
 
 std::vector<std::optional<double>> ParseXmpNumbers(std::string_view text) {
