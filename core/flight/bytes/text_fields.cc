@@ -178,12 +178,10 @@ void AppendUtf8(std::uint32_t code, std::string& text) {
 }
 
 bool LooksLikeText(std::string_view head) {
-  if (head.empty()) return false;
-  const auto control = std::count_if(head.begin(), head.end(), [](char c) {
+  return !head.empty() && std::none_of(head.begin(), head.end(), [](char c) {
     const auto byte = static_cast<unsigned char>(c);
     return byte < 0x20 && !IsBlank(c) && byte != 0x0C;
   });
-  return control == 0;
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include "core/base/try.h"
 #include "core/flight/aside/aside.h"
 #include "core/flight/bytes/log_bytes.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/photos/png_profile.h"
 #include "core/flight/photos/read_photo.h"
@@ -28,12 +29,6 @@ Error DamagedBy(RemarkCode why, std::string detail = "") {
 
 bool Has(const std::vector<std::uint8_t>& bytes, std::size_t at, std::string_view text) {
   return bytes.size() >= at + text.size() && std::memcmp(bytes.data() + at, text.data(), text.size()) == 0;
-}
-
-bool IsText(const std::vector<std::uint8_t>& bytes) {
-  return std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) {
-    return byte >= 0x20 || byte == '\n' || byte == '\r' || byte == '\t' || byte == '\f';
-  });
 }
 
 // What is packed, by its first bytes; a tar by those of its first header.
@@ -61,7 +56,7 @@ Error NotAPhoto(const std::vector<std::uint8_t>& start) {
   }
   for (const ArchiveMark& mark : kArchiveMarks)
     if (Has(start, mark.at, mark.bytes)) return Unsupported({RemarkCode::kIsArchive, {{"kind", mark.kind}}});
-  if (IsText(start)) return Unsupported(RemarkCode::kIsText);
+  if (LooksLikeText(TextOf(start))) return Unsupported(RemarkCode::kIsText);
   return Unsupported(RemarkCode::kIsNoPicture);
 }
 
