@@ -1,7 +1,6 @@
 #include "core/flight/bytes/text_fields.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "core/base/text/printable.h"
@@ -32,11 +31,7 @@ template <typename Number>
 std::optional<Number> ParseWhole(std::string_view text) {
   text = Trim(text);
   if (text.starts_with('+')) text.remove_prefix(1);
-  if (text.empty()) return std::nullopt;
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return skyquilt::ParseNumber<Number>(text);
 }
 
 }  // namespace
