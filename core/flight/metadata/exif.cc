@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "core/flight/bytes/written_time.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -270,14 +272,10 @@ std::optional<ExifTime> ParseExifTime(const std::string& text) {
       used == 0) {
     return std::nullopt;
   }
-  const std::chrono::year_month_day date{std::chrono::year(year),
-                                         std::chrono::month(static_cast<unsigned>(month)),
-                                         std::chrono::day(static_cast<unsigned>(day))};
-  if (month < 1 || day < 1 || !date.ok() || year < 1980 || year > 2200) return std::nullopt;
-  if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || second < 0 || second > 60) return std::nullopt;
+  const auto as_written = UtcFromCivil(year, month, day, hour, minute, second);
+  if (!as_written || year < 1980 || hour > 23) return std::nullopt;
   ExifTime time;
-  time.as_written = std::chrono::sys_days(date) + std::chrono::hours(hour) + std::chrono::minutes(minute) +
-                    std::chrono::seconds(second);
+  time.as_written = *as_written;
   std::size_t at = static_cast<std::size_t>(used);
   if (at < text.size() && (text[at] == '.' || text[at] == ',')) {
     const std::size_t begin = ++at;
