@@ -31,7 +31,6 @@ Around<Fix> Find(const std::vector<Fix>& fixes, double t) {
   return {&a, &*next, (t - a.t_s) / (next->t_s - a.t_s)};
 }
 
-double HeadingOf(const Vector3d& v) { return std::atan2(v.x(), v.y()); }
 // A level body whose nose points at a heading clockwise from north.
 Quaterniond LevelBody(double heading) {
   Eigen::Matrix3d r;  // columns: nose, right wing, down

@@ -18,8 +18,6 @@ constexpr double kBestSigmaRad = 0.035;   // no nose is known to keep to its cou
 constexpr double kWorstSigmaRad = 0.26;   // beyond 15 deg it does not keep to it
 constexpr std::size_t kFewestApart = 10;
 
-double Heading(const Eigen::Vector3d& direction) { return std::atan2(direction.x(), direction.y()); }
-
 // Floors on the inertial sums: sampling and timing are never better, and they keep the system well
 // conditioned.
 void AddFloor(double duration_s, Matrix9d& covariance) {
@@ -72,8 +70,8 @@ std::optional<CourseEvidence> JudgeCourse(const std::vector<KnotState>& knots,
                                           const std::vector<double>& times_s, double min_speed_mps) {
   std::vector<double> nose, course;
   for (const KnotState& knot : knots) {
-    nose.push_back(Heading(knot.enu_from_body * Eigen::Vector3d::UnitX()));
-    course.push_back(Heading(knot.velocity_in_enu_mps));
+    nose.push_back(HeadingOf(knot.enu_from_body * Eigen::Vector3d::UnitX()));
+    course.push_back(HeadingOf(knot.velocity_in_enu_mps));
   }
   CourseEvidence evidence;
   evidence.runs_straight.assign(knots.size(), false);
@@ -111,20 +109,13 @@ ChainProblem::ChainProblem(const SmootherInput& input, ChainTimeline timeline)
     std::sort(cuts.begin(), cuts.end());
     cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
   }
-  const auto find_cuts = [&](std::vector<Placed>& series, auto time_of) {
-    for (Placed& placed : series) {
+  for (auto* series : {&positions_, &velocities_, &attitudes_, &heights_, &ranges_, &markers_}) {
+    for (Placed& placed : *series) {
       if (placed.place.weight == 0.0) continue;
       const std::vector<double>& cuts = cuts_[Index(placed.place.knot)];
-      placed.cut =
-          static_cast<int>(std::lower_bound(cuts.begin(), cuts.end(), time_of(placed.fix)) - cuts.begin());
+      placed.cut = static_cast<int>(std::lower_bound(cuts.begin(), cuts.end(), placed.t_s) - cuts.begin());
     }
-  };
-  find_cuts(positions_, [&](int k) { return input_.positions[Index(k)].t_s; });
-  find_cuts(velocities_, [&](int k) { return input_.velocities[Index(k)].t_s; });
-  find_cuts(attitudes_, [&](int k) { return input_.attitudes[Index(k)].t_s; });
-  find_cuts(heights_, [&](int k) { return input_.heights[Index(k)].t_s; });
-  find_cuts(ranges_, [&](int k) { return input_.ranges[Index(k)].t_s; });
-  find_cuts(markers_, [&](int k) { return input_.markers[Index(k)].t_s; });
+  }
   for (int k = 0; k < timeline_.size(); ++k) {
     const double t = timeline_.times()[Index(k)];
     for (const StillInterval& s : input_.still)
@@ -144,7 +135,7 @@ std::vector<ChainProblem::Placed> ChainProblem::PlaceAll(const std::vector<Fix>&
   for (std::size_t k = 0; k < fixes.size(); ++k) {
     const std::optional<TimePlace> place = timeline_.Place(fixes[k].t_s);
     if (!place) continue;
-    placed.push_back({*place, -1, static_cast<int>(k)});
+    placed.push_back({*place, -1, static_cast<int>(k), fixes[k].t_s});
     if (place->weight > 0.0) cuts_[Index(place->knot)].push_back(fixes[k].t_s);
   }
   return placed;

@@ -3,6 +3,7 @@
 // a guess and the normal equations about it. Frames and units as in smoother.h. One thread.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -16,6 +17,8 @@ namespace skyquilt::poses {
 
 // Of a knot, a photo or a measurement, which are counted as int, in a vector.
 inline std::size_t Index(int i) { return static_cast<std::size_t>(i); }
+// Of a direction in enu, clockwise from north.
+inline double HeadingOf(const Eigen::Vector3d& v) { return std::atan2(v.x(), v.y()); }
 
 struct TimePlace {
   int knot = 0;         // the knot at or before the time
@@ -92,6 +95,7 @@ class ChainProblem {
     TimePlace place;
     int cut = -1;  // which inertial sum of the interval reaches its time
     int fix = 0;
+    double t_s = 0.0;
   };
 
  private:
