@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <optional>
 
 #include "core/base/median.h"
 #include "core/flight/bytes/written_time.h"
@@ -14,9 +13,9 @@ namespace skyquilt::flight {
 namespace {
 
 template <typename Sample>
-std::optional<SeriesFacts> FactsOf(const std::vector<Sample>& samples) {
-  if (samples.empty()) return std::nullopt;
-  SeriesFacts facts;
+void Add(const char* name, const std::vector<Sample>& samples, LogFacts& all) {
+  if (samples.empty()) return;
+  SeriesFacts& facts = all.series[name];
   facts.count = samples.size();
   facts.begin_s = samples.front().t_s;
   facts.end_s = samples.back().t_s;
@@ -25,16 +24,8 @@ std::optional<SeriesFacts> FactsOf(const std::vector<Sample>& samples) {
     steps.push_back(samples[k].t_s - samples[k - 1].t_s);
     facts.longest_gap_s = std::max(facts.longest_gap_s, steps.back());
   }
-  if (!steps.empty()) {
-    const double step_s = Median(std::move(steps));
-    if (step_s > 0.0) facts.rate_hz = 1.0 / step_s;
-  }
-  return facts;
-}
-
-template <typename Sample>
-void Add(const char* name, const std::vector<Sample>& samples, LogFacts& facts) {
-  if (const auto series = FactsOf(samples)) facts.series.emplace(name, *series);
+  const double step_s = MedianIfAny(std::move(steps)).value_or(0.0);
+  if (step_s > 0.0) facts.rate_hz = 1.0 / step_s;
 }
 
 void Advise(const FlightLog& log, LogFacts& facts) {

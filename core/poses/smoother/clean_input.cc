@@ -51,8 +51,7 @@ void Clean(const char* name, bool may_repeat, std::vector<Fix>& fixes, std::vect
 
 template <typename Fix>
 void Cut(double begin, double end, std::vector<Fix>& fixes) {
-  const auto outside = [&](const Fix& f) { return f.t_s < begin || f.t_s > end; };
-  fixes.erase(std::remove_if(fixes.begin(), fixes.end(), outside), fixes.end());
+  std::erase_if(fixes, [&](const Fix& f) { return f.t_s < begin || f.t_s > end; });
 }
 
 struct Span {

@@ -17,8 +17,6 @@ bool IsRtkFixed(std::string_view fix) {
   return lower.find("fixed") != std::string::npos;
 }
 
-bool IsYes(const CsvRow& row, M meaning) { return row[meaning].value_or(0.0) != 0.0; }
-
 // Degrees, nothing where a letter behind or before them is none of `letters`.
 std::optional<double> ReadDegrees(std::string_view cell, std::string_view letters) {
   const auto read = ReadCoordinateCell(cell);
@@ -259,7 +257,7 @@ bool CsvSampler::Take(const CsvRow& row) {
 }
 
 void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
-  const bool is_photo = IsYes(row, M::kIsPhoto);
+  const bool is_photo = row[M::kIsPhoto].value_or(0.0) != 0.0;
   const bool begins = is_photo && !was_photo_;
   was_photo_ = is_photo;
   if (row.event.empty() && row.image.empty() && !begins) return;

@@ -20,13 +20,11 @@ constexpr double kGravity = 9.80665;
 // Median |specific force| is one gravity, whatever the motion of an ordinary flight.
 Result<SensorAxes> CheckAcceleration(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
   SensorAxes axes;
-  std::vector<double> norms, x, y, z;
+  std::vector<double> norms, z;
   for (const CsvRow& row : preview) {
     if (!row.Has(M::kAccelX, M::kAccelZ)) continue;
-    x.push_back(*row[M::kAccelX]);
-    y.push_back(*row[M::kAccelY]);
     z.push_back(*row[M::kAccelZ]);
-    norms.push_back(std::sqrt(x.back() * x.back() + y.back() * y.back() + z.back() * z.back()));
+    norms.push_back(std::hypot(*row[M::kAccelX], *row[M::kAccelY], *row[M::kAccelZ]));
   }
   if (norms.size() < 10) return axes;
   CsvColumn* column = ColumnOf(columns, M::kAccelX);
@@ -70,8 +68,7 @@ Result<void> CheckRates(std::vector<CsvColumn>& columns, std::vector<CsvRow>& pr
   for (const CsvRow& row : preview) {
     const auto t = row[M::kTime];
     if (!row.Has(M::kGyroX, M::kGyroZ) || !t) continue;
-    const double rate = std::sqrt(*row[M::kGyroX] * *row[M::kGyroX] + *row[M::kGyroY] * *row[M::kGyroY] +
-                                  *row[M::kGyroZ] * *row[M::kGyroZ]);
+    const double rate = std::hypot(*row[M::kGyroX], *row[M::kGyroY], *row[M::kGyroZ]);
     rates.push_back(rate);
     if (last_t) turned += rate * std::clamp((*t - *last_t) * seconds_per_time, 0.0, 1.0);
     last_t = t;
