@@ -74,12 +74,6 @@ struct RecordedDirection {
   bool is_from_true_north = false;  // false: from magnetic north, or it is not said
 };
 
-struct RecordedVelocity {
-  double east_mps = 0.0;
-  double north_mps = 0.0;
-  double up_mps = 0.0;
-};
-
 // How fast a camera turned at one moment.
 struct TurnRate {
   double time_s = 0.0;  // since the first row began to be read
@@ -153,7 +147,7 @@ struct Photo {
   std::optional<double> lone_height_above_takeoff_m;  // recorded without a position, which has its own
   std::optional<RecordedAttitude> attitude;
   std::optional<RecordedDirection> direction;
-  std::optional<RecordedVelocity> velocity;
+  std::optional<Eigen::Vector3d> velocity_in_enu_mps;
   std::optional<RecordedTurning> turning;
   std::optional<double> exposure_time_s;
   std::optional<double> exposure_log2;  // how much light counts: log2(time x ISO / 100 / f-number^2)

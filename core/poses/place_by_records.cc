@@ -163,9 +163,7 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     pose.error_radius_m = std::hypot(sigma_h, pose.height_above_ground_m * attitude.sigma_tilt_rad);
     pose.attitude_origin = attitude.origin;
     pose.position_source = position.source;
-    if (photo.velocity)
-      pose.velocity_in_enu_mps = {photo.velocity->east_mps, photo.velocity->north_mps,
-                                  photo.velocity->up_mps};
+    pose.velocity_in_enu_mps = photo.velocity_in_enu_mps;
     placed.photos.push_back(std::move(pose));
   }
   for (std::size_t k = 0; k + 1 < placed.photos.size(); ++k)

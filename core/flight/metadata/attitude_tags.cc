@@ -180,20 +180,19 @@ std::optional<RecordedDirection> DirectionFromTags(const ExifRecord& exif) {
                            exif.is_direction_from_true_north};
 }
 
-std::optional<RecordedVelocity> VelocityFromTags(const XmpTags& xmp) {
-  constexpr double kFastest = 200.0;
-  const auto checked = [](double east, double north, double up) -> std::optional<RecordedVelocity> {
+std::optional<Eigen::Vector3d> VelocityFromTags(const XmpTags& xmp) {
+  constexpr double kFastestMps = 200.0;
+  const auto checked = [](const Eigen::Vector3d& in_enu_mps) -> std::optional<Eigen::Vector3d> {
     // All zero is what devices write that do not know.
-    if (east == 0.0 && north == 0.0 && up == 0.0) return std::nullopt;
-    if (std::hypot(east, north, up) > kFastest) return std::nullopt;
-    return RecordedVelocity{east, north, up};
+    if (in_enu_mps.isZero(0.0) || in_enu_mps.norm() > kFastestMps) return std::nullopt;
+    return in_enu_mps;
   };
   const auto x = xmp.Number("drone-dji:FlightXSpeed");
   const auto y = xmp.Number("drone-dji:FlightYSpeed");
   const auto z = xmp.Number("drone-dji:FlightZSpeed");
-  if (x && y && z) return checked(*y, *x, *z == 0.0 ? 0.0 : -*z);
+  if (x && y && z) return checked({*y, *x, *z == 0.0 ? 0.0 : -*z});
   const auto parts = ParseXmpNumbers(xmp.Text("Camera:IMULinearVelocity"));
-  if (parts.size() > 2 && parts[0] && parts[1] && parts[2]) return checked(*parts[0], *parts[1], *parts[2]);
+  if (parts.size() > 2 && parts[0] && parts[1] && parts[2]) return checked({*parts[0], *parts[1], *parts[2]});
   return std::nullopt;
 }
 

@@ -56,7 +56,7 @@ std::optional<RecordedDirection> DirectionFromTags(const ExifRecord& exif);
 
 // East, north, up from drone-dji Flight{X,Y,Z}Speed (north, east, down), Camera:IMULinearVelocity (east,
 // north, up).
-std::optional<RecordedVelocity> VelocityFromTags(const XmpTags& xmp);
+std::optional<Eigen::Vector3d> VelocityFromTags(const XmpTags& xmp);
 
 // How a camera turned while it read its rows, by the gyro that it recorded into the photo.
 // Camera:IMUAngularVelocity is base64 of 24-byte little-endian records: microseconds of the camera's clock

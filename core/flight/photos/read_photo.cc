@@ -205,7 +205,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   if (!photo.position) photo.lone_height_above_takeoff_m = HeightAboveTakeoffFromTags(xmp);
   photo.attitude = AttitudeFromTags(xmp, ReadMakerNote(header.exif), photo.make, photo.notes);
   photo.direction = DirectionFromTags(exif);
-  photo.velocity = VelocityFromTags(xmp);
+  photo.velocity_in_enu_mps = VelocityFromTags(xmp);
   photo.turning = TurningFromTags(xmp, photo.notes);
   photo.exposure_time_s = exif.exposure_time_s;
   photo.exposure_log2 = ExposureOf(exif);

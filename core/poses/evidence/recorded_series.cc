@@ -105,11 +105,10 @@ GnssSeries GnssOfPhotos(const std::vector<std::pair<double, const flight::Photo*
                      : frame.EnuAtHeight(p.position, above_ground);
       series.positions.push_back(fix);
     }
-    if (photo->velocity) {
+    if (photo->velocity_in_enu_mps) {
       VelocityFix fix;
       fix.t_s = t;
-      fix.velocity_in_enu_mps =
-          Vector3d(photo->velocity->east_mps, photo->velocity->north_mps, photo->velocity->up_mps);
+      fix.velocity_in_enu_mps = *photo->velocity_in_enu_mps;
       fix.sigma_mps = Vector3d(0.15, 0.15, 0.2);  // written with one decimal
       series.velocities.push_back(fix);
     }

@@ -129,10 +129,7 @@ flight::Photo PhotoOfRecordedPose(const std::string& name, const RecordedPose& r
         flight::RecordedAttitude{flight::AttitudeKind::kGimbal, recorded.gimbal->yaw_rad,
                                  recorded.gimbal->pitch_rad, recorded.gimbal->roll_rad, "simulated"};
   }
-  if (recorded.velocity_in_enu_mps) {
-    const Eigen::Vector3d& v = *recorded.velocity_in_enu_mps;
-    photo.velocity = flight::RecordedVelocity{v.x(), v.y(), v.z()};
-  }
+  photo.velocity_in_enu_mps = recorded.velocity_in_enu_mps;
   photo.exposure_time_s = recorded.exposure_time_s;
   photo.exposure_log2 = std::log2(recorded.exposure_time_s) - 2.0 * std::log2(kFNumber);
   return photo;

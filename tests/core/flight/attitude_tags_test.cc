@@ -299,9 +299,7 @@ TEST(VelocityFromTags, TurnsEveryFrameToEastNorthUp) {
                                                                   "drone-dji:FlightYSpeed=\"-4.0\" "
                                                                   "drone-dji:FlightZSpeed=\"+0.5\""))));
   const auto from_ned = test::ValueOf(VelocityFromTags(dji));
-  EXPECT_EQ(from_ned.north_mps, 3.0);
-  EXPECT_EQ(from_ned.east_mps, -4.0);
-  EXPECT_EQ(from_ned.up_mps, -0.5);
+  EXPECT_EQ(from_ned, Eigen::Vector3d(-4.0, 3.0, -0.5));
 
   XmpTags sequoia;
   ASSERT_TRUE(sequoia.AddPacket(XmpPacket("xmlns:Camera=\"http://pix4d.com/camera/1.0/\"",
@@ -309,9 +307,7 @@ TEST(VelocityFromTags, TurnsEveryFrameToEastNorthUp) {
                                           "rdf:li><rdf:li>-2</rdf:li><rdf:li>0.25</rdf:li></rdf:Seq>"
                                           "</Camera:IMULinearVelocity>")));
   const auto from_enu = test::ValueOf(VelocityFromTags(sequoia));
-  EXPECT_EQ(from_enu.east_mps, 1.5);
-  EXPECT_EQ(from_enu.north_mps, -2.0);
-  EXPECT_EQ(from_enu.up_mps, 0.25);
+  EXPECT_EQ(from_enu, Eigen::Vector3d(1.5, -2.0, 0.25));
 }
 
 TEST(VelocityFromTags, RefusesAllZeroAndImpossibleSpeeds) {

@@ -52,7 +52,7 @@ struct Recorded {
       photo.position->position = {at.lat_deg, at.lon_deg};
       photo.position->height_above_takeoff_m = sensors.photo_heights[k].z_in_enu_m;
       const Vector3d v = sensors.photo_velocities[k].velocity_in_enu_mps;
-      photo.velocity = flight::RecordedVelocity{v.x(), v.y(), v.z()};
+      photo.velocity_in_enu_mps = v;
       if (with_gimbal) photo.attitude = Gimbal(k);
       photos.push_back(photo);
     }
@@ -207,7 +207,7 @@ TEST(SmootherInput, StandingAfterTheLandingTakesDriftAway) {
   double with_rest_m = 0.0, without_rest_m = 0.0, stated_m = 0.0;
   for (std::uint64_t seed = 5; seed < 9; ++seed) {
     Recorded recorded(seed);
-    for (flight::Photo& p : recorded.photos) p.velocity.reset();
+    for (flight::Photo& p : recorded.photos) p.velocity_in_enu_mps.reset();
     const FlightSources sources = WithoutPositions(recorded);
     const PreparedSmoothing landed = MakeSmootherInput(sources, Frame());
     ASSERT_EQ(landed.input.still.size(), 2u);

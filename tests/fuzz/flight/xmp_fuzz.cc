@@ -19,8 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
                    "an endless angle");
   }
   if (const auto velocity = VelocityFromTags(xmp)) {
-    SKYQUILT_CHECK(std::isfinite(velocity->east_mps + velocity->north_mps + velocity->up_mps),
-                   "an endless speed");
+    SKYQUILT_CHECK(velocity->allFinite(), "an endless speed");
   }
   if (const auto turning = TurningFromTags(xmp, notes)) {
     SKYQUILT_CHECK(turning->samples.size() >= 2 && turning->samples.size() <= 4096,
