@@ -1,20 +1,18 @@
 #include "core/poses/evidence/assumption.h"
 
-namespace skyquilt::poses {
-namespace {
+#include <utility>
 
+#include "core/flight/remarks/remark_words.h"
+
+namespace skyquilt::poses {
+
+using flight::InARow;
 using flight::Remark;
 using flight::RemarkCode;
 
-Remark InTurn(Remark first, Remark then) {
-  return {RemarkCode::kSentences, {{"first", std::move(first)}, {"then", std::move(then)}}};
-}
-
-}  // namespace
-
 std::vector<Remark> AssumptionsByPoses(const std::vector<Assumption>& assumptions) {
   std::vector<Remark> remarks;
-  for (const Assumption& one : assumptions) remarks.push_back(InTurn(one.missing, one.assumed));
+  for (const Assumption& one : assumptions) remarks.push_back(InARow({one.missing, one.assumed}));
   return remarks;
 }
 
@@ -27,10 +25,10 @@ std::vector<Remark> AssumptionsAfterAlignment(const std::vector<Assumption>& ass
       found = {RemarkCode::kHeightFound,
                {{"assumed_m", *one.height_above_ground_m}, {"found_m", found_height_m}}};
     }
-    Remark said = InTurn(one.missing, std::move(found));
+    Remark said = InARow({one.missing, std::move(found)});
     if (by_pose > 0) {
-      said = InTurn(std::move(said),
-                    {RemarkCode::kAssumedByPoses, {{"photos", by_pose}, {"assumed", one.assumed}}});
+      const Remark by_poses(RemarkCode::kAssumedByPoses, {{"photos", by_pose}, {"assumed", one.assumed}});
+      said = InARow({std::move(said), by_poses});
     }
     remarks.push_back(std::move(said));
   }
