@@ -20,7 +20,7 @@
 namespace skyquilt::storage {
 namespace {
 
-constexpr int kZoom = 8, kRow = 100;
+constexpr int kSeamZoom = 8, kSeamRow = 100;
 constexpr double kTileDeg = 360.0 / 256;
 
 // A tile on either side of it; the bounds begin at `west_deg`.
@@ -31,11 +31,12 @@ void WriteAcross(const std::filesystem::path& path, double west_deg) {
   const auto encoded = pyramid::EncodeTile(white, {});
   ASSERT_TRUE(encoded);
   for (const int column : {255, 0})
-    ASSERT_TRUE(writer->Put(*geo::TileId::Make(kZoom, column, kRow), encoded->format, encoded->bytes));
+    ASSERT_TRUE(
+        writer->Put(*geo::TileId::Make(kSeamZoom, column, kSeamRow), encoded->format, encoded->bytes));
   TilesetMetadata metadata;
   metadata.name = "across";
-  metadata.min_zoom = metadata.max_zoom = kZoom;
-  metadata.bounds = geo::LatLonBoundsFromMerc(geo::TileId::Make(kZoom, 255, kRow)->BoundsInMerc());
+  metadata.min_zoom = metadata.max_zoom = kSeamZoom;
+  metadata.bounds = geo::LatLonBoundsFromMerc(geo::TileId::Make(kSeamZoom, 255, kSeamRow)->BoundsInMerc());
   metadata.bounds.west_deg = west_deg;
   metadata.bounds.east_deg = west_deg + 2 * kTileDeg;
   ASSERT_TRUE(writer->Publish(metadata));
