@@ -86,8 +86,8 @@ flight::FlightLog PartFor(const flight::FlightLog& log, double first_s, double l
   flight::FlightLog part;
   part.format = log.format;
   part.file_name = log.file_name;
-  flight::ForEachSeries(
-      [&](auto& of_part, const auto& all) { of_part = Part(all, begin_s, end_s); }, part, log);
+  flight::ForEachSeries([&](auto& of_part, const auto& all) { of_part = Part(all, begin_s, end_s); }, part,
+                        log);
   return part;
 }
 

@@ -1,8 +1,8 @@
 // A grid of classes (zones of a field) as outlines: one feature for each class, polygons in longitude and
 // latitude, as GeoJSON or as a zipped shapefile, which machines on fields read. Edges follow the cells, and
-// no polygon crosses the antimeridian: it ends there and goes on at the other side. Any thread; takes a second
-// for four million cells. Memory: 40 bytes a cell. Errors: kUnprocessable (more than kMaxParts separate parts;
-// the message says what to do), kInternal (GDAL would not).
+// no polygon crosses the antimeridian: it ends there and goes on at the other side. Any thread; takes a
+// second for four million cells. Memory: 40 bytes a cell. Errors: kUnprocessable (more than kMaxParts
+// separate parts; the message says what to do), kInternal (GDAL would not).
 #pragma once
 
 #include <cstdint>

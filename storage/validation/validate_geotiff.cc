@@ -86,7 +86,8 @@ void JudgeGeoreference(GDALDataset& raster, FileVerdict& verdict) {
     if (x[4] - lon_deg > kHalfTurnDeg) lon_deg += 360.0;
   }
   const geo::LatLonBounds around{*std::min_element(x.begin(), x.end()), *std::min_element(y.begin(), y.end()),
-                                 *std::max_element(x.begin(), x.end()), *std::max_element(y.begin(), y.end())};
+                                 *std::max_element(x.begin(), x.end()),
+                                 *std::max_element(y.begin(), y.end())};
   verdict.bounds = around.OnEarth();
 }
 

@@ -49,10 +49,10 @@ struct KnotState {
 };
 
 // The border: unknowns of the whole flight, each with a prior (a prior sigma of zero holds it at its value).
-inline constexpr int kAtTauGnss = 0;      // a GNSS fix stamped t was true at t + tau
-inline constexpr int kAtLeverGnss = 1;    // antenna in body
-inline constexpr int kAtTauCamera = 4;    // a photo stamped t was taken at t + tau
-inline constexpr int kAtBoresight = 5;    // true camera rotation = nominal, then Exp(boresight) in body
+inline constexpr int kAtTauGnss = 0;    // a GNSS fix stamped t was true at t + tau
+inline constexpr int kAtLeverGnss = 1;  // antenna in body
+inline constexpr int kAtTauCamera = 4;  // a photo stamped t was taken at t + tau
+inline constexpr int kAtBoresight = 5;  // true camera rotation = nominal, then Exp(boresight) in body
 inline constexpr int kBorderUsed = 8;
 
 struct BorderState {

@@ -194,8 +194,7 @@ TEST(ClassOutlinesTest, SievingJoinsSmallPatches) {
 }
 
 std::unique_ptr<GDALDataset> OpenInMemory(const std::string& path, std::string& bytes) {
-  VSIFCloseL(
-      VSIFileFromMemBuffer(path.c_str(), reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
+  VSIFCloseL(VSIFileFromMemBuffer(path.c_str(), reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
   return std::unique_ptr<GDALDataset>(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
 }
 
