@@ -35,7 +35,7 @@ const said_there = new Map(
 const withoutEnglish = (values) => [...values].filter((name) => !name.endsWith('_words')).sort();
 
 /** Of each kind of value one, far from all others. @param {string} name */
-const example = (name) => (/_(m|km|cm|mm|ms|s|h|days|mps2|deg|percent|px|gib|mib)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target|marks|most|cells|places|byte|bytes|wrong|imus|vehicles?|samples|samples_in_all|dropouts|messages|jumps|part|positions|dropped|skipped|unread|without_place|without_time|times_read|files|across|down|needed|cues|shapes|frames|events|headers|force|by_records|of_records|degrees|tiles)$/.test(name) ? 7 : `<${name}>`);
+const example = (name) => (/_(m|km|cm|mm|ms|s|h|days|mps2|deg|percent|px|gib|mib)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target|marks|most|cells|places|outside|byte|bytes|wrong|imus|vehicles?|samples|samples_in_all|dropouts|messages|jumps|part|positions|dropped|skipped|unread|without_place|without_time|times_read|files|across|down|needed|cues|shapes|frames|events|headers|force|by_records|of_records|degrees|tiles)$/.test(name) ? 7 : `<${name}>`);
 
 /** @param {(values: any) => string} say @returns {{text: string, asked: Set<string>}} */
 function ask(say) {
