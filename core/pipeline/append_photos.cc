@@ -338,8 +338,10 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   }
   if (!placed.empty()) {
     TellAdded(placed.size(), warnings);
-    // The finished photos, and the ground below them, stay where the first rule put them.
-    if (const std::string& rule = posed.report.height_rule; grown.height_rule.find(rule) == std::string::npos)
+    // The finished photos, and the ground below them, stay where the first rule put them. Figures in a rule
+    // differ with every photo, and are left out.
+    const std::string rule = posed.report.height_rule.substr(0, posed.report.height_rule.find(';'));
+    if (grown.height_rule.find(rule) == std::string::npos)
       grown.height_rule += "; of photos added since: " + rule;
   }
   return std::optional<FlightFacts>(std::move(grown));

@@ -109,7 +109,7 @@ TEST(HasAllPhotosOf, MissesOneThatIsReadFromAnotherFileNow) {
 poses::PosedFlight Posed(const simulate::SimulatedFlight& truth, std::size_t first = 0) {
   poses::PosedFlight posed;
   posed.frame = truth.frame;
-  posed.report.height_rule = "by the log";
+  posed.report.height_rule = "by the log; the ground lies 0.3 m lower";
   for (std::size_t i = first; i < truth.photos.size(); ++i) {
     poses::PosedPhoto photo;
     photo.photo = truth.photos[i].photo;
