@@ -169,6 +169,10 @@ void ApplyPanels(std::vector<Measured> pictures, const std::string& band, Flight
   FactorsByCamera factors;
   std::map<std::string, std::vector<const flight::Photo*>> by_camera;
   std::vector<const flight::Photo*> all;
+  const auto values = std::find_if(captures.bands.begin(), captures.bands.end(),
+                                   [&](const Band& one) { return one.name == band; });
+  // It knows how the light changes.
+  const bool has_light_sensor = values->calibration != Calibration::kRadiance;
   for (const Measured& picture : pictures) {
     factors[picture.photo->camera_key].push_back(picture.factor);
     by_camera[picture.photo->camera_key].push_back(picture.photo);
@@ -178,6 +182,7 @@ void ApplyPanels(std::vector<Measured> pictures, const std::string& band, Flight
     const auto own = by_camera.find(photo->camera_key);
     const bool is_of_other = own == by_camera.end();
     if (is_of_other) ++doubts.of_other_cameras;
+    if (has_light_sensor) continue;
     const auto nearest_h = HoursToNearest(*photo, is_of_other ? all : own->second);
     doubts.farthest_h = std::max(doubts.farthest_h, nearest_h.value_or(0.0));
   }

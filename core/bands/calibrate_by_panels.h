@@ -4,8 +4,8 @@
 // factor its band's values are wrong; the median counts for the band's photos by the same camera, and for
 // those of cameras without a picture. Pictures of another day than the photos are used where there are none
 // of theirs. A band without a usable picture keeps its values. The flight's warnings name pictures that could
-// not be used and count photos of other cameras; photos hours away from the pictures are told too. Decodes
-// the pictures of panels, one after the other. Blocking; one thread; never fails.
+// not be used and count photos of other cameras; without a light sensor, photos hours away from the pictures
+// are told too. Decodes the pictures of panels, one after the other. Blocking; one thread; never fails.
 #pragma once
 
 #include "core/bands/captures.h"

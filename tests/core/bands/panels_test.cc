@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "core/bands/calibrate_by_panels.h"
@@ -324,11 +325,16 @@ TEST_F(CalibrateByPanelsTest, BandsThatNothingKnownTellsOfAreNamedWhereOthersAre
   EXPECT_FALSE(BandsHeldAgainstNothing(captures_)) << "temperatures need nothing known";
 }
 
-TEST_F(CalibrateByPanelsTest, APanelFarFromTheFlightIsUsedAndSaid) {
-  for (const auto& [hours, is_told] : {std::pair{1, false}, std::pair{3, true}, std::pair{24, true}}) {
+TEST_F(CalibrateByPanelsTest, APanelFarFromTheFlightIsUsedAndSaidUnlessALightSensorTells) {
+  using std::tuple;
+  for (const auto& [hours, values, is_told] :
+       {tuple{1, Calibration::kRadiance, false}, tuple{3, Calibration::kRadiance, true},
+        tuple{24, Calibration::kRadiance, true}, tuple{24, Calibration::kRelative, false}}) {
     flight::Flight flight = flight_;
     Captures captures = captures_;
     SetPanelsApart({false, true, false, false, false, false, false, false}, captures, flight);
+    for (Band& band : captures.bands) band.calibration = values;
+    for (BandPhoto& panel : captures.panels) panel.facts.radiometry.calibration = values;
     TakePanelsBefore(hours, captures);
     CalibrateByPanels(flight, captures, source_);
     EXPECT_NEAR(captures.captures.back().photos[0].facts.radiometry.per_level, kRed / 0.5 / 50'000.0, 1e-9);
