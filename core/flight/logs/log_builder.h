@@ -48,6 +48,7 @@ class LogBuilder {
   void Add(const ImuSample& sample);
   void Add(AttitudeSample sample);
   void AddGimbal(AttitudeSample sample);
+  void DropGimbal() { gimbal_.samples().clear(); }  // it turned out to hold no camera
   void Add(const GnssSample& sample);  // positions outside the Earth and (0, 0) are dropped and counted
   void Add(const BaroSample& sample);
   void Add(const RangeSample& sample);

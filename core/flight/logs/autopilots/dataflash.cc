@@ -116,6 +116,8 @@ class DataflashReader {
   }
 
   void Finish() {
+    // As of one that is set up and never driven: a camera fixed to the airframe looks down.
+    if (!has_mount_looked_down_) builder_.DropGimbal();
     FlushGnss();
     const auto fit = clock_.Solve();
     if (fit) {
@@ -214,6 +216,7 @@ class DataflashReader {
     const auto roll_deg = plan.Get(0, payload), pitch_deg = plan.Get(1, payload),
                yaw_deg = plan.Get(2, payload);
     if (plan.Instance(payload) != mount_ || !roll_deg || !pitch_deg || !yaw_deg) return;
+    has_mount_looked_down_ = has_mount_looked_down_ || *pitch_deg < -1.0;
     builder_.AddGimbal({plan.TimeS(payload),
                         NedFromYawPitchRoll(DegToRad(*yaw_deg), DegToRad(*pitch_deg), DegToRad(*roll_deg))});
   }
@@ -249,6 +252,7 @@ class DataflashReader {
   int baro_;
   int attitude_rank_;
   int mount_;
+  bool has_mount_looked_down_ = false;
   int camera_rank_;
   bool has_gps_;
   bool has_trigger_;

@@ -280,6 +280,18 @@ TEST(ParseDataflash, ReadsTheAnglesOfTheFirstMount) {
   EXPECT_LT(expected.angularDistance(log.gimbal[1].ned_from_body), 1e-6);
 }
 
+TEST(ParseDataflash, BelievesNoMountThatNeverLookedDown) {
+  DataflashWriter w;
+  w.Define(1, "MNT", "QBffffffff", "TimeUS,I,DesRoll,Roll,DesPitch,Pitch,DesYawB,YawB,DesYawE,YawE");
+  w.Define(2, "BARO", "QBf", "TimeUS,I,Alt");
+  for (int i = 0; i < 10; ++i) {
+    const double us = 5e6 + i * 1e5;
+    w.Write(1, {us, 0, 0, 0, 0, 0, 0, 0, 0, 100});
+    w.Write(2, {us, 0, 1.0 * i});
+  }
+  EXPECT_TRUE(ValueOf(ParseDataflash("flight.BIN", w.bytes())).gimbal.empty());
+}
+
 TEST(ParseDataflash, RefusesALogWithoutMessages) {
   DataflashWriter w;
   EXPECT_EQ(ErrorOf(ParseDataflash("empty.bin", w.bytes())).code, ErrorCode::kCorrupt);
