@@ -136,16 +136,16 @@ bool AreSurveyedBesideTrack(const flight::FlightLog& log, const LogTie& tie) {
 }
 
 // By the receiver; else by how far the track goes in a second.
-std::optional<flight::RecordedVelocity> VelocityAt(const flight::FlightLog& log, const LogCover& cover,
-                                                   double t_s) {
+std::optional<Eigen::Vector3d> VelocityInEnuAt(const flight::FlightLog& log, const LogCover& cover,
+                                               double t_s) {
   const auto* fix = SampleNear(log.gnss, t_s);
   if (fix != nullptr && fix->velocity_in_ned_mps) {
     const Eigen::Vector3d& in_ned_mps = *fix->velocity_in_ned_mps;
-    return flight::RecordedVelocity{in_ned_mps.y(), in_ned_mps.x(), -in_ned_mps.z()};
+    return Eigen::Vector3d(in_ned_mps.y(), in_ned_mps.x(), -in_ned_mps.z());
   }
   const auto before = cover.PositionAt(t_s - 0.5), after = cover.PositionAt(t_s + 0.5);
   if (!before || !after) return std::nullopt;
-  return flight::RecordedVelocity{after->x() - before->x(), after->y() - before->y(), 0.0};
+  return Eigen::Vector3d(after->x() - before->x(), after->y() - before->y(), 0.0);
 }
 
 // Photos stand where they say. Of the log they take how they were turned, how high and how fast they were,
@@ -162,7 +162,7 @@ void KeepPositions(const flight::FlightLog& log, LogTie& tie) {
       const auto kind = gimbal != nullptr ? flight::AttitudeKind::kGimbal : flight::AttitudeKind::kAirframe;
       photo.attitude = flight::RecordedAttitude{kind, angles.x(), angles.y(), angles.z(), log.file_name};
     }
-    if (!photo.velocity) photo.velocity = VelocityAt(log, cover, p.t_s);
+    if (!photo.velocity_in_enu_mps) photo.velocity_in_enu_mps = VelocityInEnuAt(log, cover, p.t_s);
     const auto* height = SampleNear(log.baro, p.t_s);
     if (!photo.position->height_above_takeoff_m && height != nullptr)
       photo.position->height_above_takeoff_m = height->height_above_takeoff_m;
