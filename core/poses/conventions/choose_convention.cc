@@ -230,7 +230,7 @@ std::string Difference(std::string_view what, const std::vector<double>& differe
                      geo::RadToDeg(mean), differences_rad.size(), geo::RadToDeg(Median(std::move(apart))));
 }
 
-double HeadingOf(const RecordedAttitude& attitude) { return AnglesOf(CamFromEnu(attitude)).yaw_rad; }
+double CameraHeadingOf(const RecordedAttitude& attitude) { return AnglesOf(CamFromEnu(attitude)).yaw_rad; }
 
 }  // namespace
 
@@ -264,7 +264,7 @@ ConventionChoice ChooseConvention(std::vector<Photo>& photos,
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (!photos[i].attitude) continue;
     if (i < airframe_yaw_rad.size() && airframe_yaw_rad[i]) {
-      against_airframe.push_back(geo::WrapRad(HeadingOf(*photos[i].attitude) - *airframe_yaw_rad[i]));
+      against_airframe.push_back(geo::WrapRad(CameraHeadingOf(*photos[i].attitude) - *airframe_yaw_rad[i]));
     }
     if (!places[i]) continue;
     track.push_back(places[i]->at);
@@ -274,7 +274,8 @@ ConventionChoice ChooseConvention(std::vector<Photo>& photos,
   const auto courses = CoursesOfCameras(cameras, track);
   std::vector<double> against_course;
   for (std::size_t k = 0; k < courses.size(); ++k) {
-    if (courses[k]) against_course.push_back(geo::WrapRad(HeadingOf(*on_track[k]->attitude) - *courses[k]));
+    if (courses[k])
+      against_course.push_back(geo::WrapRad(CameraHeadingOf(*on_track[k]->attitude) - *courses[k]));
   }
   choice.words += Difference("course", against_course) + Difference("the log's airframe", against_airframe);
   return choice;
