@@ -373,7 +373,8 @@ test('a button of the open flight counts when a job ends while it is pressed', o
 });
 
 test('in a browser that may keep nothing the page works, and what is chosen counts until it is left', options, async () => {
-  const { page, flight } = await setUpFlight('Meadow');
+  const { page, mock, flight } = await setUpFlight('Meadow');
+  for (const name of ['Brook', 'Quarry', 'Roof', 'Dam', 'Field']) mock.seedReady(name);
   await page.addInitScript(() => {
     const get = () => { throw new DOMException('Nothing is kept here.', 'SecurityError'); };
     for (const name of ['localStorage', 'sessionStorage']) Object.defineProperty(window, name, { get });
