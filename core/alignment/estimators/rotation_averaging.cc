@@ -19,11 +19,11 @@ constexpr double kMinResidualRad = 1e-4;
 constexpr double kWidthRad = 0.087;  // 5 degrees: beyond it a pair loses its say
 constexpr double kStillRad = 1e-5;
 
-const Quaterniond& RotationOf(const GraphPair& pair) { return pair.view.poses.front().rotation; }
+const Quaterniond& RotationOf(const GraphPair& pair) { return pair.poses.front().rotation; }
 
 // How well the pair is supported.
 double Weight(const GraphPair& pair) {
-  return std::min(1.0, static_cast<double>(pair.view.matches.size()) / 100.0);
+  return std::min(1.0, static_cast<double>(pair.matches.size()) / 100.0);
 }
 
 Vector3d Residual(const GraphPair& pair, const std::vector<Quaterniond>& rotations) {

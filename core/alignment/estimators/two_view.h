@@ -30,8 +30,8 @@ inline constexpr int kMinTwoViewMatches = 15;  // fewer are no geometry
 std::vector<Eigen::Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most);
 
 // tolerance_sigmas: of a keypoint's place, each photo.
-std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
-                                      const std::vector<KeypointMatch>& matches, std::uint64_t seed,
-                                      double tolerance_sigmas = 8.0);
+std::optional<GraphPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
+                                        const std::vector<KeypointMatch>& matches, std::uint64_t seed,
+                                        double tolerance_sigmas = 8.0);
 
 }  // namespace skyquilt::alignment

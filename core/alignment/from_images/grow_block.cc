@@ -35,9 +35,9 @@ std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const PhotoSet& us
   for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
     const GraphPair& pair = graph.pairs[p];
     if (used.Has(pair.first) || used.Has(pair.second)) continue;
-    if (pair.view.angle_rad < kMinAngleRad) continue;
+    if (pair.angle_rad < kMinAngleRad) continue;
     const double score =
-        static_cast<double>(pair.view.matches.size()) * std::min(1.0, pair.view.angle_rad / kWideAngleRad);
+        static_cast<double>(pair.matches.size()) * std::min(1.0, pair.angle_rad / kWideAngleRad);
     ranked.emplace_back(-score, p);
   }
   std::sort(ranked.begin(), ranked.end());
@@ -52,7 +52,7 @@ std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const PhotoSet& us
     if (first >= 2 || second >= 2) continue;
     ++first;
     ++second;
-    for (std::size_t k = 0; k < pair.view.poses.size(); ++k) chosen.push_back({p, k});
+    for (std::size_t k = 0; k < pair.poses.size(); ++k) chosen.push_back({p, k});
   }
   return chosen;
 }
@@ -204,7 +204,7 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
   const GraphPair& pair = graph.pairs[initial_pair.pair];
   Block block(input, scene, lenses);
   block.Place(pair.first, geo::Rigid3{});
-  block.Place(pair.second, pair.view.poses[initial_pair.pose]);
+  block.Place(pair.second, pair.poses[initial_pair.pose]);
   block.TriangulateSeenBy({pair.first, pair.second}, threads);
   if (block.PointsSeen()[pair.first] < kEnoughPoints) return std::nullopt;
   block.Normalise();

@@ -119,7 +119,7 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
   for (const GraphPair& pair : graph.pairs) {
     const int block = registration.photos[pair.first].block;
     if (block < 0 || block != registration.photos[pair.second].block) continue;
-    registration.links.push_back({pair.first, pair.second, {}, pair.view.matches, 0.0});
+    registration.links.push_back({pair.first, pair.second, {}, pair.matches, 0.0});
   }
 }
 

@@ -106,7 +106,7 @@ std::vector<Shown> ShownOnGround(const Block& block, const BlockGround& ground,
   for (const GraphPair* pair : pairs) {
     const bool leads = pair->first == photo;
     const int partner = leads ? pair->second : pair->first;
-    for (const KeypointMatch& match : pair->view.matches) {
+    for (const KeypointMatch& match : pair->matches) {
       const Keypoint& own = keypoint(photo, leads ? match.first : match.second);
       const Keypoint& other = keypoint(partner, leads ? match.second : match.first);
       const auto point = ground.Lift(partner, {other.x_px, other.y_px});

@@ -38,27 +38,26 @@ class Verifier {
 
   // Compares and verifies; adds what was found to the graph.
   void Compare(const std::vector<Pair>& pairs, int features, ViewGraph& graph) {
-    std::vector<ComparedPair> compared(pairs.size());
+    std::vector<GraphPair> compared(pairs.size());
     ParallelFor(pairs.size(), threads_, [&](std::size_t p) {
       const auto [first, second] = pairs[p];
-      compared[p] = {first, second, MatchDescriptors(*FeaturesOf(first), *FeaturesOf(second), features)};
+      compared[p] = {first, second, MatchDescriptors(*FeaturesOf(first), *FeaturesOf(second), features), {}};
     });
-    std::erase_if(compared,
-                  [](const ComparedPair& pair) { return pair.matches.size() < kMinTwoViewMatches; });
+    std::erase_if(compared, [](const GraphPair& pair) { return pair.matches.size() < kMinTwoViewMatches; });
     Verify(compared, graph.pairs);
-    for (ComparedPair& pair : compared) graph.compared.push_back(std::move(pair));
+    for (GraphPair& pair : compared) graph.compared.push_back(std::move(pair));
     graph.report.pairs_compared += static_cast<int>(pairs.size());
   }
 
-  void Verify(const std::vector<ComparedPair>& compared, std::vector<GraphPair>& verified) {
+  void Verify(const std::vector<GraphPair>& compared, std::vector<GraphPair>& verified) {
     std::vector<GraphPair> found =
         ParallelCollect(compared.size(), threads_, [&](std::size_t p) -> std::optional<GraphPair> {
-          const ComparedPair& pair = compared[p];
+          const GraphPair& pair = compared[p];
           const std::uint64_t seed =
               static_cast<std::uint64_t>(pair.first) * 1000003U + static_cast<std::uint64_t>(pair.second);
-          auto view = VerifyTwoViews(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed);
-          if (!view) return std::nullopt;
-          return GraphPair{pair.first, pair.second, *std::move(view)};
+          auto agreed = VerifyTwoViews(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed);
+          if (agreed) agreed->first = pair.first, agreed->second = pair.second;
+          return agreed;
         });
     std::move(found.begin(), found.end(), std::back_inserter(verified));
   }
@@ -86,7 +85,7 @@ std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs,
                                 const std::set<Pair>& tried) {
   std::vector<std::map<int, double>> neighbours(photos);
   for (const GraphPair& pair : pairs) {
-    const auto support = static_cast<double>(pair.view.matches.size());
+    const auto support = static_cast<double>(pair.matches.size());
     neighbours[pair.first][pair.second] = support;
     neighbours[pair.second][pair.first] = support;
   }
@@ -124,7 +123,7 @@ void SortOnce(std::vector<GraphPair>& pairs) {
   for (GraphPair& pair : pairs) {
     if (once.empty() || once.back().first != pair.first || once.back().second != pair.second) {
       once.push_back(std::move(pair));
-    } else if (pair.view.matches.size() > once.back().view.matches.size()) {
+    } else if (pair.matches.size() > once.back().matches.size()) {
       once.back() = std::move(pair);
     }
   }
@@ -139,12 +138,11 @@ void AgreeOnRotations(int photos, ViewGraph& graph) {
   AveragedRotations averaged = AverageRotations(photos, graph.pairs);
   bool is_changed = false;
   for (GraphPair& pair : graph.pairs) {
-    if (pair.view.poses.size() < 2) continue;
+    if (pair.poses.size() < 2) continue;
     const Eigen::Quaterniond expected =
         averaged.cam_from_world[pair.second] * averaged.cam_from_world[pair.first].conjugate();
-    if (expected.angularDistance(pair.view.poses[1].rotation) <
-        expected.angularDistance(pair.view.poses[0].rotation)) {
-      std::swap(pair.view.poses[0], pair.view.poses[1]);
+    if (expected.angularDistance(pair.poses[1].rotation) < expected.angularDistance(pair.poses[0].rotation)) {
+      std::swap(pair.poses[0], pair.poses[1]);
       is_changed = true;
     }
   }

@@ -40,8 +40,7 @@ bool IsOpen(const poses::PosedPhoto& posed) {
 }
 
 // Photos of one camera with a gyro that lie nearest to each other, spread over the flight.
-std::vector<ComparedPair> NearestPairs(const poses::PosedFlight& posed,
-                                       const std::vector<std::size_t>& photos) {
+std::vector<GraphPair> NearestPairs(const poses::PosedFlight& posed, const std::vector<std::size_t>& photos) {
   std::vector<std::pair<int, int>> near;
   for (const std::size_t i : photos) {
     const Eigen::Vector3d place = posed.photos[i].cam_from_enu.TargetOriginInSource();
@@ -54,11 +53,11 @@ std::vector<ComparedPair> NearestPairs(const poses::PosedFlight& posed,
   }
   std::sort(near.begin(), near.end());
   near.erase(std::unique(near.begin(), near.end()), near.end());
-  std::vector<ComparedPair> pairs;
+  std::vector<GraphPair> pairs;
   const std::size_t count = std::min(kMaxComparedPairs, near.size());
   for (std::size_t k = 0; k < count; ++k) {
     const auto& [first, second] = near[k * near.size() / count];
-    pairs.push_back({first, second, {}});
+    pairs.push_back({first, second, {}, {}});
   }
   return pairs;
 }
@@ -82,7 +81,7 @@ camera::RowMotion TurnsWithLag(const poses::PosedPhoto& posed, std::optional<dou
 }
 
 int Fitting(const poses::PosedFlight& posed, const std::vector<const PhotoFeatures*>& features,
-            const ComparedPair& pair, std::optional<double> lag_s, const Effort& effort) {
+            const GraphPair& pair, std::optional<double> lag_s, const Effort& effort) {
   const flight::Photo& first = posed.photos[pair.first].photo;
   const flight::Photo& second = posed.photos[pair.second].photo;
   const camera::RowMotion of_first = TurnsWithLag(posed.photos[pair.first], lag_s);
@@ -102,7 +101,7 @@ int Fitting(const poses::PosedFlight& posed, const std::vector<const PhotoFeatur
 
 // Summed over all pairs.
 std::vector<int> FittingAt(const poses::PosedFlight& posed, const std::vector<const PhotoFeatures*>& features,
-                           const std::vector<ComparedPair>& pairs,
+                           const std::vector<GraphPair>& pairs,
                            const std::vector<std::optional<double>>& lags_s, const Effort& effort,
                            int threads) {
   std::vector<int> of_each(pairs.size() * lags_s.size());
@@ -122,7 +121,7 @@ std::vector<std::optional<double>> LagsAround(double middle_s, double reach_s, d
 }
 
 void FindLag(const poses::PosedFlight& posed, const std::vector<const PhotoFeatures*>& features,
-             const std::vector<ComparedPair>& pairs, int threads, GyroReport& report) {
+             const std::vector<GraphPair>& pairs, int threads, GyroReport& report) {
   std::vector<std::optional<double>> lags_s = LagsAround(0.0, kMaxLagS, kCoarseStepS);
   std::vector<int> fitting = FittingAt(posed, features, pairs, lags_s, kCoarse, threads);
   const auto best = std::max_element(fitting.begin(), fitting.end());
@@ -168,20 +167,20 @@ std::vector<GyroReport> TieGyrosToRows(poses::PosedFlight& posed,
         readable.push_back(i);
       }
     }
-    std::vector<ComparedPair> pairs = NearestPairs(posed, readable);
-    std::erase_if(pairs, [&](const ComparedPair& pair) {
+    std::vector<GraphPair> pairs = NearestPairs(posed, readable);
+    std::erase_if(pairs, [&](const GraphPair& pair) {
       return !IsOpen(posed.photos[pair.first]) && !IsOpen(posed.photos[pair.second]);
     });
     ParallelFor(pairs.size(), threads, [&](std::size_t k) {
       pairs[k].matches = MatchDescriptors(*features[pairs[k].first], *features[pairs[k].second]);
     });
-    std::erase_if(pairs, [](const ComparedPair& pair) { return pair.matches.size() < kMinMatches; });
-    std::stable_sort(pairs.begin(), pairs.end(), [](const ComparedPair& a, const ComparedPair& b) {
+    std::erase_if(pairs, [](const GraphPair& pair) { return pair.matches.size() < kMinMatches; });
+    std::stable_sort(pairs.begin(), pairs.end(), [](const GraphPair& a, const GraphPair& b) {
       return a.matches.size() > b.matches.size();
     });
     if (pairs.size() > kMaxUsedPairs) pairs.resize(kMaxUsedPairs);
     report.pairs = static_cast<int>(pairs.size());
-    for (const ComparedPair& pair : pairs) report.matches += static_cast<int>(pair.matches.size());
+    for (const GraphPair& pair : pairs) report.matches += static_cast<int>(pair.matches.size());
     if (!pairs.empty()) FindLag(posed, features, pairs, threads, report);
     const bool is_found =
         report.fitting >= kMinFitting && report.fitting > kBetterShare * report.fitting_without;

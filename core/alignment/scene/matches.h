@@ -26,12 +26,6 @@ inline KeypointMatch MatchOf(int first, int second) {
   return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(second)};
 }
 
-// What looks the same in two photos, whether or not any geometry agrees with it.
-struct ComparedPair {
-  int first = 0, second = 0;
-  std::vector<KeypointMatch> matches;
-};
-
 // z -> turn_and_scale * z + shift on the ground, E + iN.
 struct GroundSimilarity {
   std::complex<double> turn_and_scale{1.0, 0.0};
@@ -53,17 +47,15 @@ struct VerifiedPair {
   double rms_m = 0.0;
 };
 
-struct TwoView {
-  std::vector<KeypointMatch> matches;  // those that fit
-  // second_from_first, the length of the shift unknown (1, or 0 without parallax). The likeliest first; a
-  // second where the matches fit it nearly as well.
+// What two photos show of each other without any record: what looks the same in both, and once that is
+// verified, the geometry of two views.
+struct GraphPair {
+  int first = 0, second = 0;           // first < second
+  std::vector<KeypointMatch> matches;  // all; once verified, those that fit
+  // second_from_first, the length of the shift unknown (1, or 0 without parallax); empty: not verified. The
+  // likeliest first, or the one that the loops agree with; a second where the matches fit it nearly as well.
   std::vector<geo::Rigid3> poses;
   double angle_rad = 0.0;  // between two rays to the same point, in the median
-};
-
-struct GraphPair {
-  int first = 0, second = 0;  // first < second
-  TwoView view;               // its first pose is the one that the loops agree with
 };
 
 // By photo, of how many of the pairs it is one.

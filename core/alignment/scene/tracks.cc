@@ -184,7 +184,7 @@ SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
   std::vector<std::size_t> order(pairs.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return pairs[a].view.matches.size() > pairs[b].view.matches.size();
+    return pairs[a].matches.size() > pairs[b].matches.size();
   });
   const std::vector<int> first_of = FirstKeypoints(features);
   DisjointSets sets(first_of.back());
@@ -221,7 +221,7 @@ SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
   };
   for (const std::size_t p : order) {
     const GraphPair& pair = pairs[p];
-    for (const KeypointMatch& match : pair.view.matches) {
+    for (const KeypointMatch& match : pair.matches) {
       join({pair.first, match.first}, {pair.second, match.second});
     }
   }

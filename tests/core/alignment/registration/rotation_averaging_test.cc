@@ -16,9 +16,9 @@ Eigen::Vector3d Random(Sampler& sampler, double most) {
 
 // By as many matches as count for the most.
 GraphPair Turned(int first, int second, const Eigen::Quaterniond& second_from_first) {
-  GraphPair pair{first, second, {}};
-  pair.view.matches.resize(100);
-  pair.view.poses.push_back({second_from_first, Eigen::Vector3d::Zero()});
+  GraphPair pair{first, second, {}, {}};
+  pair.matches.resize(100);
+  pair.poses.push_back({second_from_first, Eigen::Vector3d::Zero()});
   return pair;
 }
 
