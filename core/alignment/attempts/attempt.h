@@ -21,11 +21,11 @@ struct ExtractedFlight {
   ExtractedFlight& operator=(ExtractedFlight&&) = default;
 
   poses::PosedFlight posed;  // in frame enu; with poses that stand for none where no record places a photo
-  std::vector<PhotoRecord> records;  // by photo, with what they claim to be good for
-  std::vector<int> lines;            // by photo: the flight line it was taken on
-  Photographed photographed;
+  std::vector<PhotoRecord> records;            // by photo, with what they claim to be good for
+  std::vector<int> lines;                      // by photo: the flight line it was taken on
+  std::vector<PhotoFeatures> features;         // by photo
   std::vector<GyroReport> gyros;               // by camera with a gyro: how its clock was tied to the rows
-  std::vector<const PhotoFeatures*> readable;  // into `photographed`; null where a photo could not be read
+  std::vector<const PhotoFeatures*> readable;  // into `features`; null where a photo could not be read
 
   std::vector<std::string> Names() const {
     std::vector<std::string> names;

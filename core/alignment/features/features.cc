@@ -163,19 +163,11 @@ Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::
   return features;
 }
 
-std::vector<const PhotoFeatures*> Photographed::Readable() const {
-  std::vector<const PhotoFeatures*> readable;
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    readable.push_back(unreadable[i].empty() ? &features[i] : nullptr);
-  }
-  return readable;
-}
-
-Photographed ExtractAll(const poses::PosedFlight& posed, const flight::PhotoSource& source,
-                        const FeatureOptions& options, FoundFeatures found, int threads, double last_fraction,
-                        Progress& progress) {
+std::vector<PhotoFeatures> ExtractAll(const poses::PosedFlight& posed, const flight::PhotoSource& source,
+                                      const FeatureOptions& options, FoundFeatures found, int threads,
+                                      double last_fraction, Progress& progress) {
   const std::size_t count = posed.photos.size();
-  Photographed photographed{std::vector<PhotoFeatures>(count), std::vector<std::string>(count)};
+  std::vector<PhotoFeatures> extracted(count);
   std::atomic<std::size_t> done{0};
   ParallelFor(count, threads, [&](std::size_t i) {
     if (progress.IsCancelled()) return;
@@ -184,14 +176,14 @@ Photographed ExtractAll(const poses::PosedFlight& posed, const flight::PhotoSour
     Result<PhotoFeatures> features =
         known != found.end() ? std::move(known->second) : ExtractFeatures(photo, source, options);
     if (features) {
-      photographed.features[i] = *std::move(features);
+      extracted[i] = *std::move(features);
     } else {
-      photographed.unreadable[i] = features.error().message;
+      extracted[i].unreadable = features.error().message;
     }
     progress.Report(last_fraction * static_cast<double>(++done) / static_cast<double>(count),
                     "finding features");
   });
-  return photographed;
+  return extracted;
 }
 
 }  // namespace skyquilt::alignment

@@ -32,23 +32,14 @@ Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const image::Decode
 Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::PhotoSource& source,
                                       const FeatureOptions& options);
 
-// Of a flight. A photo that cannot be decoded costs its features, not the flight: the reason stands in its
-// place.
-struct Photographed {
-  std::vector<PhotoFeatures> features;  // by photo
-  std::vector<std::string> unreadable;  // a reason a photo; empty: it was read
-
-  // Null where the photo could not be read.
-  std::vector<const PhotoFeatures*> Readable() const;
-};
-
 // By the photo's name, where an earlier decode of the photo found them.
 using FoundFeatures = std::map<std::string, PhotoFeatures>;
 
-// Takes what was found with the same options. Reports progress up to `last_fraction`; stops early, with what
-// there is, when it is cancelled.
-Photographed ExtractAll(const poses::PosedFlight& posed, const flight::PhotoSource& source,
-                        const FeatureOptions& options, FoundFeatures found, int threads, double last_fraction,
-                        Progress& progress);
+// Of a flight, by photo. One that cannot be decoded costs its features, not the flight: why stands in their
+// place. Takes what was found with the same options. Reports progress up to `last_fraction`; stops early, with
+// what there is, when it is cancelled.
+std::vector<PhotoFeatures> ExtractAll(const poses::PosedFlight& posed, const flight::PhotoSource& source,
+                                      const FeatureOptions& options, FoundFeatures found, int threads,
+                                      double last_fraction, Progress& progress);
 
 }  // namespace skyquilt::alignment

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace skyquilt::alignment {
@@ -52,6 +53,7 @@ struct PhotoFeatures {
   Thumbnail thumbnail;
   double sigma_px = 1.0;  // how well a keypoint is located, in full-size pixels
   PictureDetail detail;
+  std::string unreadable;  // why nothing is known of it; empty: it was read
   double decode_s = 0.0;  // wall seconds
   double detect_s = 0.0;
 };

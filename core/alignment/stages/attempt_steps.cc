@@ -180,13 +180,14 @@ Error AlignmentCancelled() { return {ErrorCode::kCancelled, "the alignment was c
 Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
                                       const AlignOptions& options, FoundFeatures found, Progress& progress) {
   ExtractedFlight extracted = WithUnplaced(recorded);
-  extracted.photographed = ExtractAll(extracted.posed, source, options.features, std::move(found),
-                                      options.threads, kExtractedFraction, progress);
+  extracted.features = ExtractAll(extracted.posed, source, options.features, std::move(found),
+                                  options.threads, kExtractedFraction, progress);
   if (progress.IsCancelled()) return AlignmentCancelled();
-  extracted.readable = extracted.photographed.Readable();
-  for (std::size_t i = 0; i < extracted.readable.size(); ++i) {
+  for (std::size_t i = 0; i < extracted.features.size(); ++i) {
+    const PhotoFeatures& one = extracted.features[i];
+    extracted.readable.push_back(one.unreadable.empty() ? &one : nullptr);
     TraceDecision(extracted.readable[i] ? "photo read" : "photo unreadable",
-                  {{"photo", i}, {"keypoints", extracted.photographed.features[i].keypoints.size()}},
+                  {{"photo", i}, {"keypoints", one.keypoints.size()}},
                   extracted.posed.photos[i].photo.name);
   }
   extracted.gyros = TieGyrosToRows(extracted.posed, extracted.readable, options.threads);

@@ -144,7 +144,7 @@ void ReportAttempt(const ExtractedFlight& extracted, Attempt& attempt, AlignRepo
   const std::vector<std::string> names = extracted.Names();
   report.photos = static_cast<int>(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const PhotoFeatures& features = extracted.photographed.features[i];
+    const PhotoFeatures& features = extracted.features[i];
     AlignPhotoReport& told = report.photo_reports.emplace_back();
     told.name = names[i];
     told.features = static_cast<int>(features.keypoints.size());

@@ -259,7 +259,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
             before.error_radius_m,
             std::hypot(sigma_position, before.height_above_ground_m * std::max(0.003, learnt.scatter_rad)));
       }
-      const std::string& unreadable = extracted.photographed.unreadable[i];
+      const std::string& unreadable = extracted.features[i].unreadable;
       photo.placement_remarks = {
           !unreadable.empty()
               ? Remark{RemarkCode::kByPoseUnreadable, {{"error_words", unreadable}}}

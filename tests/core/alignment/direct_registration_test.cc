@@ -21,10 +21,10 @@ TEST(DirectTracks, MovePhotosTogetherThatPosesLeaveApart) {
   const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
   const poses::PosedFlight posed = PosesOf(truth);
   SilentProgress progress;
-  const Photographed photographed =
+  const std::vector<PhotoFeatures> features =
       ExtractAll(posed, test::PhotosOf(truth), {.max_features = 0}, {}, 2, 1.0, progress);
   MatchingInput input = MakeMatchingInput(posed);
-  input.features = photographed.Readable();
+  for (std::size_t i = 0; i < features.size(); ++i) input.features[i] = &features[i];
   std::vector<CorrectedPose> as_recorded;
   for (const poses::PosedPhoto& photo : posed.photos) {
     CorrectedPose& uncorrected = as_recorded.emplace_back();
