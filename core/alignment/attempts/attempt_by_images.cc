@@ -98,7 +98,7 @@ std::vector<PlacePair> ControlOf(const Registration& registration, const PhotoSe
                                  const std::vector<std::string>& names, const geo::LocalFrame& frame,
                                  const std::vector<ControlPoint>& control) {
   std::vector<View> views;
-  for (const RegisteredPhoto& photo : registration.photos)
+  for (const RegistrationPhoto& photo : registration.photos)
     views.push_back({registration.lenses[photo.lens].intrinsics, photo.cam_from_world, kMedianDepth, {}});
   const MarkedPhotos marked(names, views, of_block);
   std::vector<PlacePair> pairs;
@@ -120,7 +120,7 @@ std::vector<PlacePair> ControlOf(const Registration& registration, const PhotoSe
 // Where a block's place puts the cameras; it says nothing of those of other blocks.
 std::vector<Eigen::Vector3d> CentersInEnu(const Registration& registration, const BlockPlace& place) {
   std::vector<Eigen::Vector3d> centers_in_enu;
-  for (const RegisteredPhoto& photo : registration.photos)
+  for (const RegistrationPhoto& photo : registration.photos)
     centers_in_enu.push_back(place.enu_from_world * photo.cam_from_world.TargetOriginInSource());
   return centers_in_enu;
 }
@@ -131,7 +131,7 @@ RegistrationInput InputOf(const ExtractedFlight& extracted, const BundleProblem&
   for (BundleLens& lens : input.lenses) lens.intrinsics = lens.recorded;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
     input.photos.push_back(
-        {extracted.readable[i], problem.photos[i].lens, extracted.records[i].center_in_enu});
+        {extracted.readable[i], problem.photos[i].lens, extracted.records[i].center_in_enu, {}});
   }
   return input;
 }
@@ -313,7 +313,7 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
   for (std::size_t b = 0; b < registration.block_sizes.size(); ++b) {
     const int block = static_cast<int>(b);
     PhotoSet of_block;
-    for (const RegisteredPhoto& photo : registration.photos) of_block.Append(photo.block == block);
+    for (const RegistrationPhoto& photo : registration.photos) of_block.Append(photo.block == block);
     records.control = ControlOf(registration, of_block, names, posed.frame, control);
     BlockPlace place = Georeference(registration, block, records);
     std::vector<Eigen::Vector3d> centers_in_enu = CentersInEnu(registration, place);

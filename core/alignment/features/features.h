@@ -36,8 +36,8 @@ Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::
 using FoundFeatures = std::map<std::string, PhotoFeatures>;
 
 // Of a flight, by photo. One that cannot be decoded costs its features, not the flight: why stands in their
-// place. Takes what was found with the same options. Reports progress up to `last_fraction`; stops early, with
-// what there is, when it is cancelled.
+// place. Takes what was found with the same options. Reports progress up to `last_fraction`; stops early,
+// with what there is, when it is cancelled.
 std::vector<PhotoFeatures> ExtractAll(const poses::PosedFlight& posed, const flight::PhotoSource& source,
                                       const FeatureOptions& options, FoundFeatures found, int threads,
                                       double last_fraction, Progress& progress);

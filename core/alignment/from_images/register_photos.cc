@@ -105,7 +105,7 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
     int size = 0;
     for (std::size_t i = 0; i < registration.photos.size(); ++i) {
       if (!block.Has(i) || seen[i] < kMinSeen) continue;
-      RegisteredPhoto& photo = registration.photos[i];
+      RegistrationPhoto& photo = registration.photos[i];
       photo.cam_from_world = block.Pose(i);
       photo.block = static_cast<int>(b);
       square += residuals[i] * residuals[i] * seen[i];
@@ -161,9 +161,7 @@ bool TakeLenses(const std::vector<Block>& blocks, RegistrationInput& input) {
 }  // namespace
 
 Registration RegisterPhotos(const RegistrationInput& given, int threads, Progress& progress) {
-  Registration begun, registration;
-  for (const RegistrationPhoto& photo : given.photos) begun.photos.emplace_back().lens = photo.lens;
-  begun.lenses = given.lenses;
+  Registration registration;
   RegistrationInput input = given;
   for (BundleLens& lens : input.lenses)
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
@@ -171,8 +169,9 @@ Registration RegisterPhotos(const RegistrationInput& given, int threads, Progres
   for (int pass = 0;; ++pass) {
     const SceneTracks scene = JoinMatches(input.Features(), graph.pairs);
     const std::vector<Block> blocks = GrowBlocks(input, graph, scene, threads, progress);
-    Registration grown = begun;
-    if (!blocks.empty()) grown.lenses = blocks.front().lenses();
+    Registration grown;
+    grown.photos = given.photos;
+    grown.lenses = blocks.empty() ? given.lenses : blocks.front().lenses();
     MergeBlocks(blocks, graph, grown);
     // Through the right lens more pairs agree, and with each other: one by which fewer do was not right.
     if (pass == 0 || grown.LargestSize() >= registration.LargestSize()) registration = std::move(grown);

@@ -18,6 +18,9 @@ struct RegistrationPhoto {
   const PhotoFeatures* features = nullptr;  // null: takes no part
   int lens = 0;
   std::optional<Eigen::Vector3d> position_in_enu;  // only says which photos may show the same
+  // As registered, not before.
+  geo::Rigid3 cam_from_world;
+  int block = -1;  // 0 is the largest; negative: not registered
 };
 
 struct RegistrationInput {
@@ -32,19 +35,13 @@ struct RegistrationInput {
   }
 };
 
-struct RegisteredPhoto {
-  geo::Rigid3 cam_from_world;
-  int lens = 0;
-  int block = -1;  // 0 is the largest; negative: not registered
-};
-
 struct RegistrationReport {
   int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
 };
 
 struct Registration {
-  std::vector<RegisteredPhoto> photos;  // by input photo
-  std::vector<int> block_sizes;         // the largest first
+  std::vector<RegistrationPhoto> photos;  // of the input, as registered
+  std::vector<int> block_sizes;           // the largest first
   std::vector<BundleLens> lenses;
   std::vector<VerifiedPair> links;  // verified, with the matches that agree; sorted by photos
   std::vector<Track> tracks;        // point_in_enu is in the world of the photos' block

@@ -42,7 +42,7 @@ Case MakeCase() {
     const Eigen::Vector3d center(15.0 * (i % 8), 20.0 * (i / 8), 60.0);
     made.centers_in_enu.push_back(center);
     const geo::Rigid3 pose = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond(down), center);
-    RegisteredPhoto photo;
+    RegistrationPhoto photo;
     photo.block = 0;
     photo.cam_from_world = world_from_enu.Moved(pose);
     made.registration.photos.push_back(photo);

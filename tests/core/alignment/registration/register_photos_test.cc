@@ -107,7 +107,7 @@ TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
   options.seed = 2;
   const SyntheticScene there = MakeScene(options);
   RegistrationInput input = InputOf(here);
-  for (const PhotoFeatures& features : there.features) input.photos.push_back({&features, 0, {}});
+  for (const PhotoFeatures& features : there.features) input.photos.push_back({&features, 0, {}, {}});
   const Registration found = Register(input);
   ASSERT_EQ(found.block_sizes, (std::vector<int>{10, 8}));
   for (std::size_t i = 0; i < input.photos.size(); ++i) EXPECT_EQ(found.photos[i].block, i < 10 ? 0 : 1) << i;
