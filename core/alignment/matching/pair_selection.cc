@@ -97,8 +97,7 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
       of_photo[j].push_back(pair);
     }
   }
-  std::set<std::pair<int, int>> chosen;
-  std::vector<CandidatePair> pairs;
+  std::set<CandidatePair> chosen;
   for (int i = 0; i < count; ++i) {
     std::sort(of_photo[i].begin(), of_photo[i].end(), [](const CandidatePair& a, const CandidatePair& b) {
       if (a.overlap != b.overlap) return a.overlap > b.overlap;
@@ -109,8 +108,7 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
     for (const CandidatePair& pair : of_photo[i]) {
       const int other = pair.first == i ? pair.second : pair.first;
       if (AreUnlike(views[i], views[other])) {
-        if (taken_of_unlike++ < kBestOfUnlike && chosen.emplace(pair.first, pair.second).second)
-          pairs.push_back(pair);
+        if (taken_of_unlike++ < kBestOfUnlike) chosen.insert(pair);
         continue;
       }
       const Eigen::Vector2d away = middle[other] - middle[i];
@@ -119,13 +117,10 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
       if (taken >= kBestPerPhoto && served[direction]) continue;
       served[direction] = true;
       ++taken;
-      if (chosen.emplace(pair.first, pair.second).second) pairs.push_back(pair);
+      chosen.insert(pair);
     }
   }
-  std::sort(pairs.begin(), pairs.end(), [](const CandidatePair& a, const CandidatePair& b) {
-    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
-  });
-  return pairs;
+  return {chosen.begin(), chosen.end()};
 }
 
 }  // namespace skyquilt::alignment

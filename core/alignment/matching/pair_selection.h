@@ -5,6 +5,7 @@
 // neighbours. Pure; any thread.
 #pragma once
 
+#include <compare>
 #include <vector>
 
 #include "core/alignment/scene/view.h"
@@ -16,7 +17,7 @@ struct CandidatePair {
   int second = 0;
   double overlap = 0.0;  // share of the one's picture that the other sees; of unlike ones the wider's
 
-  bool operator==(const CandidatePair&) const = default;
+  auto operator<=>(const CandidatePair&) const = default;
 };
 
 // Sorted by (first, second). ground_sigma_m: how far off each photo may lie on the ground, one sigma.
