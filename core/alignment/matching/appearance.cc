@@ -152,12 +152,6 @@ Appearance Appearance::Learn(const std::vector<const PhotoFeatures*>& features, 
   return appearance;
 }
 
-double Appearance::Likeness(int first, int second) const {
-  if (lengths_[first] <= 0.0 || lengths_[second] <= 0.0) return -1.0;
-  return Dot(vectors_[first].data(), vectors_[second].data(), vectors_[first].size()) /
-         (lengths_[first] * lengths_[second]);
-}
-
 std::vector<std::vector<int>> Appearance::MostAlike(int most, int threads) const {
   const int count = static_cast<int>(vectors_.size());
   std::vector<std::vector<int>> alike(vectors_.size());
@@ -166,7 +160,8 @@ std::vector<std::vector<int>> Appearance::MostAlike(int most, int threads) const
     std::vector<std::pair<double, int>> ranked;
     for (int j = 0; j < count; ++j) {
       if (j == static_cast<int>(i) || lengths_[j] <= 0.0) continue;
-      ranked.emplace_back(-Likeness(static_cast<int>(i), j), j);
+      const std::int32_t dot = Dot(vectors_[i].data(), vectors_[j].data(), vectors_[i].size());
+      ranked.emplace_back(-(dot / (lengths_[i] * lengths_[j])), j);
     }
     alike[i] = LeastFew(std::move(ranked), most);
   });

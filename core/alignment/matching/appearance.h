@@ -16,9 +16,8 @@ class Appearance {
   // Of each photo; null: it looks like nothing.
   static Appearance Learn(const std::vector<const PhotoFeatures*>& features, int threads);
 
-  // Cosine, -1 to 1; -1 where one of them looks like nothing.
-  double Likeness(int first, int second) const;
-  // The photos most like each one, the likest first.
+  // The photos most like each one (by the cosine), the likest first; none of and for those that look like
+  // nothing.
   std::vector<std::vector<int>> MostAlike(int most, int threads) const;
 
  private:

@@ -11,6 +11,7 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr int kFarthest = std::numeric_limits<int>::max();
+constexpr double kMaxGrownLog2 = 0.6;  // of one keypoint against the other, on the ground
 
 SKYQUILT_VECTOR_CLONES int SquaredDistance(const Descriptor& a, const Descriptor& b) {
   int sum = 0;
@@ -34,7 +35,7 @@ struct ByCell {
 
 struct Wanted {
   std::complex<double> place;
-  double max_distance2, angle_rad, log2_scale, max_log2_scale, max_turn_rad;
+  double max_distance2, angle_rad, log2_scale, max_turn_rad;
 };
 
 // Marks which of the keypoints from `first` to before `last` are wanted.
@@ -54,9 +55,8 @@ SKYQUILT_VECTOR_CLONES void MarkWanted(const ByCell& cells, std::size_t first, s
     turn = turn > kTurn ? turn - kTurn : turn;
     turn = turn > kTurn ? turn - kTurn : turn;
     turn = std::min(turn, kTurn - turn);
-    is_wanted[k] =
-        static_cast<std::uint8_t>((de * de + dn * dn <= wanted.max_distance2) &
-                                  (grown <= wanted.max_log2_scale) & (turn <= wanted.max_turn_rad));
+    is_wanted[k] = static_cast<std::uint8_t>((de * de + dn * dn <= wanted.max_distance2) &
+                                             (grown <= kMaxGrownLog2) & (turn <= wanted.max_turn_rad));
   }
 }
 
@@ -159,8 +159,7 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
   for (int i = 0; i < count_first; ++i) {
     if (!projected_first[i].is_on_ground) continue;
     const GroundKeypoint& one = projected_first[i];
-    const Wanted wanted{one.place,      radius_m * radius_m,   one.angle_rad,
-                        one.log2_scale, window.max_log2_scale, window.max_turn_rad};
+    const Wanted wanted{one.place, radius_m * radius_m, one.angle_rad, one.log2_scale, window.max_turn_rad};
     index.ForEach(wanted, [&](int j) {
       const int distance = SquaredDistance(first.features->descriptors[i], second.features->descriptors[j]);
       of_first[i].Offer(distance, j, *second.features);

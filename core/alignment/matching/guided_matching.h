@@ -16,7 +16,6 @@ namespace skyquilt::alignment {
 struct MatchWindow {
   double radius_m = std::numeric_limits<double>::infinity();
   double max_turn_rad = std::numeric_limits<double>::infinity();
-  double max_log2_scale = 0.6;
   double max_distance_ratio = 0.85;
   int max_features = std::numeric_limits<int>::max();
 };
