@@ -1,14 +1,27 @@
 // ScaleSpace: a grey image blurred more and more, and the spots that stand out from it at their own size (D.
 // Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004). The image is taken as it is,
-// not doubled: who wants finer spots hands in more pixels. Values; any thread; the same on every machine.
+// not doubled: who wants finer spots hands in more pixels. Blurred to 16 bits of weights; beyond the edge the
+// last pixels go on. Values; any thread; the same on every machine.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "core/alignment/features/blurred_image.h"
+#include "core/base/pixel_bytes.h"
 
 namespace skyquilt::alignment {
+
+// A grey image in finer steps than bytes: rows without padding, in 128ths of a grey level, below 2^15.
+// Sides are of one pixel or more.
+struct BlurredImage {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint16_t, PixelAllocator<std::uint16_t>> values;
+
+  const std::uint16_t* Row(int y) const { return values.data() + static_cast<std::size_t>(y) * width_px; }
+  std::uint16_t* Row(int y) { return values.data() + static_cast<std::size_t>(y) * width_px; }
+};
 
 inline constexpr int kLayersAnOctave = 3;
 inline constexpr float kFirstBlurPx = 1.6F;  // of an octave's first layer, in the octave's pixels
