@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/alignment/estimators/absolute_pose.h"
-#include "core/alignment/from_images/resect_over_ground.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/base/trace.h"

@@ -21,8 +21,22 @@ std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph&
                                 const PhotoSet& used, int threads);
 
 // Takes in photos that `used` leaves until no more follow. The block is adjusted as a whole at the end. Where
-// no photo sees enough of the points, one that shows what placed ones show is taken in over the ground
-// (resect_over_ground.h), and the others follow it.
+// no photo sees enough of the points, one that shows what placed ones show is taken in over the ground, and
+// the others follow it.
 void GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block);
+
+struct GroundedPose {
+  int photo = 0;
+  geo::Rigid3 cam_from_world;
+  int agreeing = 0;  // matches
+};
+
+// Where a photo was taken that shares verified matches with placed photos but hardly any of their points,
+// because nothing is seen by three of them (a line of photos that overlap by half): what the matches show in
+// the placed photos is projected to the ground below these. The scale then comes from the ground's being
+// level there, the place from resection. Only where two placed photos agree, or one by many matches. The best
+// supported first. `pairs`: of the whole graph. `left_out`: photos that are not asked for.
+std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<GraphPair>& pairs,
+                                           const PhotoSet& left_out, int threads);
 
 }  // namespace skyquilt::alignment

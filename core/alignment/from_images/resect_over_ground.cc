@@ -1,4 +1,4 @@
-#include "core/alignment/from_images/resect_over_ground.h"
+#include "core/alignment/from_images/grow_block.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
