@@ -129,13 +129,6 @@ std::optional<VerifiedPair> VerifyOnGround(const std::vector<GroundView>& projec
   for (const KeypointMatch& match : matches) {
     places.emplace_back(of_first[match.first].place, of_second[match.second].place);
   }
-  const auto find_inliers = [&](const GroundSimilarity& motion, const Tolerance& tolerance) {
-    std::vector<int> inliers;
-    for (int k = 0; k < count; ++k) {
-      if (tolerance.Holds(places[k].second - motion * places[k].first)) inliers.push_back(k);
-    }
-    return inliers;
-  };
 
   const MatchedPlaces matched(places);
   const Tolerance loose = MakeTolerance(options, options.first_tolerance_m);
@@ -165,10 +158,14 @@ std::optional<VerifiedPair> VerifyOnGround(const std::vector<GroundView>& projec
     const double shrink = std::min(1.0, round / (kRefinements - 2.0));
     tolerance = MakeTolerance(options, std::pow(options.first_tolerance_m, 1.0 - shrink) *
                                            std::pow(options.last_tolerance_m, shrink));
-    inliers = find_inliers(best, tolerance);
-    if (static_cast<int>(inliers.size()) < options.min_matches) return std::nullopt;
+    inliers.clear();
     std::vector<std::pair<Complex, Complex>> kept;
-    for (const int k : inliers) kept.push_back(places[k]);
+    for (int k = 0; k < count; ++k) {
+      if (!tolerance.Holds(places[k].second - best * places[k].first)) continue;
+      inliers.push_back(k);
+      kept.push_back(places[k]);
+    }
+    if (static_cast<int>(inliers.size()) < options.min_matches) return std::nullopt;
     best = FitSimilarity(kept);
     const double scale = std::abs(best.turn_and_scale);
     if (scale > kMaxScale || scale < 1.0 / kMaxScale) return std::nullopt;
