@@ -8,22 +8,6 @@
 #include "core/base/parallel_for.h"
 
 namespace skyquilt::alignment {
-namespace {
-
-// The likest first, without those that another stands for.
-std::vector<int> Apart(int photo, const std::vector<int>& likest, int most, int apart) {
-  std::vector<int> chosen;
-  for (const int j : likest) {
-    if (static_cast<int>(chosen.size()) >= most) break;
-    if (apart > 0 && std::abs(j - photo) <= apart) continue;
-    const bool is_covered = apart > 0 && std::any_of(chosen.begin(), chosen.end(),
-                                                     [&](int other) { return std::abs(other - j) < apart; });
-    if (!is_covered) chosen.push_back(j);
-  }
-  return chosen;
-}
-
-}  // namespace
 
 PartnersByPhoto NextInOrder(const PairQuestion& question) {
   PartnersByPhoto partners(question.photos.size());
@@ -56,7 +40,17 @@ PartnersByPhoto LookingAlike(const PairQuestion& question) {
   PartnersByPhoto partners = question.appearance.MostAlike(looked_at, question.threads);
   for (int i = 0; i < static_cast<int>(partners.size()); ++i) {
     const int most = question.photos[i].position_in_enu ? options.alike : options.alike_unplaced;
-    partners[i] = Apart(i, partners[i], most, options.apart_in_order);
+    // The likest first, without those that another stands for.
+    std::vector<int> chosen;
+    for (const int j : partners[i]) {
+      if (static_cast<int>(chosen.size()) >= most) break;
+      const bool is_covered =
+          std::abs(j - i) <= options.apart_in_order ||
+          std::any_of(chosen.begin(), chosen.end(),
+                      [&](int other) { return std::abs(other - j) < options.apart_in_order; });
+      if (!is_covered) chosen.push_back(j);
+    }
+    partners[i] = std::move(chosen);
   }
   return partners;
 }
