@@ -92,14 +92,11 @@ constexpr double kMinShareOverGround = 0.5;
 constexpr double kMaxHeightStep = 6.0;  // a climb
 constexpr int kGroundPoseSamples = 300;
 
-struct Shown {
-  PointObservation observation;
-  int partner = 0;
-};
-
-std::vector<Shown> ShownOnGround(const Block& block, const BlockGround& ground,
-                                 const std::vector<const GraphPair*>& pairs, int photo) {
-  std::vector<Shown> shown;
+// Where on the ground placed photos show what this one shows; which of them, in `partners`.
+std::vector<PointObservation> ShownOnGround(const Block& block, const BlockGround& ground,
+                                            const std::vector<const GraphPair*>& pairs, int photo,
+                                            std::vector<int>& partners) {
+  std::vector<PointObservation> shown;
   const auto keypoint = [&](int of, int k) -> const Keypoint& {
     return block.input().photos[of].features->keypoints[k];
   };
@@ -112,7 +109,8 @@ std::vector<Shown> ShownOnGround(const Block& block, const BlockGround& ground,
       const auto point = ground.Lift(partner, {other.x_px, other.y_px});
       if (!point) continue;
       const double sigma_px = kGroundSigmas * block.input().photos[photo].features->sigma_px;
-      shown.push_back({{{own.x_px, own.y_px}, *point, sigma_px}, partner});
+      shown.push_back({{own.x_px, own.y_px}, *point, sigma_px});
+      partners.push_back(partner);
     }
   }
   return shown;
@@ -120,17 +118,16 @@ std::vector<Shown> ShownOnGround(const Block& block, const BlockGround& ground,
 
 std::optional<GroundedPose> ResectOne(const Block& block, const BlockGround& ground,
                                       const std::vector<const GraphPair*>& pairs, int photo) {
-  const std::vector<Shown> shown = ShownOnGround(block, ground, pairs, photo);
-  if (static_cast<int>(shown.size()) < kMinOverGround) return std::nullopt;
-  std::vector<PointObservation> observations;
-  for (const Shown& one : shown) observations.push_back(one.observation);
+  std::vector<int> partners;
+  const std::vector<PointObservation> observations = ShownOnGround(block, ground, pairs, photo, partners);
+  if (static_cast<int>(observations.size()) < kMinOverGround) return std::nullopt;
   const int min_inliers = std::max(
       kMinOverGround, static_cast<int>(kMinShareOverGround * static_cast<double>(observations.size())));
   const auto found = FindPose(block.Lens(photo), observations, 0x6E0DULL + static_cast<std::uint64_t>(photo),
                               {.min_inliers = min_inliers, .max_samples = kGroundPoseSamples});
   if (!found) return std::nullopt;
   std::map<int, int> of_partner;
-  for (const int k : found->inliers) ++of_partner[shown[k].partner];
+  for (const int k : found->inliers) ++of_partner[partners[k]];
   int agreeing_partners = 0, most = 0, nearest = -1;
   for (const auto& [partner, matches] : of_partner) {
     agreeing_partners += matches >= kFewOfAPair ? 1 : 0;
