@@ -273,8 +273,7 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
     sigmas.push_back(records.photos[i].sigma_m.z());
     heights.push_back(posed.photos[i].height_above_ground_m);
   }
-  std::optional<double> expected_height_m;
-  if (!heights.empty()) expected_height_m = Median(std::move(heights));
+  const std::optional<double> expected_height_m = MedianIfAny(std::move(heights));
   records.trusts_heights =
       expected_height_m && Median(std::move(sigmas)) < kTrustedHeightShare * *expected_height_m;
   for (std::size_t i = 0; i < count && records.trusts_heights; ++i) {
