@@ -10,13 +10,13 @@ AlignedFlight WithoutPhotos(const poses::PosedFlight& posed) {
   aligned.ground_z_in_enu_m = posed.ground_z_in_enu_m;
   aligned.left_out = posed.left_out;
   aligned.warnings = posed.warnings;
-  const std::vector<flight::Remark> assumed = poses::AssumptionsByPoses(posed.assumptions);
-  aligned.warnings.insert(aligned.warnings.end(), assumed.begin(), assumed.end());
   return aligned;
 }
 
 AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
   AlignedFlight aligned = WithoutPhotos(posed);
+  const std::vector<flight::Remark> assumed = poses::AssumptionsByPoses(posed.assumptions);
+  aligned.warnings.insert(aligned.warnings.end(), assumed.begin(), assumed.end());
   aligned.photos.reserve(posed.photos.size());
   for (const poses::PosedPhoto& photo : posed.photos) {
     aligned.photos.push_back({.photo = photo.photo,

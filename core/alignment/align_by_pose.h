@@ -8,7 +8,7 @@
 
 namespace skyquilt::alignment {
 
-// The flight before any photo has its place.
+// The flight before any photo has its place, and before it is told what became of its assumptions.
 AlignedFlight WithoutPhotos(const poses::PosedFlight& posed);
 
 AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed);

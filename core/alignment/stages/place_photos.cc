@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 
+#include "core/alignment/align_by_pose.h"
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/stages/attempt_steps.h"
@@ -183,11 +184,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
   const poses::PosedFlight& posed = attempt.posed;
   const BundleProblem& problem = attempt.problem;
   const std::vector<CorrectedPose>& corrected = attempt.matched.corrected;
-  AlignedFlight flight;
-  flight.frame = posed.frame;
-  flight.ground_z_in_enu_m = posed.ground_z_in_enu_m;
-  flight.left_out = posed.left_out;
-  flight.warnings = posed.warnings;
+  AlignedFlight flight = WithoutPhotos(posed);
 
   const std::optional<double> shared_error_m = ControlErrorM(report);
   const std::vector<std::string> names = extracted.Names();
