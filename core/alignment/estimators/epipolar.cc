@@ -24,20 +24,20 @@ constexpr int kHomographyRefinements = 3;
 constexpr double kMinDepth = 1e-3;  // of the middle's: nearer to the horizon nothing is believed
 
 // To the mean zero and the mean distance of sqrt(2).
-Matrix3d Unit(const std::vector<RayPair>& pairs, const std::vector<int>& used, Vector2d RayPair::*side) {
+Matrix3d Unit(const std::vector<RayPair>& pairs, Vector2d RayPair::*side) {
   Vector2d mean = Vector2d::Zero();
-  for (const int k : used) mean += pairs[k].*side;
-  mean /= static_cast<double>(used.size());
+  for (const RayPair& pair : pairs) mean += pair.*side;
+  mean /= static_cast<double>(pairs.size());
   double spread = 0.0;
-  for (const int k : used) spread += (pairs[k].*side - mean).norm();
-  spread /= static_cast<double>(used.size());
+  for (const RayPair& pair : pairs) spread += (pair.*side - mean).norm();
+  spread /= static_cast<double>(pairs.size());
   const double scale = spread > 1e-12 ? std::sqrt(2.0) / spread : 1.0;
   Matrix3d unit;
   unit << scale, 0.0, -scale * mean.x(), 0.0, scale, -scale * mean.y(), 0.0, 0.0, 1.0;
   return unit;
 }
 
-// The same of all pairs; nothing where they lie in one place.
+// The same; nothing where they lie in one place.
 std::optional<Matrix3d> Normaliser(const std::vector<RayPair>& pairs, Vector2d RayPair::*side) {
   const auto count = static_cast<double>(pairs.size());
   Vector2d mean = Vector2d::Zero();
@@ -51,10 +51,19 @@ std::optional<Matrix3d> Normaliser(const std::vector<RayPair>& pairs, Vector2d R
   return normaliser;
 }
 
-// The map whose nine numbers the normal equations of normalised pairs leave least of; nothing where they
-// leave a second one `open_share` of the most.
-std::optional<Matrix3d> LeastMap(const Eigen::Matrix<double, 9, 9>& normal, double open_share,
+// The map whose nine numbers the pairs, each side normalised, leave least of; nothing where they leave a
+// second one `open_share` of the most.
+std::optional<Matrix3d> LeastMap(const std::vector<RayPair>& pairs, double open_share,
                                  const Matrix3d& of_first, const Matrix3d& of_second) {
+  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+  for (const RayPair& pair : pairs) {
+    const Vector3d a = of_first * pair.first.homogeneous();
+    const Vector3d b = of_second * pair.second.homogeneous();
+    Eigen::Matrix<double, 2, 9> rows;
+    rows << a.transpose(), Eigen::RowVector3d::Zero(), -b.x() * a.transpose(), Eigen::RowVector3d::Zero(),
+        a.transpose(), -b.y() * a.transpose();
+    normal += rows.transpose() * rows;
+  }
   const geo::SymmetricEigen eigen = geo::EigenOfSymmetric(normal);
   if (!eigen.converged || eigen.values[1] < open_share * eigen.values[8]) return std::nullopt;
   const Eigen::Matrix<double, 9, 1> found = eigen.vectors.col(0);
@@ -131,20 +140,11 @@ Cubic Times(const Quadratic& a, const Linear& b) {
 
 std::optional<Matrix3d> FitHomography(const std::vector<RayPair>& pairs, const std::vector<int>& used) {
   if (used.size() < 4) return std::nullopt;
-  const Matrix3d of_first = Unit(pairs, used, &RayPair::first);
-  const Matrix3d of_second = Unit(pairs, used, &RayPair::second);
-  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
-  for (const int k : used) {
-    const RayPair& pair = pairs[k];
-    const Vector3d a = of_first * pair.first.homogeneous();
-    const Vector3d b = of_second * pair.second.homogeneous();
-    Eigen::Matrix<double, 2, 9> rows;
-    rows << a.transpose(), Eigen::RowVector3d::Zero(), -b.x() * a.transpose(), Eigen::RowVector3d::Zero(),
-        a.transpose(), -b.y() * a.transpose();
-    normal += rows.transpose() * rows;
-  }
+  const std::vector<RayPair> chosen = Chosen(pairs, used);
+  const Matrix3d of_first = Unit(chosen, &RayPair::first);
+  const Matrix3d of_second = Unit(chosen, &RayPair::second);
   // Two ways to map them alike well: three of four lie on a line.
-  const std::optional<Matrix3d> homography = LeastMap(normal, 1e-9, of_first, of_second);
+  const std::optional<Matrix3d> homography = LeastMap(chosen, 1e-9, of_first, of_second);
   if (!homography) return std::nullopt;
   const double determinant = homography->determinant();
   const double size = homography->norm();
@@ -157,16 +157,7 @@ std::optional<Matrix3d> FitHomography(const std::vector<RayPair>& pairs) {
   const std::optional<Matrix3d> of_first = Normaliser(pairs, &RayPair::first);
   const std::optional<Matrix3d> of_second = Normaliser(pairs, &RayPair::second);
   if (!of_first || !of_second) return std::nullopt;
-  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
-  for (const RayPair& pair : pairs) {
-    const Vector3d from = *of_first * pair.first.homogeneous();
-    const Vector3d to = *of_second * pair.second.homogeneous();
-    Eigen::Matrix<double, 2, 9> rows;
-    rows << Eigen::RowVector3d::Zero(), -from.transpose(), to.y() * from.transpose(),  //
-        from.transpose(), Eigen::RowVector3d::Zero(), -to.x() * from.transpose();
-    normal += rows.transpose() * rows;
-  }
-  std::optional<Matrix3d> homography = LeastMap(normal, 1e-12, *of_first, *of_second);
+  std::optional<Matrix3d> homography = LeastMap(pairs, 1e-12, *of_first, *of_second);
   if (!homography || std::abs((*homography)(2, 2)) < 1e-12 * homography->norm()) return std::nullopt;
   *homography /= (*homography)(2, 2);
   return homography;
