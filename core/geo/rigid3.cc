@@ -35,6 +35,10 @@ Eigen::Vector3d VectorFromRotation(const Eigen::Quaterniond& rotation) {
   return (2.0 * std::atan2(sine, q.w()) / sine) * q.vec();
 }
 
+Eigen::Vector3d TurnAgainst(const Rigid3& now, const Rigid3& before) {
+  return VectorFromRotation((now.rotation * before.rotation.conjugate()).normalized());
+}
+
 Eigen::Quaterniond RotationToZ(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d from = direction.normalized();
   const Eigen::Vector3d to = Eigen::Vector3d::UnitZ();

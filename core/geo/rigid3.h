@@ -27,6 +27,9 @@ struct Rigid3 {
 Eigen::Quaterniond RotationFromVector(const Eigen::Vector3d& omega_rad);
 Eigen::Vector3d VectorFromRotation(const Eigen::Quaterniond& rotation);
 
+// By how much the first is turned against the second, both from one source: in the axes of the target.
+Eigen::Vector3d TurnAgainst(const Rigid3& now, const Rigid3& before);
+
 // The shortest rotation of this direction (of any length but 0) into that of z. Eigen's FromTwoVectors brings
 // a decomposition along for each kind of argument, which takes its callers 15 seconds to compile.
 Eigen::Quaterniond RotationToZ(const Eigen::Vector3d& direction);

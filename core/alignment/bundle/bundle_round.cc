@@ -257,8 +257,7 @@ class Round {
 
   void AddPriors(std::size_t i) {
     const BundlePhoto& photo = bundle_.photos[i];
-    const Eigen::Vector3d turned = geo::VectorFromRotation(
-        (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized());
+    const Eigen::Vector3d turned = geo::TurnAgainst(photo.cam_from_enu, photo.prior_cam_from_enu);
     const Eigen::Vector3d moved =
         photo.cam_from_enu.TargetOriginInSource() - photo.prior_cam_from_enu.TargetOriginInSource();
     ceres_.AddResidualBlock(Derived<3, kPoseSize, 3>(AttitudeResidual{turned, photo.sigma_attitude_rad}),

@@ -80,8 +80,7 @@ void ReweighAttitudes(const PhotoSet& tied, BundleProblem& problem) {
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
     const BundlePhoto& photo = problem.photos[i];
     if (!tied.Has(i) || photo.is_fixed) continue;
-    turns_of_line[photo.line].push_back(geo::VectorFromRotation(
-        (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized()));
+    turns_of_line[photo.line].push_back(geo::TurnAgainst(photo.cam_from_enu, photo.prior_cam_from_enu));
   }
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> apart;

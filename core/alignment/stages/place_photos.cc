@@ -79,10 +79,6 @@ Learnt Learn(const std::vector<Eigen::Vector3d>& turns, const std::vector<Eigen:
   return learnt;
 }
 
-Eigen::Vector3d TurnAgainst(const geo::Rigid3& now, const geo::Rigid3& before) {
-  return geo::VectorFromRotation((now.rotation * before.rotation.conjugate()).normalized());
-}
-
 std::vector<PhotoFault> Faults(const CorrectedPose& corrected, const PhotoDoubt& doubt) {
   std::vector<PhotoFault> faults;
   if (corrected.position_was_wrong) faults.push_back(PhotoFault::kPositionWrong);
@@ -205,7 +201,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
     if (corrected[i].position_was_wrong || corrected[i].yaw_was_wrong || (own && own->is_repeated)) continue;
     const geo::Rigid3& prior = corrected[i].prior_cam_from_enu;
     const geo::Rigid3& now = problem.photos[i].cam_from_enu;
-    all_turns.push_back(TurnAgainst(now, prior));
+    all_turns.push_back(geo::TurnAgainst(now, prior));
     all_shifts.push_back(now.TargetOriginInSource() - prior.TargetOriginInSource() - by_clock_m(i));
     turns[problem.photos[i].line].push_back(all_turns.back());
     shifts[problem.photos[i].line].push_back(all_shifts.back());
@@ -285,7 +281,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
       return AxisOnGround(pose.rotation.conjugate(), pose.TargetOriginInSource(), posed.ground_z_in_enu_m);
     };
     told.moved_m = (axis_on_ground(photo.cam_from_enu) - axis_on_ground(before.cam_from_enu)).norm();
-    told.turned_deg = geo::RadToDeg(TurnAgainst(photo.cam_from_enu, before.cam_from_enu).norm());
+    told.turned_deg = geo::RadToDeg(geo::TurnAgainst(photo.cam_from_enu, before.cam_from_enu).norm());
     told.faults = Faults(corrected[i], doubt);
     report.aligned += photo.placement == Placement::kAligned ? 1 : 0;
     flight.photos.push_back(std::move(photo));
