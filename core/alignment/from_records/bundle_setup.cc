@@ -75,13 +75,17 @@ BundleLens MakeLens(const flight::Photo& photo, int photos) {
 
 // Angles of an aircraft without gimbal are worth far less than those of one with; the line's common error is
 // not counted.
-void ReweighAttitudes(const PhotoSet& tied, BundleProblem& problem) {
+void ReweighAttitudes(BundleProblem& problem) {
+  const PhotoSet tied = ObservingPhotos(problem.photos.size(), problem.tracks);
+  std::size_t records = 0;
   std::map<int, std::vector<Eigen::Vector3d>> turns_of_line;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
     const BundlePhoto& photo = problem.photos[i];
     if (!tied.Has(i) || photo.is_fixed) continue;
     turns_of_line[photo.line].push_back(geo::TurnAgainst(photo.cam_from_enu, photo.prior_cam_from_enu));
+    records += photo.has_record ? 1 : 0;
   }
+  if (records < kFewestReweighed) return;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> apart;
     for (const auto& [line, turns] : turns_of_line) {
@@ -274,13 +278,7 @@ bool ReweighPositions(BundleProblem& problem) {
 }
 
 bool ReweighPriors(BundleProblem& problem) {
-  const PhotoSet tied = ObservingPhotos(problem.photos.size(), problem.tracks);
-  std::size_t records = 0;
-  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
-    const BundlePhoto& photo = problem.photos[i];
-    records += tied.Has(i) && photo.has_record && !photo.is_fixed ? 1 : 0;
-  }
-  if (records >= kFewestReweighed) ReweighAttitudes(tied, problem);
+  ReweighAttitudes(problem);
   return ReweighPositions(problem);
 }
 
