@@ -133,10 +133,7 @@ void FindTiedLooks(const std::vector<Track>& tracks, const std::vector<int>& com
   for (std::size_t i = 0; i < looks.size(); ++i) {
     flight.photos[i].tied_look_rad = 0.0;
     if (looks[i].size() < kFewestTied) continue;
-    const auto outer =
-        looks[i].begin() + static_cast<std::ptrdiff_t>(kTiedShare * static_cast<double>(looks[i].size() - 1));
-    std::nth_element(looks[i].begin(), outer, looks[i].end());
-    flight.photos[i].tied_look_rad = *outer;
+    flight.photos[i].tied_look_rad = Percentile(std::move(looks[i]), kTiedShare);
   }
 }
 
