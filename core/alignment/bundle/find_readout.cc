@@ -1,6 +1,5 @@
 #include "core/alignment/bundle/find_readout.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/base/median.h"

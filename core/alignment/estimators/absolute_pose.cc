@@ -1,7 +1,6 @@
 #include "core/alignment/estimators/absolute_pose.h"
 
 #include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>

@@ -1,7 +1,6 @@
 #include "core/alignment/estimators/rotation_averaging.h"
 
 #include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <numeric>
 
