@@ -21,7 +21,6 @@ struct PhotoDoubt {
   std::optional<double> sharpness;
   bool is_blurred = false;         // far less sharp than others of the same ground
   bool shows_other_place = false;  // rich in detail, yet nothing in common with photos that overlap and agree
-  bool IsAny() const { return copy_of || is_blurred || shows_other_place; }
 };
 
 // `pairs` were compared, `verified` are the pairs verified in the end, over `relief`.

@@ -260,13 +260,10 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
     said.insert(said.end(), corrected[i].notes.begin(), corrected[i].notes.end());
     const PhotoDoubt& doubt = doubts[i];
     photo.sharpness = doubt.sharpness;
-    if (doubt.IsAny()) {
-      for (Remark& remark : DoubtsInRemarks(doubt, names)) said.push_back(std::move(remark));
-      // As good as nowhere: the map takes it only where it has nothing else.
-      if (doubt.shows_other_place) {
-        photo.error_radius_m = std::max(photo.error_radius_m, before.height_above_ground_m);
-      }
-    }
+    for (Remark& remark : DoubtsInRemarks(doubt, names)) said.push_back(std::move(remark));
+    // As good as nowhere: the map takes it only where it has nothing else.
+    if (doubt.shows_other_place)
+      photo.error_radius_m = std::max(photo.error_radius_m, before.height_above_ground_m);
     AlignPhotoReport& told = report.photo_reports[i];
     told.placement = photo.placement;
     told.remarks = said;
