@@ -44,39 +44,6 @@ std::size_t FindDefinition(const std::string& lower) {
   return first;
 }
 
-// "epsg:32615", "EPSG::32615", "epsg 32615+5773", "EPSG::32615,crs:EPSG::5773" of a URN, wherever it stands
-// in `line`.
-std::string_view CodeIn(std::string_view line, const std::string& lower) {
-  constexpr std::size_t kFewestDigits = 4;
-  constexpr std::string_view kBetween = " :=-_/.";
-  const std::size_t begin = lower.find("epsg");
-  if (begin == std::string::npos) return {};
-  const auto past = [&](std::size_t at, auto is_meant) {
-    while (at < lower.size() && is_meant(lower[at])) ++at;
-    return at;
-  };
-  const auto is_between = [&](char c) { return kBetween.find(c) != std::string_view::npos; };
-  const auto is_blank = [](char c) { return c == ' '; };
-  const auto past_code = [&](std::size_t at) {
-    if (lower.compare(at, 4, "epsg") == 0) at += 4;
-    at = past(at, is_between);
-    if (lower.compare(at, 2, "0/") == 0) at += 2;  // ".../crs/epsg/0/32615"
-    const std::size_t end = past(at, IsDigit);
-    return end - at < kFewestDigits ? std::string::npos : end;
-  };
-  const std::size_t end = past_code(begin);
-  if (end == std::string::npos) return {};
-  const std::size_t joined = past(end, is_blank);
-  std::size_t vertical = std::string::npos;  // the code of the heights
-  if (joined < lower.size() && lower[joined] == '+') vertical = past(joined + 1, is_blank);
-  for (const std::string_view join : {",crs:", "&2="}) {  // of URNs and of URLs
-    if (lower.compare(joined, join.size(), join) == 0)
-      vertical = std::min(lower.find("epsg", joined), lower.size());
-  }
-  if (vertical == std::string::npos) return line.substr(begin, end - begin);
-  return line.substr(begin, std::min(past_code(vertical), line.size()) - begin);
-}
-
 // "CoordinateSystem:", "CRS:": what stands before the first colon with a blank behind it.
 bool SaysSystem(std::string_view label) {
   return HoldsOneOf(LowerCase(label), {"system", "crs", "srs", "projection"});
@@ -88,7 +55,7 @@ SystemLine SystemOfLine(std::string_view line, LineReader& lines) {
   const std::string lower = LowerCase(line.substr(0, kLongestSystem));
   if (const std::size_t at = FindDefinition(lower); at != std::string::npos)
     return {WholeSystem(line.substr(at), lines), true};
-  if (const std::string_view code = CodeIn(line, lower); !code.empty()) return {code, true};
+  if (const auto code = geo::FindEpsgCode(lower)) return {line.substr(code->begin, code->length), true};
   const bool is_comment = line.starts_with('#');
   const std::size_t colon = line.substr(0, kLongestSystem).find(": ");
   if (colon != std::string_view::npos && SaysSystem(line.substr(0, colon)))

@@ -63,28 +63,50 @@ std::size_t PastJoin(const std::string& lower, std::size_t at) {
   return at;
 }
 
-// "epsg:32615+5773", "epsg 32615", "urn:ogc:def:crs:epsg::32615", ".../crs/epsg/0/32615", and compound ones.
-std::optional<std::string> EpsgCodeIn(const std::string& lower) {
+constexpr std::size_t kFewestDigits = 4, kMostDigits = 6;  // of a code
+
+// Past "epsg" at `at`, what joins it to a code and the version of the register: "epsg-code: ", "epsg.io/",
+// "epsg/0/", "epsg:9.8.5:".
+std::size_t PastAuthority(const std::string& lower, std::size_t at) {
+  constexpr std::string_view kBetween = " :=-_/.";
+  const auto past = [&](std::string_view letters, std::size_t from) {
+    return std::min(lower.find_first_not_of(letters, from), lower.size());
+  };
+  if (lower.compare(at, 4, "epsg") == 0) at += 4;
+  at = past(kBetween, at);
+  for (const std::string_view word : {"code", "io"}) {
+    if (lower.compare(at, word.size(), word) == 0) at = past(kBetween, at + word.size());
+  }
+  const std::size_t end = past("0123456789.", at);
+  const bool is_version = DigitsAt(lower, at).size() < kFewestDigits && end < lower.size() &&
+                          (lower[end] == ':' || lower[end] == '/');
+  return is_version ? past(kBetween, end) : at;
+}
+
+}  // namespace
+
+std::optional<EpsgCode> FindEpsgCode(const std::string& lower) {
   const std::size_t begin = lower.find("epsg");
   if (begin == std::string::npos) return std::nullopt;
-  const auto code_at = [&](std::size_t from) {
-    std::size_t at = from;
-    if (lower.compare(at, 4, "epsg") == 0) at += 4;
-    if (lower.compare(at, 3, "/0/") == 0) at += 3;
-    while (at < lower.size() && std::string_view(" :=-_/.").find(lower[at]) != std::string_view::npos) ++at;
-    return DigitsAt(lower, at);
+  const std::string_view code = DigitsAt(lower, PastAuthority(lower, begin));
+  if (code.size() < kFewestDigits) return std::nullopt;
+  const auto end_of = [&](std::string_view digits) {
+    return static_cast<std::size_t>(digits.data() - lower.data()) + digits.size();
   };
-  const auto is_code = [](std::string_view digits) { return digits.size() >= 4 && digits.size() <= 6; };
-  const std::string_view code = code_at(begin);
-  if (!is_code(code)) return std::nullopt;
   std::string definition = "EPSG:" + std::string(code);
-  const std::size_t end = static_cast<std::size_t>(code.data() - lower.data()) + code.size();
-  const std::size_t joined = PastJoin(lower, end);
-  if (joined == end) return definition;
-  const std::string_view vertical = code_at(joined);
-  if (!is_code(vertical)) return std::nullopt;
-  return definition + "+" + std::string(vertical);
+  bool may_be_known = code.size() <= kMostDigits;
+  std::size_t end = end_of(code);
+  if (const std::size_t joined = PastJoin(lower, end); joined != end) {
+    const std::string_view vertical = DigitsAt(lower, PastAuthority(lower, joined));
+    const bool is_code = vertical.size() >= kFewestDigits;
+    definition += "+" + std::string(vertical);
+    may_be_known = may_be_known && is_code && vertical.size() <= kMostDigits;
+    end = is_code ? end_of(vertical) : lower.size();
+  }
+  return EpsgCode{begin, end - begin, may_be_known ? definition : std::string()};
 }
+
+namespace {
 
 // Words of letters and of digits: "utm zone16n" as utm, zone, 16, n.
 std::vector<std::string> WordsIn(const std::string& lower) {
@@ -225,11 +247,12 @@ PjPtr CreateSystem(PJ_CONTEXT* context, std::string_view line) {
   if (lower.starts_with("+proj=")) {
     return IsForbidden(lower, true) ? Owned(nullptr) : create(std::string(line) + " +type=crs");
   }
-  if (const auto code = EpsgCodeIn(lower)) return create(*code);
+  if (const auto code = FindEpsgCode(lower); code && !code->definition.empty())
+    return create(code->definition);
   const bool is_bare_code = DigitsAt(line, 0).size() == line.size() && line.size() >= 4 && line.size() <= 6;
   if (is_bare_code) return create("EPSG:" + std::string(line));
   const std::string letters = LettersOf(line);
-  if (letters == "wgs84" || letters == "crs84" || letters == "ogccrs84") return create("EPSG:4326");
+  if (letters == "wgs84" || letters.ends_with("crs84")) return create("EPSG:4326");
   if (const auto utm = UtmIn(IsZoneAlone(line) ? "utm " + lower : lower)) {
     return utm->starts_with("EPSG:") ? create(*utm) : FindByName(context, *utm);
   }

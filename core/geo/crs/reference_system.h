@@ -7,6 +7,7 @@
 // kUnsupportedFormat for a line that names none.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +30,15 @@ struct InexactShift {
   double error_m = 0.0;     // of the best operation that is installed, as PROJ has it
   bool lacks_grid = false;  // a better one needs a grid file that is not installed
 };
+
+// A code of EPSG, where it stands in a line.
+struct EpsgCode {
+  std::size_t begin = 0, length = 0;
+  std::string definition;  // "EPSG:32615", "EPSG:32615+5773"; empty: it can be none of its codes
+};
+// Of a line in small letters: "epsg:32615", "epsg 32615+5773", "epsg-code: 32615", in URNs and URLs with the
+// version of the register or without. Nothing where it holds none.
+std::optional<EpsgCode> FindEpsgCode(const std::string& lower);
 
 class ReferenceSystem {
  public:

@@ -14,7 +14,9 @@ namespace {
 TEST(ReferenceSystem, IsReadInTheFormsThatPeopleWrite) {
   for (const char* line :
        {"EPSG:32615", "epsg 32615", "EPSG: 32615", "# EPSG:32615", "\"EPSG:32615\"", "32615",
-        "urn:ogc:def:crs:EPSG::32615", "EPSG:32615+5773", "EPSG:32615+EPSG:5773",
+        "urn:ogc:def:crs:EPSG::32615", "urn:ogc:def:crs:EPSG:9.8.5:32615", "EPSG-Code: 32615",
+        "https://www.opengis.net/def/crs/EPSG/0/32615", "https://www.opengis.net/def/crs/EPSG/9.9.1/32615",
+        "https://epsg.io/32615", "EPSG:32615+5773", "EPSG:32615+EPSG:5773",
         "urn:ogc:def:crs,crs:EPSG::32615,crs:EPSG::5773", "WGS84 UTM 15N", "wgs84 utm zone 15 north",
         "WGS 84 / UTM zone 15N", "UTM 15N", "WGS84_UTM_Zone_15N",
         "+proj=utm +zone=15 +datum=WGS84 +units=m +no_defs", "NAD83 / UTM zone 15N", "nad83 utm 15n"}) {
@@ -26,7 +28,8 @@ TEST(ReferenceSystem, IsReadInTheFormsThatPeopleWrite) {
     EXPECT_NEAR(place->lon_deg, -91.99451, 2e-5) << line;
     EXPECT_FALSE(system->is_geographic()) << line;
   }
-  for (const char* line : {"EPSG:4326", "WGS84", "WGS 84", "CRS84", "EPSG:4979"}) {
+  for (const char* line :
+       {"EPSG:4326", "WGS84", "WGS 84", "CRS84", "urn:ogc:def:crs:OGC:1.3:CRS84", "EPSG:4979"}) {
     const auto system = ReferenceSystem::Parse(line);
     ASSERT_TRUE(system.ok()) << line;
     EXPECT_TRUE(system->is_geographic()) << line;
@@ -82,6 +85,7 @@ TEST(ReferenceSystem, KnowsItsUnitsAndItsArea) {
   EXPECT_TRUE(metres_up->heights_are_above_sea());
   EXPECT_FALSE(feet->heights_are_above_sea());
   for (const char* line : {"EPSG::26849,crs:EPSG::5703", "urn:ogc:def:crs,crs:EPSG::26849,crs:EPSG::5703",
+                           "urn:ogc:def:crs,crs:EPSG:9.8.5:26849,crs:EPSG:9.8.5:5703",
                            "http://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/EPSG/0/"
                            "26849&2=http://www.opengis.net/def/crs/EPSG/0/5703"}) {
     const auto compound = ReferenceSystem::Parse(line);

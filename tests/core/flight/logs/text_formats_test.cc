@@ -271,6 +271,7 @@ TEST(ParseGeoTxt, LeavesListsWithNamesOfColumnsToTheReaderOfNames) {
 
 TEST(ParseGeoTxt, CountsHeightsOfACompoundSystemFromTheSea) {
   for (const char* system : {"EPSG:32615+5773", "urn:ogc:def:crs,crs:EPSG::32615,crs:EPSG::5773",
+                             "urn:ogc:def:crs,crs:EPSG:9.8.5:32615,crs:EPSG:9.8.5:5773",
                              "CRS: http://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/"
                              "EPSG/0/32615&2=http://www.opengis.net/def/crs/EPSG/0/5773"}) {
     const std::string text = std::string(system) + "\na.jpg 576667.1 5188164.6 198.3\n";
