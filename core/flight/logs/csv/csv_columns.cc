@@ -176,19 +176,21 @@ bool SaysClock(std::string_view words) {
   return HoldsOneOf(words, {"utc", "gmt", "gpst", "local", "iso", "hh:mm"});
 }
 
-// "Time (UTC)" and "UTC+0", but not "Time (UTC+2)" and "UTC + 2": that is a local clock, whose zone the
-// photos tell.
+// "Time (UTC)" and "UTC+0", but not "Time (UTC+2)", "UTC + 2" and "UTC time (UTC+2)": that is a local clock,
+// whose zone the photos tell.
 bool SaysUtc(std::string_view lower) {
+  bool says_utc = false;
   for (const std::string_view word : {"utc", "gmt"}) {
-    const std::size_t at = lower.find(word);
-    if (at == std::string_view::npos) continue;
-    const std::string_view behind = Trim(lower.substr(at + word.size()));
-    const std::size_t sign = behind.starts_with('+') ? 1 : LengthOfMinus(behind);
-    const std::string_view offset = Trim(behind.substr(sign));
-    const std::string_view digits = offset.substr(0, offset.find_first_not_of("0123456789:"));
-    if (sign == 0 || digits.find_first_of("123456789") == std::string_view::npos) return true;
+    for (std::size_t at = lower.find(word); at != std::string_view::npos; at = lower.find(word, at + 1)) {
+      const std::string_view behind = Trim(lower.substr(at + word.size()));
+      const std::size_t sign = behind.starts_with('+') ? 1 : LengthOfMinus(behind);
+      const std::string_view offset = Trim(behind.substr(sign));
+      const std::string_view digits = offset.substr(0, offset.find_first_not_of("0123456789:"));
+      if (sign > 0 && digits.find_first_of("123456789") != std::string_view::npos) return false;
+      says_utc = true;
+    }
   }
-  return false;
+  return says_utc;
 }
 
 // "Time (GPST)" and "GPSTimestamp (GPST)", but not "GPSTime", as programs call UTC too.
