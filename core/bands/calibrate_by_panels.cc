@@ -156,6 +156,27 @@ std::size_t DropOtherDays(const std::vector<const flight::Photo*>& ground, std::
   return std::erase_if(pictures, is_of_another_day);
 }
 
+// Where the pictures of one day end and those of the next begin.
+std::vector<flight::UtcTime> EndsOfDays(const std::vector<const flight::Photo*>& pictures) {
+  constexpr std::chrono::hours kNight{12};
+  std::vector<flight::UtcTime> times, ends;
+  for (const flight::Photo* picture : pictures) {
+    if (picture->captured_at) times.push_back(*picture->captured_at);
+  }
+  std::sort(times.begin(), times.end());
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    if (times[k] - times[k - 1] > kNight) ends.push_back(times[k - 1] + (times[k] - times[k - 1]) / 2);
+  }
+  return ends;
+}
+
+// The camera, and the day among those of its panels; without a clock none of several.
+std::string GroupOf(const flight::Photo& photo, const std::vector<flight::UtcTime>& ends) {
+  if (!photo.captured_at) return photo.camera_key + (ends.empty() ? "|0" : "|");
+  return fmt::format("{}|{}", photo.camera_key,
+                     std::upper_bound(ends.begin(), ends.end(), *photo.captured_at) - ends.begin());
+}
+
 // What is doubtful in how photos of the ground are held against pictures of panels.
 struct Doubts {
   double farthest_h = 0.0;
@@ -166,7 +187,7 @@ void ApplyPanels(std::vector<Measured> pictures, const std::string& band, Flight
                  Doubts& doubts) {
   const std::vector<const flight::Photo*> ground = PhotosOf(captures, band);
   const std::size_t dropped = DropOtherDays(ground, pictures);
-  FactorsByCamera factors;
+  WitnessedFactors factors;
   std::map<std::string, std::vector<const flight::Photo*>> by_camera;
   std::vector<const flight::Photo*> all;
   const auto values = std::find_if(captures.bands.begin(), captures.bands.end(),
@@ -174,10 +195,20 @@ void ApplyPanels(std::vector<Measured> pictures, const std::string& band, Flight
   // It knows how the light changes.
   const bool has_light_sensor = values->calibration != Calibration::kRadiance;
   for (const Measured& picture : pictures) {
-    factors[picture.photo->camera_key].push_back(picture.factor);
     by_camera[picture.photo->camera_key].push_back(picture.photo);
     all.push_back(picture.photo);
   }
+  bool has_several_days = false;
+  std::map<std::string, std::vector<flight::UtcTime>> ends_by_camera;
+  for (const auto& [camera, of_camera] : by_camera) {
+    const auto& ends = ends_by_camera[camera] = EndsOfDays(of_camera);
+    has_several_days |= !ends.empty();
+  }
+  factors.group_of = [&](const flight::Photo& photo) {
+    return GroupOf(photo, ends_by_camera[photo.camera_key]);
+  };
+  for (const Measured& picture : pictures)
+    factors.by_group[factors.group_of(*picture.photo)].push_back(picture.factor);
   for (const flight::Photo* photo : ground) {
     const auto own = by_camera.find(photo->camera_key);
     const bool is_of_other = own == by_camera.end();
@@ -189,6 +220,7 @@ void ApplyPanels(std::vector<Measured> pictures, const std::string& band, Flight
   std::string method = fmt::format("by {} picture{} of {}", pictures.size(), pictures.size() == 1 ? "" : "s",
                                    pictures.front().panel);
   if (dropped > 0) method += fmt::format(" without {} of another day", dropped);
+  if (has_several_days) method += ", each day by its own";
   ScaleBand(captures, band, factors, HeldAgainst::kPanel, method, flight.warnings);
 }
 

@@ -336,17 +336,17 @@ Captures SetBandsApart(Flight& flight, int threads) {
   return apart;
 }
 
-double ScaleBand(Captures& captures, const std::string& band, const FactorsByCamera& factors, HeldAgainst by,
+double ScaleBand(Captures& captures, const std::string& band, const WitnessedFactors& factors, HeldAgainst by,
                  const std::string& method, std::vector<flight::Remark>& warnings) {
-  SKYQUILT_CHECK(!factors.empty(), "a band is scaled by what somebody says");
-  std::map<std::string, double> by_camera;
+  SKYQUILT_CHECK(!factors.by_group.empty(), "a band is scaled by what somebody says");
+  std::map<std::string, double> by_group;
   std::vector<double> all;
   double apart = 0.0;
-  for (const auto& [camera, told] : factors) {
+  for (const auto& [group, told] : factors.by_group) {
     const double factor = MiddleOf(told);
     const auto [least, most] = std::minmax_element(told.begin(), told.end());
     apart = std::max(apart, (*most - *least) / factor);
-    by_camera[camera] = factor;
+    by_group[group] = factor;
     all.insert(all.end(), told.begin(), told.end());
   }
   const double of_all = MiddleOf(std::move(all));
@@ -359,8 +359,8 @@ double ScaleBand(Captures& captures, const std::string& band, const FactorsByCam
   for (Capture& capture : captures.captures) {
     for (BandPhoto& photo : capture.photos) {
       if (photo.facts.name != band) continue;
-      const auto own = by_camera.find(photo.photo.camera_key);
-      photo.facts.radiometry.per_level *= own == by_camera.end() ? of_all : own->second;
+      const auto own = by_group.find(factors.group_of ? factors.group_of(photo.photo) : std::string());
+      photo.facts.radiometry.per_level *= own == by_group.end() ? of_all : own->second;
       photo.facts.radiometry.calibration = Calibration::kReflectance;
     }
   }

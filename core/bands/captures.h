@@ -7,6 +7,7 @@
 // done to captures (ScaleBand) and told of them (BandsReport).
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -73,15 +74,18 @@ struct BandsReport {
   std::vector<BandReport> bands;
 };
 
-// By which factors a band's values are wrong, as several witnesses say (pictures of a panel, targets on the
-// ground), by the camera_key of the photos that they are said of.
-using FactorsByCamera = std::map<std::string, std::vector<double>>;
+// By which factors a band's values are wrong, as several witnesses say: pictures of a panel, targets on the
+// ground.
+struct WitnessedFactors {
+  std::map<std::string, std::vector<double>> by_group;  // of the photos that they are said of
+  std::function<std::string(const flight::Photo&)> group_of = nullptr;  // null: all are one, called ""
+};
 
-// Brings a band's values in `captures` to reflectance: the median counts for each camera, that of all for
-// those without a factor of their own, and is returned; where a camera's are more than a tenth apart
+// Brings a band's values in `captures` to reflectance: the median counts for each group, that of all for
+// those without a factor of their own, and is returned; where a group's are more than a tenth apart
 // `warnings` tells. `by`: what the witnesses are, `method`: the same in words, for the band's. Precondition:
-// at least one factor for each camera that is named, all above 0.
-double ScaleBand(Captures& captures, const std::string& band, const FactorsByCamera& factors, HeldAgainst by,
+// at least one factor for each group that is named, all above 0.
+double ScaleBand(Captures& captures, const std::string& band, const WitnessedFactors& factors, HeldAgainst by,
                  const std::string& method, std::vector<flight::Remark>& warnings);
 
 // Names the bands whose values were held against nothing known, where those of others were: an index of both

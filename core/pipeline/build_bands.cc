@@ -53,7 +53,8 @@ void CalibrateByTargets(const BandedMap& map, const ground::GroundSurface& groun
     const std::vector<double>& all = factors.by_band[i];
     if (all.empty()) continue;
     const double factor =
-        bands::ScaleBand(captures, captures.bands[i].name, {{"", all}}, bands::HeldAgainst::kTargets,
+        bands::ScaleBand(captures, captures.bands[i].name, {.by_group = {{"", all}}},
+                         bands::HeldAgainst::kTargets,
                          fmt::format("by {} target{} on the ground", all.size(), all.size() == 1 ? "" : "s"),
                          cameras.warnings);
     for (render::BandedCapture& capture : cameras.captures) {

@@ -317,8 +317,8 @@ TEST_F(CalibrateByPanelsTest, PicturesThatCannotBeUsedAreTold) {
 TEST_F(CalibrateByPanelsTest, BandsThatNothingKnownTellsOfAreNamedWhereOthersAreTold) {
   EXPECT_FALSE(BandsHeldAgainstNothing(captures_)) << "values of all bands are as their light has them";
   std::vector<flight::Remark> warnings;
-  ScaleBand(captures_, "red", {{"", std::vector<double>{1.2}}}, HeldAgainst::kTargets, "by 1 target",
-            warnings);
+  ScaleBand(captures_, "red", {.by_group = {{"", std::vector<double>{1.2}}}}, HeldAgainst::kTargets,
+            "by 1 target", warnings);
   const auto told = test::ValueOf(BandsHeldAgainstNothing(captures_));
   EXPECT_THAT(InWords(told), HasSubstr("for nir:"));
   captures_.bands[1].calibration = Calibration::kKelvin;
@@ -355,6 +355,29 @@ TEST_F(CalibrateByPanelsTest, APanelOfAnotherDayIsNotUsedBesideOneOfTheFlights) 
   EXPECT_NEAR(FactorOf("red"), kRed / 0.3, 1e-6);
   EXPECT_TRUE(flight_.warnings.empty()) << "nor do the two contradict each other";
   EXPECT_THAT(captures_.bands[0].method, HasSubstr("without 1 of another day"));
+}
+
+TEST_F(CalibrateByPanelsTest, EachDayIsHeldAgainstItsOwnPanel) {
+  PutApart(1);
+  captures_.panels.pop_back();  // that of nir
+  TakePanelsBefore(1, captures_);
+  captures_.panels.push_back(captures_.panels[0]);
+  captures_.panels.back().photo.name = "second.tif";
+  *captures_.panels.back().photo.captured_at += std::chrono::hours(24);
+  source_.pictures["second.tif"] = Draw({.grey = 16'000});
+  for (std::size_t i = 4; i < captures_.captures.size(); ++i) {
+    for (BandPhoto& photo : captures_.captures[i].photos) *photo.photo.captured_at += std::chrono::hours(24);
+  }
+  captures_.captures[3].photos[0].photo.captured_at.reset();
+  CalibrateByPanels(flight_, captures_, source_);
+  const auto factor_of = [&](std::size_t capture) {
+    return captures_.captures[capture].photos[0].facts.radiometry.per_level * 50'000.0;
+  };
+  EXPECT_NEAR(factor_of(0), kRed / 0.5, 1e-6);
+  EXPECT_NEAR(factor_of(4), kRed / 0.3, 1e-6);
+  EXPECT_NEAR(factor_of(3), (kRed / 0.5 + kRed / 0.3) / 2.0, 1e-6) << "without a clock";
+  EXPECT_TRUE(flight_.warnings.empty()) << "the panels do not contradict each other";
+  EXPECT_THAT(captures_.bands[0].method, HasSubstr("by 2 pictures of RP04-1924106-OB, each day by its own"));
 }
 
 TEST_F(CalibrateByPanelsTest, EachCameraIsHeldAgainstItsOwnPanel) {
