@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/bands/mend_sunlight.h"
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
@@ -330,6 +331,7 @@ Captures SetBandsApart(Flight& flight, int threads) {
     }
   }
   DropOddCalibrations(apart.bands, apart.captures, flight);
+  MendSunlight(apart, flight.warnings);
   std::sort(flight.photos.begin(), flight.photos.end(), flight::ComesBefore);
   std::sort(flight.left_out.begin(), flight.left_out.end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });

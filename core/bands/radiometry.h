@@ -71,7 +71,8 @@ struct Radiometry {
   BandVignetting vignetting;
   std::optional<PlanckCurve> planck;  // in place of all of the above
   Calibration calibration = Calibration::kLevels;
-  std::string method;  // for the report: by which document
+  std::string method;              // for the report: by which document
+  std::optional<double> sunlight;  // that per_level was divided by, in the unit of its sensor
 };
 
 // The photo's picture as values, same size.

@@ -169,6 +169,7 @@ bool ReadSequoia(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiomet
         ((*measured)[2] - dark) * kLevelsOfTenBits / ((*measured)[0] * (*measured)[1]);
     const double sun = LastCounts(*sunlight) / *calibration_counts;
     radiometry.per_level = 1.0 / (exposure->time_s * exposure->gain * calibration_rate * sun);
+    radiometry.sunlight = sun;
     radiometry.calibration = Calibration::kRelative;
     radiometry.method =
         "the factory's measurement of camera and sunshine sensor under one light (Parrot SEQ-AN-01, SEQ-AN-02)";
@@ -187,7 +188,8 @@ bool ReadSequoia(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiomet
   }
   radiometry.calibration = Calibration::kRadiance;
   if (sunlight) {
-    radiometry.per_level /= LastCounts(*sunlight);
+    radiometry.sunlight = LastCounts(*sunlight);
+    radiometry.per_level /= *radiometry.sunlight;
     radiometry.calibration = Calibration::kRelative;
     radiometry.method += " over the sunshine sensor (Parrot SEQ-AN-02)";
   }
@@ -252,6 +254,7 @@ bool ReadMicaSense(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiom
   radiometry.method = "the radiometric calibration model for MicaSense sensors";
   if (const auto irradiance = MicaSenseIrradiance(exif, xmp)) {
     radiometry.per_level *= std::numbers::pi / irradiance->si;
+    radiometry.sunlight = irradiance->si;
     radiometry.calibration = Calibration::kReflectance;
     radiometry.method += ", over the light sensor";
     if (irradiance->is_as_measured) radiometry.method += " as it was tilted";
@@ -277,6 +280,7 @@ bool ReadDji(const XmpTags& xmp, Radiometry& radiometry) {
   if (!sunlight) sunlight = Positive(xmp.Number("Camera:Irradiance"));
   if (adjustment && sunlight) {
     radiometry.per_level *= *adjustment / *sunlight;
+    radiometry.sunlight = sunlight;
     radiometry.calibration = Calibration::kRelative;
     radiometry.method += ", over the sunlight sensor";
   }

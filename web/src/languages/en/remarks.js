@@ -332,6 +332,7 @@ export const remark_words = {
   every_capture_a_panel: (v) => `Every capture is said to show a calibration panel, by the camera or in ${v.file}: none is taken for one.`,
   bands_without_panel: (v) => `Neither a calibration panel nor a reflectance target could be used for ${v.bands}: an index of these bands and others is not calibrated.`,
   panel_of_other_camera: (v) => `${count(v.photos, { one: 'photo of a band is', other: 'photos of bands are' })} of another camera than the pictures of the calibration panel, by their metadata, and calibrated by these all the same: reflectance may be wrong.`,
+  sunlight_mended: (v) => `${count(v.photos, { one: 'photo of a band has', other: 'photos of bands have' })} a reading of the light sensor that is up to ${fixed(v.times, 1)} times off those right before and after, which agree: the value between these is used.`,
   panel_far_in_time: (v) => `By the clock of the camera, photos of the ground were taken up to ${fixed(v.apart_h, 0)}\u00a0hours from the nearest picture of the calibration panel: the light may have changed, and reflectance may be wrong.`,
   all_by_images: () => 'No photo records where it was taken. Where they overlap they are placed by what they show; the map is then complete, but its place on Earth is not known. Add the flight log, a list of positions (geo.txt) or control points, or place the map afterwards.',
   all_by_images_and_control: () => 'No photo records where it was taken. Where they overlap they are placed by what they show; the map then lies where the control points say.',
