@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/base/median.h"
 #include "core/base/try.h"
@@ -82,6 +85,43 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
     if (!StartsWithIgnoringCase(line, "sep=")) TakeSystem(SystemOfLine(line, lines), system);
   }
   return std::nullopt;
+}
+
+// The systems that a column of zones names in its rows ("33N"), each once; of words that are none, nothing.
+std::vector<std::string_view> ZonesOfRows(const CsvHeader& header, LineReader lines) {
+  constexpr std::array<std::string_view, 5> kNames = {"zone", "utmzone", "zoneutm", "zona", "huso"};
+  const auto column =
+      std::find_if(header.columns.begin(), header.columns.end(), [&](const CsvColumn& one) {
+        return one.meaning == M::kIgnored && IsOneOf(LettersAndDigits(LowerCase(one.header)), kNames);
+      });
+  std::vector<std::string_view> seen, zones, cells;
+  if (column == header.columns.end()) return zones;
+  const auto at = static_cast<std::size_t>(column - header.columns.begin());
+  std::vector<std::string> systems;
+  constexpr std::size_t kMostLookedUp = 8;
+  while (seen.size() < kMostLookedUp && NextRow(lines, header.separator, cells)) {
+    if (at >= cells.size() || cells[at].empty() || IsOneOf(cells[at], seen)) continue;
+    seen.push_back(cells[at]);
+    const auto system = geo::ReferenceSystem::Parse(cells[at]);
+    if (!system || system->is_geographic() || IsOneOf(system->definition(), systems)) continue;
+    systems.push_back(system->definition());
+    zones.push_back(cells[at]);
+  }
+  return zones;
+}
+
+// Of a list in a plane that names no system above its rows. Error: kUnsupportedFormat, for several.
+Result<void> TakeZoneOfRows(std::string_view name, LineReader lines, CsvHeader& header) {
+  if (header.system.is_certain || !HasPlane(header.columns)) return {};
+  const std::vector<std::string_view> zones = ZonesOfRows(header, lines);
+  if (zones.size() > 1) {
+    return Because(
+        ErrorCode::kUnsupportedFormat,
+        {RemarkCode::kListOfSeveralZones,
+         {{"file", name}, {"first", Quoted(zones[0])}, {"other", Quoted(zones[1])}}});
+  }
+  if (!zones.empty()) header.system = {zones.front(), true};
+  return {};
 }
 
 std::vector<CsvRow> PreviewOf(LineReader lines, const CsvHeader& header) {
@@ -242,6 +282,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, header->separator, header->columns));
   std::vector<CsvRow> preview = PreviewOf(lines, *header);
   if (!header->is_timed || settled.rows_are_photos) {
+    SKYQUILT_TRY(TakeZoneOfRows(name, lines, *header));
     SKYQUILT_TRY_ASSIGN(const auto system, SystemOfList(name, header->system));
     const geo::ReferenceSystem* const named = system ? &*system : nullptr;
     // What a counter says of such rows their names say better.

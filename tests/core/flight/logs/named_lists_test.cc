@@ -37,6 +37,26 @@ constexpr const char* kWkt =
     "PARAMETER[\"false_easting\",500000],PARAMETER[\"false_northing\",0],UNIT[\"metre\",1],"
     "AUTHORITY[\"EPSG\",\"32615\"]]";
 
+TEST(NamedLists, AColumnOfZonesNamesTheSystem) {
+  for (const char* zone : {"15N", "15T", "UTM 15N"}) {
+    const FlightLog log = ReadList(std::string("image,easting,northing,zone,altitude\n") +
+                                   "a.jpg,576667.1,5188164.6," + zone + ",198.3\n" +
+                                   "b.jpg,576691.6,5188169.6,15T,198.3\n");
+    EXPECT_EQ(log.written_system, "EPSG:32615") << zone;
+    ASSERT_EQ(log.events.size(), 2u) << zone;
+    ASSERT_TRUE(log.events[0].position) << zone;
+    EXPECT_NEAR(log.events[0].position->lat_deg, 46.84261, 2e-5) << zone;
+  }
+  const std::string rows = "a.jpg,576667.1,5188164.6,15N\nb.jpg,123000.0,5188169.6,16N\n";
+  const auto several = ParseLog("list.csv", BytesOf("image,easting,northing,UTM zone\n" + rows));
+  ASSERT_FALSE(several.ok());
+  EXPECT_EQ(WhyOf(several.error()).code, RemarkCode::kListOfSeveralZones);
+  const FlightLog named = ReadList("EPSG:25832\nimage,easting,northing,zone\n" + rows);
+  EXPECT_EQ(named.written_system, "EPSG:25832") << "above the rows";
+  const FlightLog of_field = ReadList("image,easting,northing,zone\na.jpg,576667.1,5188164.6,Lisbon\n");
+  EXPECT_TRUE(of_field.written_system.empty()) << "of a field, say";
+}
+
 TEST(NamedLists, ReadsWhatMetashapeExportsInAProjectedSystem) {
   const std::string names =
       "#Label,X/Easting,Y/Northing,Z/Altitude,Accuracy_X_(m),Accuracy_Y_(m),Accuracy_Z_(m),Yaw,Pitch,Roll\n";

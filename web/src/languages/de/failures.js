@@ -151,6 +151,7 @@ export const failure_words = {
   is_no_longitude: (v) => `${number(v.degrees, { maximumSignificantDigits: 6 })} ist keine geografische Länge`,
   geo_txt_empty: (v) => `${v.file} nennt kein Foto mit einer Position. Zeilen lauten „image x y z“, unter einer Zeile wie EPSG:4326.`,
   system_unknown: (v) => `${v.file}: ${v.system} ist kein bekanntes Koordinatensystem. Schreiben Sie dort den EPSG-Code (EPSG:32615), einen Namen wie WGS84 UTM 15N, eine Angabe mit +proj= oder WKT.`,
+  list_of_several_zones: (v) => `${v.file}: Die Zeilen stehen in mehreren Zonen (${v.first}, ${v.other}). Schreiben Sie alle in einem Koordinatensystem, etwa in Grad.`,
   points_empty: (v) => `${v.file} enthält keinen Passpunkt. Zeilen lauten „x y z pixel_x pixel_y image“, unter einer Zeile wie EPSG:32615.`,
   points_outside_system: (v) => `${v.file} enthält keinen Passpunkt im Gebiet von ${v.system}.`,
   points_name_no_system: (v) => `${v.file} nennt kein Koordinatensystem, daher sind die Zahlen keine Orte. Schreiben Sie es in die erste Zeile, etwa EPSG:4326 (Länge, Breite), EPSG:32632 (WGS 84 / UTM-Zone 32N) oder den EPSG-Code der Vermessung.`,

@@ -154,6 +154,7 @@ export const failure_words = {
   is_no_longitude: (v) => `${number(v.degrees, { maximumSignificantDigits: 6 })} is no longitude`,
   geo_txt_empty: (v) => `${v.file} names no photo with a position. Rows are “image x y z”, below a line such as EPSG:4326.`,
   system_unknown: (v) => `${v.file}: ${v.system} names no known coordinate system. Write its EPSG code (EPSG:32615), a name such as WGS84 UTM 15N, a +proj= string or WKT.`,
+  list_of_several_zones: (v) => `${v.file}: its rows are in several zones (${v.first}, ${v.other}). Write all of them in one coordinate system, such as degrees.`,
   points_empty: (v) => `${v.file} has no control point. Rows are “x y z pixel_x pixel_y image”, below a line such as EPSG:32615.`,
   points_outside_system: (v) => `${v.file} has no control point within the area of ${v.system}.`,
   points_name_no_system: (v) => `${v.file} names no coordinate system, so its numbers are no places. Write one into its first line, such as EPSG:4326 (longitude, latitude), EPSG:32632 (WGS 84 / UTM zone 32N) or the EPSG code of the survey.`,
