@@ -15,13 +15,12 @@ namespace {
 using flight::FlightLog;
 
 constexpr double kShutterJitterS = 0.02;
-constexpr std::size_t kFewestRows = 4;
+constexpr std::size_t kFewestRows = 4, kFewestNamedRows = 2;
 
 bool HoldsPositionsAlone(const FlightLog& log) {
   const auto has_time = [](const flight::CameraEvent& event) { return event.has_time; };
-  return log.gnss.size() >= kFewestRows && log.imu.empty() && log.attitude.empty() && log.baro.empty() &&
-         log.range.empty() && log.gimbal.empty() &&
-         std::none_of(log.events.begin(), log.events.end(), has_time);
+  return log.imu.empty() && log.attitude.empty() && log.baro.empty() && log.range.empty() &&
+         log.gimbal.empty() && std::none_of(log.events.begin(), log.events.end(), has_time);
 }
 
 bool IsNamedSo(const std::string& file_name) {
@@ -79,6 +78,9 @@ std::optional<FlightLog> AsEventList(const FlightLog& log, const std::vector<fli
   if (photos.empty() || !HoldsPositionsAlone(log)) return std::nullopt;
   const std::size_t rows = log.gnss.size();
   const bool is_named_so = IsNamedSo(log.file_name);
+  // A few rows tell nothing by their rhythm, and are as many as the photos.
+  const bool is_short = is_named_so && rows >= kFewestNamedRows && rows == photos.size();
+  if (rows < kFewestRows && !is_short) return std::nullopt;
   // A track, which has many more rows, costs no further look.
   if (!is_named_so && rows > photos.size() + FewMore(photos.size())) return std::nullopt;
   std::vector<double> times_s;

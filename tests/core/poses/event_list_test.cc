@@ -105,6 +105,22 @@ TEST(AsEventList, KnowsAListByItsNameOrByItsRhythm) {
   }
 }
 
+TEST(AsEventList, OneOfAFewRowsIsKnownByItsNameWhereItHasAsManyAsThereArePhotos) {
+  for (const std::size_t count : {2u, 3u}) {
+    const std::vector<double> times_s = Irregular(count, 5);
+    const std::vector<Photo> photos = Exposed(times_s);
+    EXPECT_FALSE(AsEventList(ListOf(times_s, "raw.pos"), photos)) << count;
+    EXPECT_FALSE(AsEventList(ListOf(times_s, "raw_events.pos"), Exposed(Irregular(9, 5)))) << count;
+    const auto list = AsEventList(ListOf(times_s, "raw_events.pos"), photos);
+    ASSERT_TRUE(list) << count;
+    const TimeSync sync = ValueOf(MatchPhotosToLog(photos, *list));
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_TRUE(sync.photos[i] && sync.photos[i]->event) << i;
+      EXPECT_EQ(*sync.photos[i]->event, i);
+    }
+  }
+}
+
 TEST(AsEventList, LeavesTracksAndListsOfOtherFlightsAlone) {
   const std::vector<double> times_s = Irregular(40, 3);
   const std::vector<Photo> photos = Exposed(times_s);
