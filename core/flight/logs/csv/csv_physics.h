@@ -37,7 +37,8 @@ struct SensorAxes {
 Result<SensorAxes> SettleInertialUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview,
                                        double seconds_per_time);
 
-// Angles that are read as degrees and keep to the course of the positions as radians alone.
+// Angles that are read as degrees and keep to the course of the positions as radians alone; omega, phi and
+// kappa that go beyond a full turn of degrees are gons.
 void SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview);
 
 // Pascals, hectopascals, kilopascals and inches of mercury differ by more than the weather and any flight.

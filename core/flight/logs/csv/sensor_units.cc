@@ -193,6 +193,12 @@ void SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& prev
   constexpr double kOneTurn = 2.0 * geo::kPi + 0.01;  // as written, rounded
   constexpr double kMinTurn = 1.0;  // as written: a nose that is held one way proves nothing
   const double per_degree = geo::DegToRad(1.0);
+  // A kappa beyond a full turn of degrees counts gons, and omega and phi beside it.
+  constexpr CsvMeanings kOfCamera{M::kOmega, M::kKappa};
+  constexpr double kTurnDeg = 360.01, kTurnGon = 400.01;
+  const double largest = LargestOf(preview, kOfCamera) / per_degree;
+  if (!IsUnitWritten(columns, kOfCamera) && largest > kTurnDeg && largest < kTurnGon)
+    Rescale(columns, preview, kOfCamera, 0.9, "gon");
   for (const CsvMeanings angles :
        {CsvMeanings{M::kRoll, M::kYaw}, CsvMeanings{M::kGimbalRoll, M::kGimbalYaw}}) {
     if (IsUnitWritten(columns, angles) || LargestOf(preview, angles) > kOneTurn * per_degree) continue;

@@ -184,6 +184,8 @@ TEST(NamedLists, FindsEachAngleByItsOwnNameAndUnit) {
   EXPECT_NEAR(yaw_deg("omega [rad],phi [rad],kappa [rad]", "0,0,-0.5"), 0.5 / DegToRad(1.0), 1e-9);
   EXPECT_NEAR(yaw_deg("omega [gon],phi [gon],kappa [gon]", "0,0,-100"), 90.0, 1e-9);
   EXPECT_NEAR(yaw_deg("omega_rad,phi_rad,kappa_rad", "0,0,-0.5"), 0.5 / DegToRad(1.0), 1e-9);
+  EXPECT_NEAR(yaw_deg("omega,phi,kappa", "0,0,390"), 9.0, 1e-9) << "more than a turn of degrees";
+  EXPECT_NEAR(yaw_deg("omega,phi,kappa", "0,0,350"), 10.0, 1e-9);
   EXPECT_NEAR(yaw_deg("yaw [rad],pitch [rad],roll [rad]", "0.5,0,0"), 0.5 / DegToRad(1.0), 1e-9);
   EXPECT_NEAR(yaw_deg("yaw,roll,pitch", "30,1,2"), 30.0, 1e-9);
   EXPECT_NEAR(yaw_deg("roll,pitch,yaw,acc,acc", "1,2,30,0.5,1.5"), 30.0, 1e-9);
