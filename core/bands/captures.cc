@@ -7,6 +7,7 @@
 #include <chrono>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <map>
 #include <set>
@@ -16,6 +17,7 @@
 #include "core/bands/mend_sunlight.h"
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "core/flight/aside/one_camera.h"
 #include "core/flight/remarks/because.h"
@@ -222,6 +224,31 @@ std::vector<std::string> OtherNames(const Capture& capture) {
   return names;
 }
 
+// Rows on panels whose photo is not here, by the names that FindPanelRow knows photos by.
+void SayUnknownPanels(Flight& flight) {
+  std::set<std::string, std::less<>> known;
+  for (const Photo& photo : flight.photos) known.insert(LowerCase(photo.name));
+  for (const flight::LeftOutPhoto& photo : flight.left_out) known.insert(LowerCase(photo.name));
+  const auto is_known = [&](std::string_view path) {
+    while (!known.contains(path)) {
+      const std::size_t slash = path.find('/');
+      if (slash == std::string_view::npos) return false;
+      path.remove_prefix(slash + 1);
+    }
+    return true;
+  };
+  for (const flight::ReflectanceList& list : flight.reflectance_lists) {
+    std::size_t rows = 0;
+    std::string first;
+    for (const flight::PanelInPhoto& panel : list.panels) {
+      if (!is_known(LowerCase(panel.photo)) && rows++ == 0) first = panel.photo;
+    }
+    if (rows == 0) continue;
+    flight.warnings.push_back({flight::RemarkCode::kPanelRowsNameNoPhoto,
+                               {{"file", list.file_name}, {"rows", rows}, {"first", first}}});
+  }
+}
+
 // Captures that show a calibration panel, as the camera or a list says of one of their pictures.
 void SetMarkedPanelsApart(Captures& apart, Flight& flight) {
   std::vector<bool> shows_panel;
@@ -281,6 +308,7 @@ Captures SetBandsApart(Flight& flight, int threads) {
   }
   for (const flight::ReflectanceList& list : flight.reflectance_lists)
     apart.targets.insert(apart.targets.end(), list.targets.begin(), list.targets.end());
+  SayUnknownPanels(flight);
 
   std::vector<BandPhoto> band_photos;
   std::vector<Photo> others;

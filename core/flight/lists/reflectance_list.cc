@@ -101,6 +101,7 @@ std::optional<Remark> AddRow(const Columns& columns, Row& row, ReflectanceList& 
   const std::string_view photo = row.Text(columns.photo);
   if (!photo.empty()) {
     PanelInPhoto panel{std::string(photo.substr(0, kMaxNameLength)), std::nullopt, known};
+    std::replace(panel.photo.begin(), panel.photo.end(), '\\', '/');
     std::array<double, 4> box{};
     std::size_t sides = 0;
     for (std::size_t k = 0; k < box.size(); ++k) {
@@ -136,7 +137,8 @@ const PanelInPhoto* FindPanelRow(const std::vector<ReflectanceList>& lists, std:
   const std::string wanted = LowerCase(photo);
   for (const ReflectanceList& list : lists) {
     for (const PanelInPhoto& panel : list.panels) {
-      if (LowerCase(panel.photo) == wanted) return &panel;
+      const std::string called = LowerCase(panel.photo);
+      if (called == wanted || called.ends_with("/" + wanted)) return &panel;
     }
   }
   return nullptr;

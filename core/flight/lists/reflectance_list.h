@@ -50,7 +50,8 @@ struct ReflectanceList {
   std::vector<Remark> warnings;
 };
 
-// The row of a photo, whatever the case of its name; null where none names it.
+// The row of a photo, whatever the case of its name, also with folders before it that the photo's own name
+// lacks; null where none names it.
 const PanelInPhoto* FindPanelRow(const std::vector<ReflectanceList>& lists, std::string_view photo);
 
 bool IsReflectanceList(std::string_view name);

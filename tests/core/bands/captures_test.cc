@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <initializer_list>
 #include <utility>
@@ -188,6 +189,20 @@ TEST_F(CapturesTest, AListTellsWhichShowAPanelUnlessItNamesAll) {
   EXPECT_TRUE(flight.left_out.empty());
   ASSERT_FALSE(flight.warnings.empty());
   EXPECT_NE(InWords(flight.warnings.back()).find("Every capture"), std::string::npos);
+}
+
+TEST_F(CapturesTest, RowsOnPanelsOfPhotosThatAreNotHereAreTold) {
+  AddGreenAndNir({"a", "b"});
+  folder_.Write("reflectance.csv",
+                "photo,reflectance\nSET\\000\\b_NIR.TIF,0.5\nc_NIR.TIF,0.5\nd_NIR.TIF,0.5\n");
+  const auto [flight, apart] = Apart();
+  EXPECT_EQ(apart.panels.size(), 2U) << "in a folder that its photo's name lacks";
+  const auto told = std::find_if(flight.warnings.begin(), flight.warnings.end(), [](const auto& warning) {
+    return warning.code == flight::RemarkCode::kPanelRowsNameNoPhoto;
+  });
+  ASSERT_NE(told, flight.warnings.end());
+  EXPECT_NE(InWords(*told).find("2 rows name none of the photos (the first is c_NIR.TIF)"),
+            std::string::npos);
 }
 
 TEST_F(CapturesTest, ABandAloneIsAGreyPicture) {

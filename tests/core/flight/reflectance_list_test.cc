@@ -41,6 +41,7 @@ TEST(ReflectanceList, ReadsPanelsAndTargets) {
   const std::vector<ReflectanceList> lists = {list};
   EXPECT_EQ(FindPanelRow(lists, "img_0002_4.TIF"), &lists[0].panels[1]) << "whatever the case";
   EXPECT_EQ(FindPanelRow(lists, "IMG_0003_4.tif"), nullptr);
+  EXPECT_EQ(FindPanelRow(lists, "2_4.tif"), nullptr) << "a part of a name";
 }
 
 TEST(ReflectanceList, OtherSeparatorsAndLineEndsAreRead) {

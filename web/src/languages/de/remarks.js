@@ -36,6 +36,7 @@ export const remark_words = {
   elevation_model_not_read: (v) => `${v.file} wird nicht für die Höhen des Bodens verwendet. ${v.why}`,
   film: (v) => `${v.file} ist ein Video. Einzelbilder daraus werden Fotos, wenn die Karte erstellt wird.`,
   no_bands_for_list: (v) => `${unused(v)}Der Flug hat keine Fotos mehrerer Kanäle.`,
+  panel_rows_name_no_photo: (v) => `${v.file}: ${count(v.rows, { one: 'Zeile nennt', other: 'Zeilen nennen' })} keines der Fotos (die erste: ${v.first}); was dort zu Kalibriertafeln steht, wird nicht verwendet.`,
   photos_without_position: (v) => `${some(v)} ohne brauchbare Position.`,
   photos_timed_by_name: (v) => `${some(v)} ohne Zeit in den Metadaten; verwendet wird die Zeit im Namen.`,
   photos_without_time: (v) => `${some(v)} ohne Zeit; sie stehen am Ende, nach Namen geordnet.`,

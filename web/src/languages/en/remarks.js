@@ -35,6 +35,7 @@ export const remark_words = {
   elevation_model_not_read: (v) => `${v.file} is not used for the ground heights. ${v.why}`,
   film: (v) => `${v.file} is a video. Frames of it become photos when the map is made.`,
   no_bands_for_list: (v) => `${unused(v)}the flight has no photos of several bands.`,
+  panel_rows_name_no_photo: (v) => `${v.file}: ${count(v.rows, { one: 'row names', other: 'rows name' })} none of the photos (the first is ${v.first}); what is said there of calibration panels is not used.`,
   photos_without_position: (v) => `${some(v)} have no usable position.`,
   photos_timed_by_name: (v) => `${some(v)} have no time in their metadata; the time in their names is used.`,
   photos_without_time: (v) => `${some(v)} have no time; they come last, by name.`,
