@@ -372,13 +372,16 @@ test('a button of the open flight counts when a job ends while it is pressed', o
   await page.waitForSelector('#rename-input');
 });
 
+/** Storage as in a browser that may keep nothing, from the next loading on. @param {any} page */
+const keepNothing = (page) => page.addInitScript(() => {
+  const get = () => { throw new DOMException('Nothing is kept here.', 'SecurityError'); };
+  for (const name of ['localStorage', 'sessionStorage']) Object.defineProperty(window, name, { get });
+});
+
 test('in a browser that may keep nothing the page works, and what is chosen counts until it is left', options, async () => {
   const { page, mock, flight } = await setUpFlight('Meadow');
   for (const name of ['Brook', 'Quarry', 'Roof', 'Dam', 'Field']) mock.seedReady(name);
-  await page.addInitScript(() => {
-    const get = () => { throw new DOMException('Nothing is kept here.', 'SecurityError'); };
-    for (const name of ['localStorage', 'sessionStorage']) Object.defineProperty(window, name, { get });
-  });
+  await keepNothing(page);
   await page.reload();
   await page.waitForSelector('.flights li');
   await page.selectOption('#flight-order', 'name');
@@ -395,6 +398,27 @@ test('in a browser that may keep nothing the page works, and what is chosen coun
     });
   });
   assert.deepEqual(units, ['imperial', 'metric']);
+});
+
+test('a token that is typed, or comes with a link, opens the server where the browser may keep nothing', options, async () => {
+  const { page, mock, flight } = await setUpFlight('Meadow', { has_tokens: true }, { errors: /status of 401/ });
+  await keepNothing(page);
+  let good = 'sq_typed';
+  await page.route('**/api/v1/**', (/** @type {any} */ route) => {
+    const is_good = route.request().headers().authorization === `Bearer ${good}` || new URL(route.request().url()).searchParams.get('token') === good;
+    return is_good ? route.fallback() : route.fulfill({ status: 401, contentType: 'application/problem+json', json: { title: 'Unauthorized', status: 401, code: 'unauthorized' } });
+  });
+  const address = `${mock.url}?x=1#/flights/${flight.id}`;
+  await page.goto(address);
+  await page.fill('#token-input', good);
+  await page.press('#token-input', 'Enter');
+  await mapIdle(page);
+  assert.equal(page.url(), address, 'the address does not keep the token');
+  // Another link, pasted where the page is open.
+  good = 'sq_other';
+  await Promise.all([page.waitForEvent('load'), page.evaluate((/** @type {string} */ id) => { location.hash = `#/flights/${id}?token=sq_other`; }, flight.id)]);
+  await mapIdle(page);
+  assert.equal(page.url(), address);
 });
 
 test('where old flights go to the trash, one is marked to be kept', options, async () => {

@@ -5,7 +5,7 @@
 /** @import { Route } from './shared/router.js' */
 /** @import { Selection } from './upload/drop_files.js' */
 /** @import { Wish } from './upload/drop_zone.js' */
-import { takeSharedToken } from './shared/token.js';
+import { reloadWithToken, takeSharedToken } from './shared/token.js';
 import { announce, showError, showNote } from './shared/announce.js';
 import { changeFlight, createFlight, getFlight, getTrash, listFiles, listFlights, mayUpload, messageOf } from './shared/api.js';
 import { byId, h, linkSettled, loadStyle, put } from './shared/dom.js';
@@ -22,7 +22,7 @@ import { dropZone, holdsUploads, isUploading, stoppedUploadOf, uploadOf } from '
 takeSharedToken();
 // A share link that is opened while the page is open: everything is loaded again, with its token.
 addEventListener('hashchange', () => {
-  if (takeSharedToken()) location.reload();
+  if (takeSharedToken()) reloadWithToken();
 });
 function languageChoice() {
   const label = strings.page.language;
@@ -32,7 +32,7 @@ function languageChoice() {
     keepLanguage(/** @type {keyof typeof kLanguages} */ (choice.value));
     // Every word is on the page already. An upload would have to be given its files again.
     if (holdsUploads()) showNote(strings.page.language_later);
-    else location.reload();
+    else reloadWithToken();
   });
   return choice;
 }

@@ -3,7 +3,7 @@
 import { ask } from './dialogs.js';
 import { h } from './dom.js';
 import { strings } from './strings.js';
-import { isFromLink, isTokenHeld, keepToken, pageToken } from './token.js';
+import { isFromLink, isTokenHeld, keepToken, pageToken, reloadWithToken } from './token.js';
 
 let is_asking = false;
 
@@ -32,6 +32,6 @@ export function askForToken() {
     is_asking = false;
     if (choice !== 'go') return;
     keepToken(input.value.trim());
-    location.reload();
+    reloadWithToken();
   });
 }

@@ -76,12 +76,23 @@ export const pageToken = () => token();
 export const withToken = (address, bearer) => (bearer ? `${address}${address.includes('?') ? '&' : '?'}token=${encodeURIComponent(bearer)}` : address);
 
 /**
- * For this browser, in place of any other.
+ * For this browser, in place of any other; where it may keep nothing, until the page is left.
  * @param {string} text
  */
 export function keepToken(text) {
-  sessionStorage.removeItem(kKey);
-  localStorage.setItem(kKey, text);
+  of_link = null;
+  try {
+    sessionStorage.removeItem(kKey);
+    localStorage.setItem(kKey, text);
+  } catch {
+    of_link = text;
+  }
+}
+
+/** The page anew, with its token: by its address, which takeSharedToken clears at once, where the browser keeps none. */
+export function reloadWithToken() {
+  if ((keptIn('sessionStorage') ?? keptIn('localStorage')) !== token()) history.replaceState(null, '', withToken(location.hash || '#/', token()));
+  location.reload();
 }
 
 const kYoung_ms = 10_000;
