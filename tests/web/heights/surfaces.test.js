@@ -108,7 +108,7 @@ test('volumes are cubic metres or cubic yards, and numbers are read with a comma
   assert.equal(formatVolume(-0.001), '0\u00a0m³');
   assert.equal(volumeIn(7.64554857984, 'imperial'), '10\u00a0yd³');
   assert.equal(volumeIn(7.64554857984, 'metric'), '7.65\u00a0m³');
-  assert.deepEqual(['412,5', ' 412.5 ', '', 'x'].map(parseNumber), [412.5, 412.5, NaN, NaN]);
+  assert.deepEqual(['412,5', ' 412.5 ', '', 'x', '0x10', 'Infinity', '1,234.5'].map(parseNumber), [412.5, 412.5, NaN, NaN, NaN, NaN, NaN]);
 });
 
 test('every fifth contour is strong, whatever their distance, also below zero', () => {

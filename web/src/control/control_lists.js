@@ -1,5 +1,7 @@
 // Lists of surveyed points as people have them: ODM's gcp_list.txt (reference system, then a row per mark) and tables of
 // name, x, y, height with commas, semicolons, tabs or blanks, with or without a header. Pure; never throws.
+import { parseNumber } from '../shared/format.js';
+
 /** @typedef {{photo: string, x: number, y: number}} ControlMark pixels: the centre of the first one is (0, 0) */
 /**
  * @typedef {object} ControlPoint
@@ -36,13 +38,6 @@ const kColumnNames = [
 ];
 /** @typedef {{name?: number, x?: number, y?: number, height?: number, ellipsoidal?: number, system?: number, check?: number}} Columns */
 
-/** Decimals may be written with a comma. @param {string} text @returns {number} NaN where it is none */
-function numberOf(text) {
-  const plain = text.replace(',', '.');
-  const number = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
-  return Number.isFinite(number) ? number : NaN;
-}
-
 /**
  * A photo's name that blanks cut is one field, as the stitcher reads it: up to its ending, from the quote that opens it or
  * else from behind the last number.
@@ -57,7 +52,7 @@ function splitAtBlanks(line) {
   const last = fields.findIndex((field) => kPicture.test(field));
   if (last < 0) return fields;
   const is_quoted = fields[last].endsWith('"') && fields.slice(0, last + 1).some((field) => field.startsWith('"'));
-  const isFirst = (/** @type {number} */ i) => i === 0 || (is_quoted ? fields[i].startsWith('"') : !Number.isNaN(numberOf(fields[i - 1])));
+  const isFirst = (/** @type {number} */ i) => i === 0 || (is_quoted ? fields[i].startsWith('"') : !Number.isNaN(parseNumber(fields[i - 1])));
   let first = last;
   while (!isFirst(first)) first -= 1;
   return [...fields.slice(0, first), line.slice(words[first].at, words[last].at + words[last].text.length), ...fields.slice(last + 1)];
@@ -89,7 +84,7 @@ function guessedColumns(rows) {
 
 /** A mark of gcp_list.txt. @param {string[]} fields */
 const isMarkRow = (fields) =>
-  fields.length >= 6 && fields.slice(0, 5).every((field, i) => !Number.isNaN(numberOf(field)) || (i === 2 && /^nan$/i.test(field))) && Number.isNaN(numberOf(fields[5]));
+  fields.length >= 6 && fields.slice(0, 5).every((field, i) => !Number.isNaN(parseNumber(field)) || (i === 2 && /^nan$/i.test(field))) && Number.isNaN(parseNumber(fields[5]));
 
 /**
  * @param {string} text
@@ -135,7 +130,7 @@ function readMarks(rows, columns, list) {
       list.bad_lines.push(line);
       continue;
     }
-    const [first, second, z, pixel_x, pixel_y] = fields.slice(0, 5).map(numberOf);
+    const [first, second, z, pixel_x, pixel_y] = fields.slice(0, 5).map(parseNumber);
     const [x, y] = columns.y === 0 ? [second, first] : [first, second];
     const key = `${x} ${y} ${z}`;
     let point = known.get(key);
@@ -154,7 +149,7 @@ function readMarks(rows, columns, list) {
 function readTable(rows, columns, usual_system, list) {
   for (const { fields, line } of rows) {
     const at = (/** @type {number|undefined} */ column) => (column === undefined ? '' : (fields[column] ?? ''));
-    const [x, y] = [numberOf(at(columns.x)), numberOf(at(columns.y))];
+    const [x, y] = [parseNumber(at(columns.x)), parseNumber(at(columns.y))];
     if (Number.isNaN(x) || Number.isNaN(y) || list.points.length === kMaxPoints) {
       list.bad_lines.push(line);
       continue;
@@ -162,7 +157,7 @@ function readTable(rows, columns, usual_system, list) {
     const system = at(columns.system);
     if (system !== '' && list.reference_system === '') list.reference_system = /^\d+$/.test(system) ? `EPSG:${system}` : system;
     const is_above_ellipsoid = columns.ellipsoidal !== undefined && !kSystemOfHeights.test(list.reference_system || usual_system);
-    const height = numberOf(at(is_above_ellipsoid ? columns.ellipsoidal : columns.height));
+    const height = parseNumber(at(is_above_ellipsoid ? columns.ellipsoidal : columns.height));
     const name = nameOfPoint(at(columns.name) || `gcp${list.points.length + 1}`, fields, columns);
     list.points.push({ name, x, y, height: Number.isNaN(height) ? null : height, marks: [] });
   }

@@ -103,7 +103,11 @@ export const formatVolume = (cubic_metres) => `${threeDigits(Number(cubic_metres
  * @param {string} text
  * @returns {number} NaN where it is none
  */
-export const parseNumber = (text) => (text.trim() === '' ? NaN : Number(text.trim().replace(',', '.')));
+export function parseNumber(text) {
+  const plain = text.trim().replace(',', '.');
+  const value = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
+  return Number.isFinite(value) ? value : NaN;
+}
 
 /**
  * @param {number} fraction 0..1
