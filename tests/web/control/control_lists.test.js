@@ -55,6 +55,22 @@ test('of two heights those above the ellipsoid count, unless the system says wha
   assert.equal(height('Name,E,N,H\nA,1,2,100', 'EPSG:32632'), 100);
 });
 
+test('heights of a column in feet are taken in the unit of the system, and not where that is not known', () => {
+  const heights = (/** @type {string} */ heading, /** @type {string} */ system) => {
+    const { points, is_height_unit_unknown } = parseControlList(`Name,${heading}\nA,1.5,2.5,1000`, system);
+    return [points[0].height, is_height_unit_unknown];
+  };
+  for (const heading of ['Longitude,Latitude,Elevation (ft)', 'lon,lat,height_ft', 'Easting [m],Northing [m],Z [US ft]']) {
+    for (const system of ['EPSG:4326', 'EPSG:32615', 'EPSG:32615+5703', 'WGS84 UTM 32N', '+proj=utm +zone=15 +units=m']) assert.deepEqual(heights(heading, system), [304.8, false], `${heading} ${system}`);
+  }
+  assert.deepEqual(heights('x (ft),y (ft),z (ft)', 'EPSG:2263'), [1000, false]);
+  assert.deepEqual(heights('x (ft),y (ft),z (m)', 'EPSG:2263'), [3280.8399, false]);
+  for (const system of ['EPSG:2263', 'EPSG:32615+6360', '+proj=utm +zone=15 +units=us-ft']) assert.deepEqual(heights('x,y,z (ft)', system), [1000, true], system);
+  for (const heading of ['x,y,z', 'x,y,z (m)']) assert.deepEqual(heights(heading, 'EPSG:2056'), [1000, false], heading);
+  const marks = parseControlList('EPSG:32615\nx,y,z (ft),px,py,image\n1.5,2.5,1000,3,4,a.jpg');
+  assert.deepEqual(marks.points.map(({ height }) => height), [304.8]);
+});
+
 test('what is no list is no points, and never a failure', () => {
   for (const text of ['', '\n\n', '\u0000\uffff', 'EPSG:4326', 'a,b,c', ',,,,\n;;;;', '1', '{"points": []}', '"', 'x;y\n;', 'A 1e999 3 4', '\uFEFF', 'name,x,y\nA,NaN,Infinity', '\t'.repeat(1000)]) {
     assert.deepEqual(parseControlList(text).points, [], JSON.stringify(text.slice(0, 20)));

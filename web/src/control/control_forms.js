@@ -100,6 +100,7 @@ export function openImport(control, photos) {
     if (list.points.length === 0) return words.no_points_found;
     const reference_system = system.value.trim();
     if (reference_system === '') return words.no_system;
+    if (list.is_height_unit_unknown) return words.heights_in_feet(reference_system);
     const kept = reference_system === control.reference_system ? control.points : [];
     await keep(control, { reference_system, points: withPoints(kept, list.points, photos) });
     return '';

@@ -13,7 +13,13 @@ import { parseNumber } from '../shared/format.js';
  * @property {number} [lon] degrees, once the server has said them
  * @property {number} [lat]
  */
-/** @typedef {{reference_system: string, points: ControlPoint[], bad_lines: number[]}} ReadList reference_system: '' where the list names none; bad_lines: counted from 1 */
+/**
+ * @typedef {object} ReadList
+ * @property {string} reference_system '' where the list names none
+ * @property {ControlPoint[]} points heights in the unit of that system
+ * @property {number[]} bad_lines counted from 1
+ * @property {boolean} is_height_unit_unknown heights are in feet, and whether those of the system are is not known here
+ */
 
 const kMaxRows = 20_000;
 const kMaxPoints = 2000;
@@ -25,6 +31,10 @@ const kPicture = /.\.(jpe?g|tiff?|png|dng)"?$/i;
 const kSystem = /^\s*(EPSG:\d{3,6}\b.*|WGS ?84\b[^,;]*|\+proj=.*)\s*$/i;
 // Systems that say what heights count from: with others it is the ellipsoid.
 const kSystemOfHeights = /^(EPSG\D*\d+\s*\+|COMPD_CS|COMPOUNDCRS)/i;
+// Systems whose heights are in metres, whatever a list's are in.
+const kMetric = /^\s*(EPSG:(4258|4269|4326|4979|6318|258\d\d|32[67]\d\d)(\+(3855|5703|5773))?(?![\d+])|WGS ?84\b[^+]*$|\+proj=(longlat|utm)\b(?!.*(units=(?!m\b)|to_meter=)))/i;
+const kFeet = /^(ft|feet|foot|ift|sft|usft|ftus)$/;
+const kFoot_m = 0.3048;  // the survey foot differs by two millionths
 
 /** @type {[keyof Columns, RegExp][]} */
 const kColumnNames = [
@@ -64,12 +74,15 @@ function split(line) {
   return (separator ? line.split(separator) : splitAtBlanks(line)).map((field) => field.trim().replace(/^"(.*)"$/, '$1'));
 }
 
+/** @param {string} heading */
+const plainHeading = (heading) => heading.toLowerCase().replace(/^#\s*/, '').replace(/_/g, ' ').trim();
+
 /** @param {string[]} fields @returns {Columns|null} where the row names x and y */
 function columnsOf(fields) {
   /** @type {Columns} */
   const columns = {};
   fields.forEach((field, i) => {
-    const word = field.toLowerCase().replace(/^#\s*/, '').replace(/\s*[[(].*$/, '').replace(/_/g, ' ').trim();
+    const word = plainHeading(field).replace(/\s*[[(].*$/, '').replace(/ (m|metres?|meters?|(us )?(ft|feet|foot|survey feet))$/, '').trim();
     const kind = kColumnNames.find(([, pattern]) => pattern.test(word))?.[0];
     if (kind && columns[kind] === undefined) columns[kind] = i;
   });
@@ -80,6 +93,32 @@ function columnsOf(fields) {
 function guessedColumns(rows) {
   const is_nameless = rows.every((fields) => fields.length === 3 && fields.every((field) => /\d[.,]\d/.test(field)));
   return is_nameless ? { x: 0, y: 1, height: 2 } : { name: 0, x: 1, y: 2, height: 3 };
+}
+
+/** @param {Columns} columns @param {string} system */
+const heightColumn = ({ ellipsoidal, height }, system) => (ellipsoidal !== undefined && !kSystemOfHeights.test(system) ? ellipsoidal : height);
+
+/** @param {string} heading @returns {'m'|'ft'|''} '' where it names no unit */
+function unitOf(heading) {
+  const words = plainHeading(heading).split(/[^a-z]+/);
+  return words.some((word) => kFeet.test(word)) ? 'ft' : words.some((word) => /^(m|metres?|meters?)$/.test(word)) ? 'm' : '';
+}
+
+/**
+ * Heights of a column that names its unit, in that of the system: of one of which nothing is known here, in that of its easting.
+ * @param {ReadList} list
+ * @param {string} system
+ * @param {Columns} columns
+ * @param {string[]} headings
+ */
+function convertHeights(list, system, columns, headings) {
+  const unit = unitOf(headings[heightColumn(columns, system) ?? -1] ?? '');
+  const wanted = kMetric.test(system) ? 'm' : unitOf(headings[columns.x ?? -1] ?? '');
+  if (unit === '' || unit === wanted) return;
+  list.is_height_unit_unknown = wanted === '' && unit === 'ft';
+  if (wanted === '') return;
+  const factor = unit === 'ft' ? kFoot_m : 1 / kFoot_m;
+  for (const point of list.points) if (point.height !== null) point.height = Number((point.height * factor).toFixed(4));
 }
 
 /** A mark of gcp_list.txt. @param {string[]} fields */
@@ -93,11 +132,13 @@ const isMarkRow = (fields) =>
  */
 export function parseControlList(text, system = '') {
   /** @type {ReadList} */
-  const list = { reference_system: '', points: [], bad_lines: [] };
+  const list = { reference_system: '', points: [], bad_lines: [], is_height_unit_unknown: false };
   /** @type {{fields: string[], line: number}[]} */
   const rows = [];
   /** @type {Columns|null} */
   let columns = null;
+  /** @type {string[]} */
+  let headings = [];
   text.replace(/^\uFEFF/, '').split(/\r\n|\r|\n/, kMaxRows).forEach((line, i) => {
     const named_system = rows.length === 0 && list.reference_system === '' ? line.match(kSystem) : null;
     if (named_system) {
@@ -106,12 +147,16 @@ export function parseControlList(text, system = '') {
     }
     if (line.trim() === '') return;
     const fields = split(line);
-    if (rows.length === 0 && !columns && (columns = columnsOf(fields))) return;
+    if (rows.length === 0 && !columns && (columns = columnsOf(fields))) {
+      headings = fields;
+      return;
+    }
     if (!line.startsWith('#')) rows.push({ fields, line: i + 1 });
   });
   const named = /** @type {Columns|null} */ (columns);
   if (rows.some(({ fields }) => isMarkRow(fields) && (named === null || kPicture.test(fields[5])))) readMarks(rows, named ?? { x: 0, y: 1 }, list);
   else readTable(rows, named ?? guessedColumns(rows.map(({ fields }) => fields)), system, list);
+  if (named) convertHeights(list, list.reference_system || system, named, headings);
   return list;
 }
 
@@ -156,8 +201,7 @@ function readTable(rows, columns, usual_system, list) {
     }
     const system = at(columns.system);
     if (system !== '' && list.reference_system === '') list.reference_system = /^\d+$/.test(system) ? `EPSG:${system}` : system;
-    const is_above_ellipsoid = columns.ellipsoidal !== undefined && !kSystemOfHeights.test(list.reference_system || usual_system);
-    const height = parseNumber(at(is_above_ellipsoid ? columns.ellipsoidal : columns.height));
+    const height = parseNumber(at(heightColumn(columns, list.reference_system || usual_system)));
     const name = nameOfPoint(at(columns.name) || `gcp${list.points.length + 1}`, fields, columns);
     list.points.push({ name, x, y, height: Number.isNaN(height) ? null : height, marks: [] });
   }

@@ -60,6 +60,7 @@ export const control_words = {
   too_large: 'Die Datei ist größer, als eine Punktliste sein kann.',
   no_points_found: 'Es wurden keine Punkte gefunden. Jede Zeile braucht einen Namen und zwei Zahlen.',
   no_system: 'Geben Sie das Koordinatensystem der Liste an.',
+  heights_in_feet: (system) => `Die Höhen der Liste sind in Fuß, und ob die von ${system} es sind, ist hier nicht bekannt. Schreiben Sie sie in dessen Einheit, und lassen Sie „ft“ in der Überschrift weg.`,
   add_title: 'Passpunkt hinzufügen',
   name: 'Name',
   x: 'Ost oder Länge',

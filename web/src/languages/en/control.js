@@ -59,6 +59,7 @@ export const control_words = {
   too_large: 'The file is larger than a list of points can be.',
   no_points_found: 'No points were found. Each line needs a name and two numbers.',
   no_system: 'Enter the coordinate system of the list.',
+  heights_in_feet: (/** @type {string} */ system) => `The heights of the list are in feet, and it is not known here whether those of ${system} are. Write them in its unit, and leave “ft” out of the heading.`,
   add_title: 'Add a control point',
   name: 'Name',
   x: 'East or longitude',
