@@ -239,3 +239,16 @@ test('what cannot be shown is said in the frame, and nobody is asked for a token
   assert.equal(await page.locator('#token-dialog').count(), 0);
   await assertAccessible(page, 'bare map that is not shared');
 });
+
+test('what the browser does not let onto the clipboard is copied as of old, and the focus stays', options, async () => {
+  const { page } = await setUpReady('Meadow');
+  await page.evaluate(() => {
+    Object.defineProperty(navigator, 'clipboard', { value: { writeText: async () => { throw new DOMException('Write permission denied.', 'NotAllowedError'); } } });
+    document.execCommand = (command) => command === 'copy';
+  });
+  const copy = page.locator('#map-addresses .address button').first();
+  await copy.press('Enter');
+  await page.waitForFunction(() => document.getElementById('live')?.textContent === 'Copied.');
+  assert.equal(await page.locator('.note-error').count(), 0);
+  assert.ok(await copy.evaluate((/** @type {Element} */ button) => button === document.activeElement));
+});

@@ -33,16 +33,15 @@ export function copyButton(what, text) {
 
 /** @param {string} text */
 async function copyText(text) {
-  if (navigator.clipboard) {
-    await navigator.clipboard.writeText(text);
-    return;
-  }
-  // The clipboard API exists on secure origins only; in a field network the page often comes over plain HTTP.
+  // The clipboard API exists on secure origins only, and may be refused; in a field network the page often comes over plain HTTP.
+  if (await navigator.clipboard?.writeText(text).then(() => true, () => false)) return;
+  const focused = document.activeElement;
   const area = h('textarea', { class: 'visually-hidden', 'aria-hidden': 'true', value: text });
   (document.querySelector('dialog[open]') ?? document.body).append(area);  // what lies behind a dialog cannot be selected
   area.select();
   const is_copied = document.execCommand('copy');
   area.remove();
+  if (focused instanceof HTMLElement) focused.focus();
   if (!is_copied) throw new Error(strings.errors.not_copied);
 }
 
