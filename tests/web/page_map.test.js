@@ -1,7 +1,7 @@
 // The tools of the map on the page, in Chromium against the mock server.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { addCentres, drag, holdAnswer, mapIdle, openMap, reloadMap, savedBy, screenshotPixels, twoFrames, until } from './support/browser.js';
+import { addCentres, drag, holdAnswer, mapIdle, openMap, openPhotoCard, reloadMap, savedBy, screenshotPixels, twoFrames, until } from './support/browser.js';
 import { allAsked, assertAccessible, options, usePages } from './support/pages.js';
 
 const { setUp, setUpFlight, setUpReady } = usePages();
@@ -255,4 +255,20 @@ test('a map that a job moves is seen where the page was loaded meanwhile, and wh
   await page.goto('about:blank');
   await openMap(page, `${mock.url}#/flights/${flight.id}?${old_place}`);
   assert.ok(await is_seen(), 'a view that has nothing of the map is none');
+});
+
+test('the keyboard goes on from a card that is closed: on the map, or where it was opened', options, async () => {
+  const { page } = await setUpReady('Meadow');
+  const isOnMap = () => page.evaluate(() => document.activeElement?.classList.contains('maplibregl-canvas'));
+  await openPhotoCard(page);
+  await page.press('#photo-open', 'Escape');
+  assert.ok(await isOnMap(), 'after a photo');
+  await page.click('#tool-distance');
+  await page.press('#measure-card .icon-button', 'Enter');
+  assert.ok(await page.locator('#measure-card').isHidden());
+  assert.ok(await isOnMap(), 'after measuring');
+  await page.click('#tool-compare');
+  await page.press('#compare-chooser button', 'Escape');
+  assert.equal(await page.locator('#compare-chooser').count(), 0);
+  assert.equal(await page.evaluate(() => document.activeElement?.id), 'tool-compare');
 });

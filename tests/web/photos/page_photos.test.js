@@ -86,5 +86,6 @@ for (const [screen, context] of Object.entries({ laptop: { viewport: { width: 14
     await page.keyboard.press('Escape');
     await page.waitForSelector('#photo-viewer', { state: 'detached' });
     assert.match((await page.textContent('#photo-card .card-title')) ?? '', /DJI_0005/, 'the card shows the one that was looked at');
+    assert.equal(await page.evaluate(() => document.activeElement?.id), 'photo-open', 'the keyboard goes on there');
   });
 }

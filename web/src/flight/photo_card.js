@@ -40,7 +40,7 @@ export function recordFacts(record, off_vertical_deg) {
  */
 
 /**
- * @param {{on_show: (record: PhotoRecord|null) => void}} listener
+ * @param {{on_show: (record: PhotoRecord|null) => void, hide: (element: HTMLElement) => void}} listener
  * @returns {{element: HTMLElement, show: (photos: SeenPhoto[]) => void, close: () => void}}
  */
 export function photoCard(listener) {
@@ -52,7 +52,7 @@ export function photoCard(listener) {
 
   const close = () => {
     if (element.hidden) return;
-    element.hidden = true;
+    listener.hide(element);
     photos = [];
     listener.on_show(null);
   };
@@ -76,13 +76,17 @@ export function photoCard(listener) {
         iconButton('close', strings.page.close, close),
       ),
       h('dl', { class: 'record' }, ...recordFacts(record, off_vertical_deg).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
-      button(pixel ? words.open_here : words.open, () => openPhotos(photos, shown, (index) => { shown = index; draw(); }), { picture: 'photo', id: 'photo-open' }),
+      button(pixel ? words.open_here : words.open, () => void open(), { picture: 'photo', id: 'photo-open' }),
       photos.length > 1 && h('div', { class: 'row between pager' }, back, h('span', { class: 'muted' }, words.of(shown + 1, photos.length)), next),
     );
     element.hidden = false;
     element.setAttribute('aria-label', record.name);
     listener.on_show(record);
     announce(record.name);
+  };
+  const open = async () => {
+    await openPhotos(photos, shown, (index) => { shown = index; draw(); });
+    document.getElementById('photo-open')?.focus();  // which was drawn anew with each step
   };
   onEscape(element, close);
   return {

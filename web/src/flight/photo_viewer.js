@@ -21,6 +21,7 @@ const kNorth = 'skyquilt.photo_north';
  * @param {SeenPhoto[]} photos pixels: the centre of the first one is (0, 0), as stored, whatever the EXIF orientation says
  * @param {number} first
  * @param {(index: number) => void} on_step
+ * @returns {Promise<void>} when they are closed
  */
 export function openPhotos(photos, first, on_step) {
   const words = strings.photo;
@@ -115,8 +116,9 @@ export function openPhotos(photos, first, on_step) {
     else if (arrow[0] !== 0 && !event.shiftKey && photos.length > 1) show(shown + arrow[0]);
     else plane.pan(-arrow[0] * kPanStep_px, -arrow[1] * kPanStep_px);
   });
-  void ask(dialog).then(strip.close);
+  const closed = ask(dialog).then(strip.close);
   north.setAttribute('aria-pressed', String(is_north));
   show(first);
   view.focus();
+  return closed;
 }

@@ -6,7 +6,7 @@ import { getTileJson, listFlights } from '../shared/api.js';
 import { h, onEscape } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { takenDay } from '../flight/flight_words.js';
-import { icon, iconButton } from '../shared/icons.js';
+import { iconButton } from '../shared/icons.js';
 import { go } from '../shared/router.js';
 import { strings } from '../shared/flight_strings.js';
 
@@ -120,11 +120,14 @@ export function compareView(below, above, options) {
  */
 export function compareChooser(others, on_choose) {
   const list = h('ul', { class: 'chooser' });
+  const close = () => {
+    element.remove();
+    document.getElementById('tool-compare')?.focus();
+  };
   const element = h(
     'section',
     { class: 'layers-card floating', id: 'compare-chooser', 'aria-label': strings.compare.with },
-    h('div', { class: 'row between' }, h('h2', { class: 'card-title' }, strings.compare.with),
-      h('button', { type: 'button', class: 'icon-button', 'aria-label': strings.page.close, on: { click: () => element.remove() } }, icon('close'))),
+    h('div', { class: 'row between' }, h('h2', { class: 'card-title' }, strings.compare.with), iconButton('close', strings.page.close, close)),
     others.length === 0 ? h('p', { class: 'muted' }, strings.compare.none) : list,
   );
   for (const other of others) {
@@ -133,7 +136,7 @@ export function compareChooser(others, on_choose) {
         h('strong', {}, other.name), h('span', { class: 'muted' }, dayOf(other)))),
     );
   }
-  onEscape(element, () => element.remove());
+  onEscape(element, close);
   return element;
 }
 

@@ -307,6 +307,17 @@ export class MapView {
     if (this.map.getSource(source)) this.map.removeSource(source);
   }
 
+  focus() {
+    this.map.getCanvas().focus({ preventScroll: true });
+  }
+
+  /** Hides what stands over or beside it; the keyboard's focus that was in there comes to the map. @param {HTMLElement} card */
+  hideCard(card) {
+    const had_focus = card.contains(document.activeElement);
+    card.hidden = true;
+    if (had_focus) this.focus();
+  }
+
   /** How far off its photos may lie. */
   get errors() {
     return errorsOf(this.photos);

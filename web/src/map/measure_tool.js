@@ -193,7 +193,7 @@ export function measureTool(view, listener) {
     before = [];
     next_place = null;
     draw();
-    element.hidden = true;
+    view.hideCard(element);
     document.body.removeAttribute('data-measuring');
     cross.hidden = true;
     view.map.getCanvas().style.removeProperty('cursor');

@@ -155,20 +155,18 @@ export function placeTool(view, listener) {
         point.remove();
         points = points.filter((other) => other !== point);
         changed();
-        focusMap();
+        view.focus();
       },
       on_enter: () => {
         endPicking?.();
         if (points.length > 1 && !go.disabled) go.focus();
-        else focusMap();
+        else view.focus();
       },
     });
     points.push(point);
     list.append(point.row);
     point.setNumber(points.length);
   };
-
-  const focusMap = () => view.map.getCanvas().focus({ preventScroll: true });
 
   /** The next click is on the basemap, under the map or, for a map that lies nowhere, near the points before. */
   const pick = () => {
@@ -186,7 +184,7 @@ export function placeTool(view, listener) {
     if (findable && chosenBasemap() !== findable) void view.setBasemap(findable);
     if (there) view.map.jumpTo({ center: there, zoom: Math.min(kNearZoom, camera.zoom), bearing: 0 });
     draw();
-    focusMap();
+    view.focus();
   };
 
   const submit = async () => {
@@ -248,7 +246,7 @@ export function placeTool(view, listener) {
       view.map.doubleClickZoom.disable();
       listener.on_change(true);
       draw();
-      focusMap();
+      view.focus();
       void basemapWithPlaces().then((kind) => {
         findable = kind;
         draw();

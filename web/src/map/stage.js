@@ -101,6 +101,7 @@ export class Stage {
         view.select(record?.name ?? '');
         if (record) this.makeRoom();
       },
+      hide: (element) => view.hideCard(element),
     });
     const measure = measureTool(view, {
       outlines: () => this.outlines(),
