@@ -302,6 +302,14 @@ test('photos and logs are chosen, the rest is named with its reason', async () =
   assert.equal(folder, 'card');
 });
 
+test('a file that cannot be read, of a card that was taken out, is named, and the others are sent', async () => {
+  const gone = file('gone.jpg', jpeg);
+  /** @type {any} */ (gone.file).slice = () => ({ arrayBuffer: async () => { throw new DOMException('A requested file could not be found.', 'NotFoundError'); } });
+  const { chosen, ignored } = await selectFiles([gone, file('here.jpg', jpeg)]);
+  assert.deepEqual(chosen.map(({ name }) => name), ['here.jpg']);
+  assert.match(ignored[0].reason, /cannot be read/);
+});
+
 test('photos of the same name in several card folders are all sent', async () => {
   const { chosen } = await selectFiles(['100MEDIA', '101MEDIA', '102MEDIA'].map((f) => file('DJI_0001.JPG', jpeg, `DCIM/${f}/DJI_0001.JPG`)));
   assert.deepEqual(chosen.map(({ name }) => name), ['100MEDIA_DJI_0001.JPG', '101MEDIA_DJI_0001.JPG', '102MEDIA_DJI_0001.JPG']);

@@ -215,9 +215,9 @@ async function mayBeOfAnother(flight, { chosen }, wish) {
 
 /** By the day and the place its first photo was taken, as the camera had them; else by the day of the oldest file. @param {Selection} selection */
 async function defaultName({ chosen }) {
-  const { glanceAtPhoto, kHeadBytes, nearestPlace } = await needParts();
+  const { glanceAtPhoto, headOf, kHeadBytes, nearestPlace } = await needParts();
   const first = chosen.find(({ name }) => /\.(jpe?g|tiff?|dng)$/i.test(name));
-  const { taken_s, lat_deg, lon_deg } = first ? glanceAtPhoto(await first.file.slice(0, kHeadBytes).arrayBuffer()) : { taken_s: null, lat_deg: null, lon_deg: null };
+  const { taken_s, lat_deg, lon_deg } = first ? glanceAtPhoto(await headOf(first.file, kHeadBytes)) : { taken_s: null, lat_deg: null, lon_deg: null };
   const taken_ms = taken_s === null ? Math.min(...chosen.map(({ file }) => file.lastModified)) : 1000 * taken_s;
   const date = formatDate(new Date(taken_ms).toISOString(), { time_zone: taken_s === null ? undefined : 'UTC' });
   const place = lat_deg === null || lon_deg === null ? '' : await nearestPlace(lat_deg, lon_deg);

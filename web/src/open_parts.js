@@ -6,6 +6,7 @@ export { bottomSheet } from './shared/sheet.js';
 export { askName, askWhereTo } from './shared/dialogs.js';
 export { deleteWithUndo, removeForGood, restore } from './flight/deletions.js';
 export { showShareDialog } from './sharing/share_dialog.js';
+export { headOf } from './upload/drop_files.js';
 export { startUpload } from './upload/uploads.js';
 export { glanceAtPhoto, kHeadBytes } from './upload/exif_reader.js';
 export { nearestPlace } from './upload/nearest_place.js';

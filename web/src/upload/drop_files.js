@@ -35,6 +35,13 @@ function extension(name) {
 export const isArchive = (name) => kArchiveName.test(name);
 
 /**
+ * @param {Blob} file
+ * @param {number} bytes
+ * @returns {Promise<ArrayBuffer>} its first ones; none where it cannot be read, as of a card that was taken out
+ */
+export const headOf = (file, bytes) => file.slice(0, bytes).arrayBuffer().catch(() => new ArrayBuffer(0));
+
+/**
  * @param {Uint8Array} head the first bytes of a file
  * @returns {boolean} JPEG, TIFF (also DNG) or PNG
  */
@@ -70,8 +77,9 @@ export async function selectFiles(found) {
     else if (kOffice.has(kind)) reason = reasons.office;
     else if (!kPhotos.has(kind) && !kFilms.has(kind) && !kLogs.has(kind) && !isArchive(name)) reason = reasons.kind;
     else if (file.size === 0) reason = reasons.empty;
-    else if (kPhotos.has(kind) && !looksLikePhoto(new Uint8Array(await file.slice(0, 8).arrayBuffer()))) {
-      reason = reasons.not_photo;
+    else if (kPhotos.has(kind)) {
+      const head = await headOf(file, 8);
+      reason = head.byteLength === 0 ? reasons.unread : looksLikePhoto(new Uint8Array(head)) ? '' : reasons.not_photo;
     }
     if (reason) {
       selection.ignored.push({ name: path, reason });

@@ -71,8 +71,9 @@ export class UploadSession extends EventTarget {
 
   /** @param {Selection} selection */
   async add(selection) {
-    this.ignored.push(...selection.ignored);
-    this.#files.push(...selection.chosen);
+    // Of a whole disk more than a call takes at once.
+    this.ignored = [...this.ignored, ...selection.ignored];
+    this.#files = [...this.#files, ...selection.chosen];
     rememberUpload(this.flight_id, selection.chosen);
     judge(this.#files).then((verdict) => {
       this.verdict = verdict;

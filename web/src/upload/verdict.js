@@ -2,7 +2,7 @@
 // Judged in the browser from each photo's first bytes; a few seconds for a thousand photos.
 /** @import { ChosenFile } from './drop_files.js' */
 /** @import { PhotoGlance } from './exif_reader.js' */
-import { isArchive } from './drop_files.js';
+import { headOf, isArchive } from './drop_files.js';
 import { glanceAtPhoto, kHeadBytes } from './exif_reader.js';
 import { boundsOf, geodesicLength } from '../map/geodesy.js';
 
@@ -25,7 +25,7 @@ export async function judge(files) {
   const photos = files.filter(({ name }) => /\.(jpe?g|tiff?|dng|png)$/i.test(name));
   /** @type {{name: string, glance: PhotoGlance}[]} */
   const glances = [];
-  for (const { file, name } of photos) glances.push({ name, glance: glanceAtPhoto(await file.slice(0, kHeadBytes).arrayBuffer()) });
+  for (const { file, name } of photos) glances.push({ name, glance: glanceAtPhoto(await headOf(file, kHeadBytes)) });
   const archives = files.filter(({ name }) => isArchive(name)).length;
   return { ...verdictOf(glances), archives, logs: files.length - photos.length - archives };
 }

@@ -144,6 +144,7 @@ export const page_words = {
       kind: 'Weder Foto noch Flugprotokoll.',
       office: 'Office-Dokumente werden nicht unterstützt. Speichern Sie die Tabelle darin als CSV und fügen Sie diese hinzu.',
       not_photo: 'Die Datei hat die Endung eines Fotos, ist aber kein Bild.',
+      unread: 'Die Datei lässt sich nicht lesen. Vielleicht wurde die Karte oder das Laufwerk entfernt.',
     },
   },
   access: {

@@ -144,6 +144,7 @@ export const page_words = {
       kind: 'Not a photo or flight log.',
       office: 'Office documents are not supported. Save the table in it as CSV and add that.',
       not_photo: 'The file has the extension of a photo, but is not an image.',
+      unread: 'The file cannot be read. The card or drive may have been removed.',
     },
   },
   access: {
