@@ -165,3 +165,18 @@ test('a map is cut to what is drawn, to a loaded file, or to one that is chosen 
   await page.waitForFunction(() => document.querySelectorAll('#exports li').length === 2);
   assert.equal(flight.exports[0].boundary.type, 'MultiPolygon');
 });
+
+test('downloads whose sizes cannot be asked for are offered all the same, and nobody hears of it', options, async () => {
+  const { page } = await setUpReady('Meadow', {}, { errors: /ERR_FAILED/ });
+  let asked = 0;
+  await page.route('**/download.*', async (/** @type {any} */ route) => {
+    asked += 1;
+    await route.abort();
+  });
+  await page.click('#flight-download');
+  await until(() => asked > 0);
+  await allAsked(page);
+  await twoFrames(page);
+  assert.ok((await page.locator('a.download').count()) > 0);
+  assert.equal(await page.locator('.note-error').count(), 0);
+});

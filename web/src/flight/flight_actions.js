@@ -46,7 +46,7 @@ export function showDownloads(flight, outlines, { cut_to = -1, wish: wanted = nu
     const has_size = downloadSize(flight.id, name).then((bytes) => {
       if (bytes !== null) small.textContent = `${formatBytes(bytes)}, ${hint}`;
       return bytes !== null;
-    }, showError);
+    });
     return { made: h('a', { class: 'download', href: readable(downloadPath(flight.id, name)), download: '' }, icon('download'), h('span', {}, title), small), has_size };
   };
   const namesIn = (/** @type {object} */ files) => /** @type {import('../shared/api.js').DownloadName[]} */ (Object.keys(files));

@@ -377,11 +377,11 @@ export const downloadPath = (id, name) => `${flight_path(id)}/${name}`;
 /**
  * @param {string} id
  * @param {DownloadName} name
- * @returns {Promise<number|null>} null when the server does not say, or has none
+ * @returns {Promise<number|null>} null when the server does not say, cannot be reached, or has none
  */
 export async function downloadSize(id, name) {
-  const response = await fetch(at(downloadPath(id, name)), { method: 'HEAD', headers: authorization() });
-  const length = response.ok ? Number(response.headers.get('Content-Length') ?? NaN) : NaN;
+  const response = await fetch(at(downloadPath(id, name)), { method: 'HEAD', headers: authorization() }).catch(() => null);
+  const length = response?.ok ? Number(response.headers.get('Content-Length') ?? NaN) : NaN;
   return Number.isFinite(length) ? length : null;
 }
 
