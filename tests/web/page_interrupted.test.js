@@ -107,6 +107,17 @@ test('an upload whose flight is deleted goes on when that is taken back', option
   assert.equal(only(mock).files.size, 12);
 });
 
+test('an upload whose flight is deleted for good keeps none of its files', options, async () => {
+  const { page, mock } = await setUp({ upload_ms: 40, trash_days: 0 });
+  await uploadPart(page, mock, 4, 12);
+  const holds = () => page.evaluate(async () => (await import(new URL('src/upload/drop_zone.js', location.href).href)).holdsUploads());
+  assert.equal(await holds(), true);
+  await page.click('#flight-delete');
+  await page.click('#remove-confirm');
+  await page.waitForFunction(() => document.body.dataset.view === 'home');
+  assert.equal(await holds(), false, 'a new language comes at once again');
+});
+
 test('what another browser was to send is not claimed to be all', options, async () => {
   const { page, mock } = await setUp();
   const flight = mock.addFlight('Meadow');

@@ -5,9 +5,15 @@ import { announce, showError, showNote } from '../shared/announce.js';
 import { deleteFlight, getTrash, removeFlight, restoreFlight } from '../shared/api.js';
 import { askToRemove } from '../shared/dialogs.js';
 import { strings } from '../shared/strings.js';
-import { uploadOf } from '../upload/drop_zone.js';
+import { held, uploadOf } from '../upload/drop_zone.js';
 import { forgetUpload } from '../upload/upload_memory.js';
 import { resumeUpload } from '../upload/uploads.js';
+
+/** What was still to be sent for a flight that is gone for good. @param {string} id */
+function forget(id) {
+  forgetUpload(id);
+  held.delete(id);
+}
 
 /**
  * @param {{id: string, name: string}} flight
@@ -39,7 +45,7 @@ export async function deleteWithUndo(flight, on_change) {
     if (days === 0 && !(await askToRemove(flight.name))) return false;
     upload?.stop({ tells: false });
     await deleteFlight(flight.id);
-    if (days === 0) forgetUpload(flight.id);
+    if (days === 0) forget(flight.id);
     // An upload that the deletion broke off goes on.
     const takeBack = () => restore(flight, on_change).then((is_back) => is_back && upload && resumeUpload(upload));
     const undo = { label: strings.flights.undo, run: () => void takeBack() };
@@ -62,7 +68,7 @@ export async function removeForGood(flight, on_change) {
   if (!(await askToRemove(flight.name))) return;
   try {
     await removeFlight(flight.id);
-    forgetUpload(flight.id);
+    forget(flight.id);
     announce(strings.trash.removed(flight.name));
   } catch (error) {
     showError(error);
