@@ -16,8 +16,9 @@ const { id, token, wishes } = embedded();
 /** @param {unknown} error */
 function say(error) {
   const words = strings.embed;
+  if (!(error instanceof ApiError)) console.error(error);
   const status = error instanceof ApiError ? error.status : -1;
-  const text = status === 401 ? words.no_access : status === 404 || status === 400 ? words.none : messageOf(error);
+  const text = status < 0 ? strings.map.failed : status === 401 ? words.no_access : status === 404 || status === 400 ? words.none : messageOf(error);
   dropPoster();
   tell(text);
 }
