@@ -6,8 +6,8 @@ import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../../
 import { rebased, withChanges } from '../../../web/src/notes/note_merge.js';
 import { withRoom } from '../../../web/src/notes/note_labels.js';
 import { boundsOfNote, labelPlace, measurementOfNote, noteOf } from '../../../web/src/notes/note_shape.js';
-import { addCentres, openMap, savedBy } from '../support/browser.js';
-import { assertAccessible, options, usePages } from '../support/pages.js';
+import { addCentres, mapIdle, openMap, savedBy, twoFrames } from '../support/browser.js';
+import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
 const { setUpFlight } = usePages();
 
@@ -258,4 +258,28 @@ test('names on the map do not overlap: the later one comes when one zooms in, an
   assert.equal(await page.locator('#note-list li').count(), 2);
   await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: [7.43912, 46.95121], zoom: 23 }));
   await page.waitForFunction(() => document.querySelectorAll('.note-mark:not([hidden])').length === 2);
+});
+
+test('a note that is being written stays where another is deleted, and where a new map comes', options, async () => {
+  const { page, flight } = await openNotes({ locale: 'en-GB' }, [pointAt('a', 'Well'), pointAt('b', 'Gate')]);
+  await page.waitForSelector('#note-list li');
+  await page.click('#note-add');
+  await page.fill('#note-name', 'Half a thought');
+  await page.click('[data-note="a"] .note-remove');
+  await page.waitForFunction(() => document.querySelectorAll('#note-list li').length === 1);
+  assert.equal(await page.inputValue('#note-name'), 'Half a thought');
+  await page.click('#processing-details summary');
+  await page.click('#run-again');
+  await page.click('#options-submit');
+  await page.waitForSelector('#options-dialog', { state: 'detached' });
+  await page.focus('#note-name');
+  await page.waitForFunction(() => JSON.stringify(/** @type {any} */ (window).skyquilt.map.getStyle().sources).includes('rev=2'));
+  await mapIdle(page);
+  await allAsked(page);
+  await twoFrames(page);
+  assert.equal(await page.inputValue('#note-name'), 'Half a thought');
+  assert.equal(await page.evaluate(() => document.activeElement?.id), 'note-name');
+  await page.click('#note-save');
+  await isSaved(page);
+  assert.deepEqual(kept(flight), ['Gate', 'Half a thought']);
 });

@@ -4,7 +4,7 @@
 import { announce, showError } from '../shared/announce.js';
 import { ApiError, getFlight, getReport, messageOf, serverWords, startControl, startJob, startPlacing } from '../shared/api.js';
 import { controlSection } from '../control/control_section.js';
-import { byId, h, loadStyle, put } from '../shared/dom.js';
+import { arrange, byId, h, loadStyle, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
 import { confirmCoarse } from './coarse_map.js';
 import { chosenOptions } from './job_options.js';
@@ -67,7 +67,7 @@ export class FlightView {
   /** @type {{element: HTMLElement, close: () => void}|null} */
   #control = null;
   #is_control_open = false;
-  /** @type {{element: HTMLElement, close: () => void}|null} */
+  /** @type {ReturnType<typeof import('../notes/notes_section.js').notesSection>|null} */
   #notes = null;
   #notes_place = h('div', {});
 
@@ -380,13 +380,13 @@ export class FlightView {
     const place = (/** @type {HTMLElement} */ opener) => this.#place(flight, found, opener);
     const again = () => this.#again(flight);
     const may_remake = mayChange(flight) && !isImported(flight);
-    put(
-      this.#result,
+    // The place of the notes stays, with the focus of who writes one.
+    arrange(this.#result, [
       found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos, may_remake ? { place, again } : null),
-      this.#control?.element,
+      ...(this.#control ? [this.#control.element] : []),
       this.#notes_place,
       linksView(flight, shown.tilejson),
-    );
+    ]);
     await shown.drawn;
     await this.#drawNotes(flight);
   }
@@ -394,7 +394,7 @@ export class FlightView {
   /** Once the map is there: nothing of it waits for them. @param {Flight} flight */
   async #drawNotes(flight) {
     const [{ notesSection }] = await Promise.all([import('../notes/notes_section.js'), (notes_style ??= loadStyle('styles/notes.css'))]);
-    if (this.#abort.signal.aborted) return;
+    if (this.#abort.signal.aborted || this.#notes?.is_writing) return;  // what is being written stays
     this.#notes?.close();
     this.#notes = notesSection(flight, this.stage, mayChange(flight));
     put(this.#notes_place, this.#notes.element);

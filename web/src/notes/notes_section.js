@@ -30,7 +30,7 @@ function figure(note, is_scale_known) {
  * @param {Flight} flight
  * @param {Stage} stage
  * @param {boolean} may_change
- * @returns {{element: HTMLElement, close: () => void}}
+ * @returns {{element: HTMLElement, is_writing: boolean, close: () => void}} is_writing: a form is open
  */
 export function notesSection(flight, stage, may_change) {
   const words = strings.notes;
@@ -49,6 +49,7 @@ export function notesSection(flight, stage, may_change) {
   );
   /** @type {ReturnType<typeof noteForm>|null} */
   let form = null;
+  let written = '';  // the note whose form it is; '' for a new one
   let is_closed = false;
   let read_ms = 0;
 
@@ -65,6 +66,7 @@ export function notesSection(flight, stage, may_change) {
       closeForm();
       /** @type {HTMLElement|null} */ (element.querySelector(opener))?.focus();
     };
+    written = note?.id ?? '';
     form = noteForm(stage, note, {
       on_end: end,
       on_save: (made) => {
@@ -77,7 +79,7 @@ export function notesSection(flight, stage, may_change) {
   };
   /** @param {Note} note */
   const remove = (note) => {
-    closeForm();
+    if (written === note.id) closeForm();  // what is being written of another stays
     notes.remove(note.id);
     showNote(words.removed(note.properties.name), { action: { label: strings.flights.undo, run: () => notes.set(note) } });
     (/** @type {HTMLElement|null} */ (list.querySelector('button')) ?? add_button).focus();
@@ -170,6 +172,9 @@ export function notesSection(flight, stage, may_change) {
 
   return {
     element,
+    get is_writing() {
+      return form !== null;
+    },
     close() {
       is_closed = true;
       closeForm();
