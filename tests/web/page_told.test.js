@@ -255,3 +255,14 @@ test('heights can be downloaded where the map has them', options, async () => {
   assert.deepEqual((await page.locator('.download span').allTextContents()).slice(8), ['Surface model (DSM)', 'Terrain model (DTM)', 'Contours', 'Contours']);
   assert.match((await page.locator('#heights-zero').textContent()) ?? '', /count from take-off/);
 });
+
+test('a report that could not be had is asked for again where somebody wants it', options, async () => {
+  const { page, mock, flight } = await setUpFlight('Meadow', {}, { errors: /status of 503/ });
+  let is_away = true;
+  await page.route('**/report', (/** @type {any} */ route) => (is_away ? route.fulfill({ status: 503, contentType: 'application/problem+json', json: { title: 'Away', status: 503 } }) : route.fallback()));
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForSelector('#report-retry');
+  is_away = false;
+  await page.click('#report-retry');
+  await page.waitForSelector('#report .facts');
+});

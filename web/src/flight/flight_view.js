@@ -380,9 +380,13 @@ export class FlightView {
     const place = (/** @type {HTMLElement} */ opener) => this.#place(flight, found, opener);
     const again = () => this.#again(flight);
     const may_remake = mayChange(flight) && !isImported(flight);
+    const retry = () => {
+      this.#shown_revision = '';
+      return this.refresh();
+    };
     // The place of the notes stays, with the focus of who writes one.
     arrange(this.#result, [
-      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos, may_remake ? { place, again } : null),
+      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing, ' ', found instanceof ApiError && found.is_passing && button(strings.errors.retry, retry, { class: 'text-button', id: 'report-retry' })) : reportView(flight, found, shown.photos, may_remake ? { place, again } : null),
       ...(this.#control ? [this.#control.element] : []),
       this.#notes_place,
       linksView(flight, shown.tilejson),
