@@ -63,6 +63,7 @@ test('so coarse a map is asked about, with both numbers', options, async () => {
   const { page, flight } = await setUpReady('Meadow', { job_ms: 300 });
   await page.click('#processing-details summary');
   await page.click('#run-again');
+  assert.deepEqual(await Promise.all(['resolution_cm', 'takeoff_height_m'].map((name) => page.getAttribute(`#option-${name}`, 'inputmode'))), ['decimal', 'text'], 'the keys for numbers have no minus on iPhones');
   await page.fill('#option-resolution_cm', '500');
   await page.click('#options-submit');
   await page.waitForSelector('#coarse-dialog[open]');

@@ -114,10 +114,11 @@ export function openImport(control, photos) {
 export function openPointForm(control, point) {
   const words = strings.control;
   const value = (/** @type {number|null|undefined} */ number) => (typeof number === 'number' ? String(number) : '');
-  const field = (/** @type {string} */ text, /** @type {'decimal'|'text'} */ mode) => h('input', { type: 'text', class: 'field', inputmode: mode, maxlength: 100, value: text });
-  const name = field(point?.name ?? '', 'text');
-  const [x, y, height] = [field(value(point?.x), 'decimal'), field(value(point?.y), 'decimal'), field(value(point?.height), 'decimal')];
-  const system = field(control.points.length > 0 ? control.reference_system : kUsualSystem, 'text');
+  // All keys: those for numbers have no minus on iPhones.
+  const field = (/** @type {string} */ text) => h('input', { type: 'text', class: 'field', maxlength: 100, value: text });
+  const name = field(point?.name ?? '');
+  const [x, y, height] = [point?.x, point?.y, point?.height].map((number) => field(value(number)));
+  const system = field(control.points.length > 0 ? control.reference_system : kUsualSystem);
   system.readOnly = control.points.length > (point ? 1 : 0);
   openForm('control-point', point ? words.change(point.name) : words.add_title, [
     labelled('control-name', words.name, name),

@@ -22,8 +22,10 @@ const kOwn = 'own:';  // before the names of the user's presets, which may be ca
  */
 export function askOptions({ flight_id, title, hint = '', submit, options, outlines = [], on_submit }) {
   const words = strings.options;
+  // The keys for numbers have no minus on iPhones.
+  const isSigned = (/** @type {TypedField} */ name) => name === 'origin' || kLimits[name].least < 0;
   const text = (/** @type {TypedField} */ name, /** @type {string} */ placeholder) =>
-    h('input', { id: `option-${name}`, class: 'field', type: 'text', inputmode: name === 'origin' ? 'text' : 'decimal', placeholder, autocomplete: 'off', 'aria-describedby': `option-${name}-hint option-${name}-fault` });
+    h('input', { id: `option-${name}`, class: 'field', type: 'text', inputmode: isSigned(name) ? 'text' : 'decimal', placeholder, autocomplete: 'off', 'aria-describedby': `option-${name}-hint option-${name}-fault` });
   const choice = (/** @type {Choice} */ name) =>
     h('select', { id: `option-${name}`, class: 'field', 'aria-describedby': `option-${name}-hint` }, ...kChoices[name].map((value) => h('option', { value }, choiceWords(name, value))));
 

@@ -67,7 +67,7 @@ export function volumeSection(view) {
   let given_m = null;
 
   const base = h('select', { id: 'volume-base', class: 'field' }, ...Object.entries(words.bases).map(([value, label]) => h('option', { value }, label)));
-  const given = h('input', { type: 'text', inputmode: 'decimal', id: 'volume-given', class: 'field mono', autocomplete: 'off', 'aria-label': words.given });
+  const given = h('input', { type: 'text', id: 'volume-given', class: 'field mono', autocomplete: 'off', 'aria-label': words.given });
   const unit = h('span', { class: 'muted' });
   const given_row = h('div', { class: 'volume-given', hidden: true }, given, unit);
   const result = h('div', { class: 'volume-result', id: 'volume-result', 'aria-live': 'polite' });

@@ -35,8 +35,8 @@ export function indexSection(view, download) {
   const which = h('select', { id: 'index', class: 'field' });
   const own = h('input', { type: 'text', id: 'index-expression', class: 'field mono', maxlength: 512, spellcheck: 'false', autocapitalize: 'off', autocomplete: 'off', 'aria-label': words.expression, hidden: true });
   const colours = h('select', { id: 'index-colours', class: 'field', 'aria-label': words.colours });
-  const least = h('input', { type: 'text', inputmode: 'decimal', id: 'index-least', class: 'field mono', 'aria-label': words.least });
-  const most = h('input', { type: 'text', inputmode: 'decimal', id: 'index-most', class: 'field mono', 'aria-label': words.most });
+  const least = h('input', { type: 'text', id: 'index-least', class: 'field mono', 'aria-label': words.least });
+  const most = h('input', { type: 'text', id: 'index-most', class: 'field mono', 'aria-label': words.most });
   const fit = button(words.fit, () => fitToValues(), { class: 'text-button', id: 'index-fit' });
   const { input: turned, row: turned_row } = checkRow(words.turned, 'index-turned', false, () => recolour());
   const fault = h('p', { class: 'muted', id: 'index-fault', role: 'alert', hidden: true });
