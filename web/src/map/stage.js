@@ -315,6 +315,7 @@ export class Stage {
     this.#fits_next = false;
     const before = is_new ? null : view.bounds;
     await view.showMosaic(tilejson, bounds, is_preview, flight.id);
+    if (this.#shown?.id !== flight.id) return;  // the address names another by now
     view.map.resize();
     const place = is_new && !fits ? placeOfHash(location.hash) : null;
     if (place) {
