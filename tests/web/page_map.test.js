@@ -50,14 +50,33 @@ async function allDrawn(page) {
   await twoFrames(page);
 }
 
-test('a layer that fails late changes nothing of the one that was chosen after it', options, async () => {
-  const { page, mock, flight } = await setUpFlight('Meadow', {}, { locale: 'en-GB', errors: /status of 500/ });
-  const layers = ['photo', 'error'].map((id) => ({ id, tilejson: `/tiles/${flight.id}/layers/${id}.json`, legends: `/api/v1/flights/${flight.id}/layers.json?of=${id}` }));
-  await page.route(`**/tiles/${flight.id}.json`, async (route) => {
+/** A flight's map has these layers, each with its legend. @param {any} page @param {any} mock @param {any} flight @param {string[]} ids */
+async function offerLayers(page, mock, flight, ids) {
+  const layers = ids.map((id) => ({ id, tilejson: `/tiles/${flight.id}/layers/${id}.json`, legends: `/api/v1/flights/${flight.id}/layers.json?of=${id}` }));
+  await page.route(`**/tiles/${flight.id}.json`, async (/** @type {any} */ route) => {
     const tilejson = await (await route.fetch()).json();
     await route.fulfill({ json: { ...tilejson, layers } });
   });
-  await page.route(/\/layers\/\w+\.json/, (route) => route.fulfill({ json: { tilejson: '3.0.0', tiles: [`${mock.url}basemap.png?{z}/{x}/{y}`], minzoom: 14, maxzoom: 21, bounds: [7, 46, 8, 47] } }));
+  await page.route(/\/layers\/\w+\.json/, (/** @type {any} */ route) => route.fulfill({ json: { tilejson: '3.0.0', tiles: [`${mock.url}basemap.png?{z}/{x}/{y}`], minzoom: 14, maxzoom: 21, bounds: [7, 46, 8, 47] } }));
+}
+
+test('the legend of heights has the units that are chosen', options, async () => {
+  const { page, mock, flight } = await setUpFlight('Meadow', {}, { locale: 'en-US' });
+  await offerLayers(page, mock, flight, ['height']);
+  await page.route(/layers\.json\?of=height/, (/** @type {any} */ route) => route.fulfill({ json: { height: { range_m: [100, 304.8] } } }));
+  await openMap(page, `${mock.url}#/flights/${flight.id}`);
+  await page.click('#tool-layers');
+  await page.selectOption('#overlay', 'height');
+  await page.waitForSelector('.map-legend .layer-ramp');
+  const legend = () => page.textContent('.overlay-choice .map-legend');
+  assert.match((await legend()) ?? '', /328\.1\sft1,000\.0\sft/);
+  await page.evaluate(async () => (await import(new URL('src/shared/units.js', location.href).href)).keepUnits('metric'));
+  assert.match((await legend()) ?? '', /100\.0\sm304\.8\sm/);
+});
+
+test('a layer that fails late changes nothing of the one that was chosen after it', options, async () => {
+  const { page, mock, flight } = await setUpFlight('Meadow', {}, { locale: 'en-GB', errors: /status of 500/ });
+  await offerLayers(page, mock, flight, ['photo', 'error']);
   const stops = [{ error_radius_m: 0, colour: '#2b83ba' }, { error_radius_m: 5, colour: '#d7301f' }];
   await page.route(/layers\.json\?of=error/, (route) => route.fulfill({ json: { error: { stops } } }));
   /** @type {() => void} */

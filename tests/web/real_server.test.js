@@ -247,7 +247,7 @@ async function assertLayersLieOverTheMap(page, url, id, middle) {
   await mapIdle(page);
   assert.ok((await share(photo_colours, 6)) < 0.3, 'the photos\' colours are gone');
   assert.ok((await screenshotPixels(page, middle)).colours < 200, 'heights, no picture');
-  assert.match(await page.textContent('.overlay-choice .map-legend'), /m.*m/);
+  assert.match(await page.textContent('.overlay-choice .map-legend'), /\d\s(m|ft).*\d\s(m|ft)/);
   await page.selectOption('#overlay', 'none');
   await page.waitForFunction(() => !(/** @type {any} */ (window).skyquilt.map.getLayer('overlay')));
   await mapIdle(page);

@@ -5,6 +5,7 @@
 import { h } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
+import { chosenUnits, heightIn } from '../shared/units.js';
 import { ownHost } from './tile_addresses.js';
 
 /** @typedef {'photo'|'error'|'height'} LayerKind */
@@ -79,7 +80,7 @@ export function overlayLegend(kind, legends) {
   }
   if (kind === 'height' && legends.height) {
     const [least_m, most_m] = legends.height.range_m;
-    return ramp(kHeightColours, formatLength(least_m), formatLength(most_m));
+    return ramp(kHeightColours, heightIn(least_m, chosenUnits()), heightIn(most_m, chosenUnits()));
   }
   return [h('p', { class: 'muted' }, strings.map.overlay_photo)];
 }

@@ -16,6 +16,7 @@ import { overlayLegend } from './map_layers.js';
 import { kUnknownErrorColour } from './map_style.js';
 import { ownDataView } from './own_data_view.js';
 import { fixed, keepChoice, keptChoice } from '../shared/language.js';
+import { units_chosen } from '../shared/units.js';
 import { strings } from '../shared/flight_strings.js';
 import { ownHost } from './tile_addresses.js';
 
@@ -193,6 +194,10 @@ function overlayChooser(view) {
   const legend = h('div', { class: 'map-legend' });
   const element = h('div', { class: 'overlay-choice', hidden: true }, h('label', { for: 'overlay', class: 'small-label' }, words.overlay), choice, legend);
   let turn = 0;
+  /** @type {import('../shared/types.js').LayerLegends} of what is shown */
+  let shown = {};
+  const drawLegend = () => put(legend, ...(view.overlay ? overlayLegend(view.overlay, shown) : []));
+  units_chosen.addEventListener('change', drawLegend);
   /** @type {import('../shared/types.js').MapLayer|null} that is chosen and on its way */
   let awaited = null;
   choice.addEventListener('change', async () => {
@@ -209,7 +214,8 @@ function overlayChooser(view) {
       if (!isWanted()) return;
       awaited = null;
       view.showOverlay(layer.id, tilejson, legends);
-      put(legend, ...overlayLegend(layer.id, legends));
+      shown = legends;
+      drawLegend();
     } catch (error) {
       if (!isWanted()) return;
       awaited = null;
@@ -224,7 +230,7 @@ function overlayChooser(view) {
       const kinds = /** @type {const} */ (['none', ...view.layers.map(({ id }) => id)]);
       put(choice, ...kinds.map((kind) => h('option', { value: kind }, words.overlays[kind])));
       choice.value = view.overlay || (awaited && view.layers.includes(awaited) ? awaited.id : 'none');
-      if (!view.overlay) put(legend);
+      drawLegend();
     },
   };
 }
