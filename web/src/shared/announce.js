@@ -1,7 +1,7 @@
 // What changes on the page, said once to screen readers, and the short notes at the bottom of the window.
 import { messageOf } from './api.js';
 import { byId, h } from './dom.js';
-import { button, icon } from './icons.js';
+import { button, iconButton } from './icons.js';
 import { strings } from './strings.js';
 
 let last_text = '';
@@ -23,31 +23,25 @@ export function announce(text, options = {}) {
 /**
  * A note that goes away by itself, with at most one action.
  * @param {string} text
- * @param {{action?: {label: string, run: () => void}, on_close?: () => void, duration_ms?: number,
- *          is_error?: boolean}} [options]
+ * @param {{action?: {label: string, run: () => void}, duration_ms?: number, is_error?: boolean}} [options]
  * @returns {() => void} closes the note
  */
-export function showNote(text, options = {}) {
-  let closed = false;
+export function showNote(text, { action, duration_ms = 8000, is_error = false } = {}) {
   const close = () => {
-    if (closed) return;
-    closed = true;
     clearTimeout(timer);
     note.remove();
-    options.on_close?.();
   };
-  const action = options.action;
   const note = h(
     'div',
-    { class: options.is_error ? 'note note-error' : 'note' },
+    { class: is_error ? 'note note-error' : 'note' },
     h('span', { class: 'note-text' }, text),
     action && button(action.label, () => {
       action.run();
       close();
     }, { class: 'note-action' }),
-    h('button', { type: 'button', class: 'icon-button', 'aria-label': strings.page.close, on: { click: close } }, icon('close')),
+    iconButton('close', strings.page.close, close),
   );
-  const timer = setTimeout(close, options.duration_ms ?? 8000);
+  const timer = setTimeout(close, duration_ms);
   byId('toasts').append(note);
   announce(text);
   return close;
