@@ -190,3 +190,14 @@ test('pausing does not move the bar back', options, async () => {
   const lowest = await page.evaluate(() => /** @type {any} */ (window).lowest);
   assert.ok(lowest >= before, `${lowest} after ${before}`);
 });
+
+test('a flight whose parts of the page do not come can be opened again', options, async () => {
+  const { page, mock } = await setUp({}, { errors: /ERR_FAILED/ });
+  const flight = mock.seedReady('Meadow');
+  await page.route('**/src/open_parts.js', (/** @type {any} */ route) => route.abort());
+  await page.evaluate((/** @type {string} */ id) => { location.hash = `#/flights/${id}`; }, flight.id);
+  await page.waitForSelector('#open-retry');
+  await page.unroute('**/src/open_parts.js');
+  await page.click('#open-retry');
+  await mapIdle(page);
+});

@@ -252,7 +252,13 @@ function show(route) {
     return;
   }
   parts?.stage.endCompare();
-  void openFlight(route).catch(showError);
+  const opening = openFlight(route);
+  const turn = open_turn;
+  opening.catch((error) => {
+    if (open_view || turn !== open_turn) showError(error);
+    // The address is this flight's already: to choose it again in the list would be no change.
+    else put(panel_body, h('div', { class: 'callout callout-error', role: 'alert' }, h('p', {}, messageOf(error)), button(strings.errors.retry, reloadWithToken, { picture: 'retry', id: 'open-retry' })));
+  });
 }
 
 let open_turn = 0;
