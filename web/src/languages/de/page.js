@@ -14,7 +14,7 @@ export const page_words = {
     close: 'Schließen',
     zoom_in: 'Vergrößern',
     zoom_out: 'Verkleinern',
-    copy: (what) => `Adresse kopieren: ${what}`,
+    copy: (what) => `Kopieren: ${what}`,
     copied: 'Kopiert.',
     language: 'Sprache',
     language_later: 'Die Sprache wechselt, wenn Sie die Seite neu öffnen. Das Hochladen läuft weiter.',

@@ -13,7 +13,7 @@ export const page_words = {
     close: 'Close',
     zoom_in: 'Zoom in',
     zoom_out: 'Zoom out',
-    copy: (/** @type {string} */ what) => `Copy URL: ${what}`,
+    copy: (/** @type {string} */ what) => `Copy: ${what}`,
     copied: 'Copied.',
     language: 'Language',
     language_later: 'The new language applies when you reopen the page. Uploads continue.',
