@@ -439,3 +439,20 @@ test('who only reads sees the tags and no way to change them', options, async ()
   assert.deepEqual(await page.locator('#flight-tags .tag').allTextContents(), ['maize']);
   assert.equal(await page.locator('#tag-add, .tag-remove, #flight-keep').count(), 0);
 });
+
+test('a trash that who looks may not see is not asked for with each movement', options, async () => {
+  const { page, mock } = await setUp({}, { errors: /status of 403/ });
+  mock.seedReady('Meadow');
+  let asked = 0;
+  await page.route('**/api/v1/trash', (/** @type {any} */ route) => {
+    asked += 1;
+    return route.fulfill({ status: 403, contentType: 'application/problem+json', json: { title: 'Forbidden', status: 403 } });
+  });
+  await page.reload();
+  await until(() => asked === 1);
+  await page.evaluate(() => {
+    for (let i = 0; i < 5; i += 1) dispatchEvent(new Event('scroll'));
+  });
+  await allAsked(page);
+  assert.equal(asked, 1);
+});

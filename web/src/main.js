@@ -325,7 +325,7 @@ async function refreshTrash() {
 }
 const isAtEnd = () => list_end.isConnected && list_end.getBoundingClientRect().top < innerHeight;
 addEventListener('scroll', () => {
-  if (!trash && has_list && isAtEnd()) void refreshTrash();
+  if (trash_turn === 0 && has_list && isAtEnd()) void refreshTrash();  // after that with the list
 }, { capture: true, passive: true });
 
 let has_list = false;
