@@ -407,6 +407,14 @@ test('pausing stops what is in flight and going on sends it again', async () => 
   assert.equal(queue.picture.failed, 0);
 });
 
+test('files that are chosen again while they are being sent are sent once', async () => {
+  const queue = new UploadQueue(blobs(2), () => new Promise(() => {}));
+  queue.start();
+  queue.add(blobs(3));
+  assert.deepEqual(queue.items.map(({ name, state }) => [name, state]), [['p0.jpg', 'sending'], ['p1.jpg', 'sending'], ['p2.jpg', 'sending']]);
+  assert.equal(queue.picture.files, 3);
+});
+
 test('files the server has whole are not sent again', async () => {
   const sent = [];
   const queue = new UploadQueue(blobs(3), async ({ name }) => void sent.push(name));

@@ -91,9 +91,11 @@ export class UploadQueue extends EventTarget {
    * @param {{name: string, file: File|Blob}[]} files
    */
   add(files) {
-    const names = new Set(files.map(({ name }) => name));
+    const sending = new Map(this.items.filter(({ state }) => state === 'sending').map(({ name, bytes }) => [name, bytes]));
+    const more = files.filter(({ name, file }) => sending.get(name) !== file.size);  // one that is on its way is not sent twice
+    const names = new Set(more.map(({ name }) => name));
     this.items = this.items.filter((item) => item.state === 'sending' || !names.has(item.name));
-    this.#append(files);
+    this.#append(more);
     if (this.#state === 'running' || this.#state === 'finished') this.start();
     else this.#changed();
   }
