@@ -194,3 +194,19 @@ test('a new revision of a map takes the place of the old one', options, async ()
   await page.waitForFunction(() => Object.keys(/** @type {any} */ (window).skyquilt.map.getStyle().sources).filter((id) => id.startsWith('mosaic')).join() === 'mosaic-2');
   assert.match(await page.textContent('#report'), /20 \/ 21/);
 });
+
+test('files that are chosen again are judged, and told of, once', options, async () => {
+  const { page, mock } = await setUp();
+  mock.holdUploads();
+  const flight = mock.addFlight('Meadow');
+  const found = await page.evaluate(async (/** @type {string} */ id) => {
+    const { UploadSession } = await import(new URL('src/upload/uploads.js', location.href).href);
+    const session = new UploadSession(id);
+    const verdicts = new Set();
+    session.addEventListener('change', () => session.verdict && verdicts.add(session.verdict));
+    for (let i = 0; i < 2; i += 1) await session.add({ chosen: [{ name: 'log.txt', file: new File(['x'], 'log.txt') }], ignored: [{ name: 'letter.docx', reason: '' }], folder: '' });
+    while (verdicts.size < 2) await new Promise(requestAnimationFrame);
+    return [session.verdict.logs, session.ignored.length, session.queue.items.length];
+  }, flight.id);
+  assert.deepEqual(found, [1, 1, 1]);
+});

@@ -71,9 +71,8 @@ export class UploadSession extends EventTarget {
 
   /** @param {Selection} selection */
   async add(selection) {
-    // Of a whole disk more than a call takes at once.
-    this.ignored = [...this.ignored, ...selection.ignored];
-    this.#files = [...this.#files, ...selection.chosen];
+    this.ignored = withMore(this.ignored, selection.ignored);
+    this.#files = withMore(this.#files, selection.chosen);
     rememberUpload(this.flight_id, selection.chosen);
     judge(this.#files).then((verdict) => {
       this.verdict = verdict;
@@ -151,6 +150,17 @@ export class UploadSession extends EventTarget {
     held.set(this.flight_id, this);
     if (tells) this.dispatchEvent(new Event('job'));
   }
+}
+
+/**
+ * @template {{name: string}} T
+ * @param {T[]} before
+ * @param {T[]} more in place of those of their names: a folder may be chosen again
+ * @returns {T[]}
+ */
+function withMore(before, more) {
+  const names = new Set(more.map(({ name }) => name));
+  return [...before.filter(({ name }) => !names.has(name)), ...more];
 }
 
 /**
