@@ -14,6 +14,7 @@ test('a link is made for as long as chosen, listed, and revoked', options, async
   await page.selectOption('#share-days', '7');
   await page.click('#share-make');
   await page.waitForSelector('#share-made input');
+  assert.equal(await page.evaluate(() => document.activeElement?.id), 'share-make', 'the keyboard goes on there');
   const link = await page.inputValue('#share-made input');
   const [share] = flight.shares;
   assert.equal(link, `${mock.url}#/flights/${flight.id}?token=${share.token}`);
@@ -25,6 +26,7 @@ test('a link is made for as long as chosen, listed, and revoked', options, async
   await assertAccessible(page, 'share dialog');
   await page.locator('.shares li button').first().click();
   await page.waitForFunction(() => document.querySelectorAll('.shares li').length === 1);
+  await page.waitForFunction(() => document.activeElement?.matches('.shares li button'));
   assert.deepEqual(flight.shares.map(({ id }) => id), [share.id]);
   await page.keyboard.press('Escape');
   await page.waitForSelector('#share-dialog', { state: 'detached' });

@@ -111,6 +111,7 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
       refuse('');
       await removeExport(flight.id, id);
       await watch();
+      (/** @type {HTMLElement|null} */ (list.querySelector('button')) ?? start).focus();
     }, failed));
     return { row: h('li'), what: h('div', { class: 'export-what' }), link: null, remove, picture: 'close', drawn: '' };
   };

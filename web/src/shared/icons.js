@@ -74,11 +74,13 @@ export const button = (label, run, { picture = '', ...attributes } = {}) =>
  * @param {(error: unknown) => void} fail
  */
 export async function runOnce(pressed, work, fail) {
-  pressed.disabled = true;
+  const had_focus = pressed === document.activeElement;
+  pressed.disabled = true;  // which takes its focus
   try {
     await work();
   } catch (error) {
     pressed.disabled = false;
+    if (had_focus && (document.activeElement === document.body || document.activeElement === pressed)) pressed.focus();
     fail(error);
   }
 }

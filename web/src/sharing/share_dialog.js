@@ -76,11 +76,14 @@ function showShares(flight, body, showFailure) {
     made_id = share.id;
     put(made, h('p', { class: 'muted' }, words.once), addressField(reachedAt() ? words.link : words.link_local, link), code, embedField(flight, server, share.token));
     make.disabled = false;
+    make.focus();
   }, showFailure), { class: 'button primary', id: 'share-make' });
   const row = h('div', { class: 'share-row' }, h('label', { for: 'share-days' }, words.expiry), choice, make);
   const heading = h('h3', { class: 'share-heading' }, words.active);
   const list = h('ul', { class: 'shares' });
-  const rowsOf = keptElements((/** @type {Share} */ share) => share.id, JSON.stringify, (share) => shareRow(flight, share, () => again(), showFailure));
+  // What had the keyboard's focus went away with its row.
+  const goOn = () => (/** @type {HTMLElement|null} */ (list.querySelector('button')) ?? make).focus();
+  const rowsOf = keptElements((/** @type {Share} */ share) => share.id, JSON.stringify, (share) => shareRow(flight, share, () => again().then(goOn), showFailure));
 
   const draw = () => {
     const reached_at = reachedAt();
