@@ -134,7 +134,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
     await page.waitForSelector('#options-dialog[open]');
     assert.ok(await page.locator('label:has(#option-not_finer)').isHidden());
     await page.fill('#option-resolution_cm', '0');
-    assert.match((await page.textContent('#option-resolution_cm-fault')) ?? '', /from 0\.1 to 10,000/);
+    assert.match((await page.textContent('#option-resolution_cm-fault')) ?? '', /from 0\.1 to 10000/);
     await assertAccessible(page, 'options with a fault');
     await page.click('#options-submit');
     assert.equal(flight.job ?? null, null, 'nothing is sent that would be refused');

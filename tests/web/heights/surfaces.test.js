@@ -7,7 +7,8 @@ import { contourStep, drawnContours } from '../../../web/src/heights/contour_lin
 import { readoutWords } from '../../../web/src/heights/height_readout.js';
 import { drawnProfile, figuresOf } from '../../../web/src/heights/surface_profile.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
-import { formatVolume, parseNumber } from '../../../web/src/shared/format.js';
+import { formatVolume, parseNumber, typedNumber } from '../../../web/src/shared/format.js';
+import { speak } from '../../../web/src/shared/language.js';
 import { heightIn, volumeIn } from '../../../web/src/shared/units.js';
 
 await loadFlightStrings();
@@ -109,6 +110,11 @@ test('volumes are cubic metres or cubic yards, and numbers are read with a comma
   assert.equal(volumeIn(7.64554857984, 'imperial'), '10\u00a0yd³');
   assert.equal(volumeIn(7.64554857984, 'metric'), '7.65\u00a0m³');
   assert.deepEqual(['412,5', ' 412.5 ', '', 'x', '0x10', 'Infinity', '1,234.5'].map(parseNumber), [412.5, 412.5, NaN, NaN, NaN, NaN, NaN]);
+  // In English it may be a thousand and more that is typed.
+  assert.deepEqual(['1,250', ' -12,500', '0,125', '1250,125', '1,25', '1.250'].map((text) => typedNumber(text)), [NaN, NaN, 0.125, 1250.125, 1.25, 1.25]);
+  speak('de');
+  assert.equal(typedNumber('1,250'), 1.25);
+  speak('en');
 });
 
 test('every fifth contour is strong, whatever their distance, also below zero', () => {

@@ -5,7 +5,7 @@
 import { messageOf } from '../shared/api.js';
 import { ask, closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
-import { parseNumber } from '../shared/format.js';
+import { typedNumber } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
 import { parseControlList, withPoints } from './control_lists.js';
 
@@ -126,7 +126,7 @@ export function openPointForm(control, point) {
     h('div', { class: 'control-numbers' }, labelled('control-x', words.x, x), labelled('control-y', words.y, y), labelled('control-height', words.height, height)),
   ], strings.flights.save, async () => {
     const own = name.value.trim();
-    const [east, north, up] = [x, y, height].map((input) => parseNumber(input.value));
+    const [east, north, up] = [x, y, height].map((input) => typedNumber(input.value));
     if (own === '') return words.no_name;
     if (control.points.some((other) => other.name === own && other !== control.point(point?.name ?? ''))) return words.name_taken(own);
     if (!Number.isFinite(east) || !Number.isFinite(north) || (height.value.trim() !== '' && !Number.isFinite(up))) return words.no_number;

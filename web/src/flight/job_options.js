@@ -1,6 +1,7 @@
 // How a map is made, as the form has it and as the server takes it (JobOptions of the contract); what was chosen for
 // each flight of this page; and presets, which this browser keeps. Pure but for these.
 import { kLayers } from '../shared/api.js';
+import { typedNumber } from '../shared/format.js';
 import { keptChoice } from '../shared/language.js';
 import { parsePlace } from '../map/parse_place.js';
 
@@ -54,8 +55,8 @@ export const kPresets = {
   detailed: { ...kStandard, quality: '95' },
 };
 
-/** @param {string} text as people of many countries write numbers @returns {number} NaN where it is none */
-const numberOf = (text) => (/^[+-]?(\d+([.,]\d*)?|[.,]\d+)$/.test(text.trim()) ? Number(text.trim().replace(',', '.')) : NaN);
+/** @param {string} text as people of many countries write numbers, without a power @returns {number} NaN where it is none */
+const numberOf = (text) => (/e/i.test(text) ? NaN : typedNumber(text));
 
 /** What is not as where nothing is said. @param {OptionsForm} form @returns {[Choice, string][]} */
 export const chosenIn = (form) => kChoiceNames.flatMap((field) => (form[field] === kChoices[field][0] ? [] : [[field, form[field]]]));

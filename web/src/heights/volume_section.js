@@ -6,7 +6,7 @@
 /** @import { Units } from '../shared/units.js' */
 import { ApiError, getVolume, messageOf } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
-import { formatPercent, parseNumber } from '../shared/format.js';
+import { formatPercent, typedNumber } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
 import { number } from '../shared/language.js';
 import { polygonOf } from '../map/measurement_files.js';
@@ -128,7 +128,7 @@ export function volumeSection(view) {
     ask();
   });
   given.addEventListener('input', () => {
-    const value = parseNumber(given.value);
+    const value = typedNumber(given.value);
     given_m = Number.isFinite(value) ? value * metresPer(units) : null;
     ask();
   });

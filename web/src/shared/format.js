@@ -1,5 +1,5 @@
 // Numbers as people read them, in the language of the page. Metric units; a number is kept on one line with its unit.
-import { dateFormat, fixed, number } from './language.js';
+import { dateFormat, fixed, language, number } from './language.js';
 import { strings } from './strings.js';
 
 /** What there is of several words, one after the other. @param {...(string|false|null|undefined)} words */
@@ -108,6 +108,9 @@ export function parseNumber(text) {
   const value = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
   return Number.isFinite(value) ? value : NaN;
 }
+
+/** The same of what somebody types: in English "1,250" may be a thousand and more, and counts as none. @param {string} text */
+export const typedNumber = (text) => (language === 'en' && /^\s*[+-]?[1-9]\d{0,2},\d{3}\s*$/.test(text) ? NaN : parseNumber(text));
 
 /**
  * @param {number} fraction 0..1

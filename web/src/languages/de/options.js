@@ -69,6 +69,6 @@ export const option_words = {
   coarse_unknown: (/** @type {string} */ asked) => `Verlangt ist eine Auflösung von ${asked}, und noch sagt nichts, wie fein die Fotos sind. Das Feld zählt in Zentimetern.`,
   coarse_yes: 'Ja, so grob',
   coarse_no: 'Auflösung ändern',
-  bad_number: (/** @type {number} */ least, /** @type {number} */ most) => `Bitte eine Zahl von ${number(least)} bis ${number(most)} eingeben.`,
+  bad_number: (/** @type {number} */ least, /** @type {number} */ most) => `Bitte eine Zahl von ${number(least)} bis ${number(most, { useGrouping: false })} eingeben.`,
   bad_place: 'Bitte Breite und Länge eingeben, zum Beispiel 46.95, 7.44.',
 };

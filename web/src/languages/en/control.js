@@ -67,5 +67,5 @@ export const control_words = {
   height: 'Height (optional)',
   no_name: 'Enter a name.',
   name_taken: (/** @type {string} */ name) => `There is already a point called ${name}.`,
-  no_number: 'East, north and height must be numbers.',
+  no_number: 'East, north and height must be numbers, without commas for thousands.',
 };

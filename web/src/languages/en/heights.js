@@ -38,7 +38,7 @@ export const volume_words = {
   bases: { lowest: 'Lowest point of the edge', plane: 'Plane through the edge', given: 'Given height' },
   since: (/** @type {string} */ flight) => `Heights of ${flight}`,
   given: 'Height of the base',
-  no_number: 'Enter the height as a number.',
+  no_number: 'Enter the height as a number, without commas for thousands.',
   above: 'Above base (cut)',
   below: 'Below base (fill)',
   added: 'Added since then',

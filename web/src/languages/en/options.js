@@ -69,6 +69,6 @@ export const option_words = {
   coarse_unknown: (/** @type {string} */ asked) => `The resolution asked for is ${asked}, and nothing tells yet how fine the photos are. The field counts in centimetres.`,
   coarse_yes: 'Yes, so coarse',
   coarse_no: 'Change the resolution',
-  bad_number: (/** @type {number} */ least, /** @type {number} */ most) => `Enter a number from ${number(least)} to ${number(most)}.`,
+  bad_number: (/** @type {number} */ least, /** @type {number} */ most) => `Enter a number from ${number(least)} to ${number(most, { useGrouping: false })}.`,
   bad_place: 'Enter latitude and longitude, for example 46.95, 7.44.',
 };
