@@ -61,7 +61,7 @@ Result<Response> RemoveForGood(Service& service, const Request& request) {
   SKYQUILT_TRY(CheckId(id, "flight"));
   // Only what was deleted before: nobody loses a flight by one slip.
   SKYQUILT_TRY(TrashOf(service).Find(id));
-  SKYQUILT_TRY(RemoveFlight(service, id));
+  SKYQUILT_TRY(RemoveFlight(service, id, storage::Time::max()));
   return NoContent();
 }
 
@@ -74,11 +74,12 @@ Result<void> DeleteFlight(Service& service, const std::string& id) {
   return {};
 }
 
-Result<void> RemoveFlight(Service& service, const std::string& id) {
+Result<void> RemoveFlight(Service& service, const std::string& id,
+                          std::optional<storage::Time> trashed_until) {
   // What they have made waits for their next attempts; without them nobody could tell whose it was.
   SKYQUILT_TRY_ASSIGN(const std::vector<std::string> jobs, service.queue.JobsOf(id));
   // The catalogue first: what is then left on the disk is garbage that any start-up removes.
-  SKYQUILT_TRY(service.db.Free([&] { return service.catalogue.DeleteFlight(id); }));
+  SKYQUILT_TRY(service.db.Free([&] { return service.catalogue.DeleteFlight(id, trashed_until); }));
   service.tilesets.Forget(id);
   service.store.RemoveFlight(id, jobs);
   service.db.FillReserve();
@@ -86,11 +87,11 @@ Result<void> RemoveFlight(Service& service, const std::string& id) {
 }
 
 Result<int> RemoveOldTrash(Service& service) {
-  SKYQUILT_TRY_ASSIGN(const auto old, TrashOf(service).DeletedUntil(service.db.ages().Now() -
-                                                                    std::chrono::days(service.trash_days)));
+  const storage::Time until = service.db.ages().Now() - std::chrono::days(service.trash_days);
+  SKYQUILT_TRY_ASSIGN(const auto old, TrashOf(service).DeletedUntil(until));
   int removed = 0;
   for (const std::string& id : old) {
-    const Result<void> done = RemoveFlight(service, id);
+    const Result<void> done = RemoveFlight(service, id, until);
     // One that was restored or removed a moment ago needs nothing more.
     if (!done && done.error().code != ErrorCode::kNotFound) return done.error();
     removed += done ? 1 : 0;

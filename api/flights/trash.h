@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "api/service.h"
@@ -13,8 +14,10 @@ namespace skyquilt::api {
 // none. Errors: kNotFound and the catalogue's.
 Result<void> DeleteFlight(Service& service, const std::string& id);
 
-// The flight with all that is on the disk, at once. Errors: as above.
-Result<void> RemoveFlight(Service& service, const std::string& id);
+// The flight with all that is on the disk, at once. `trashed_until`: as Catalogue::DeleteFlight. Errors: as
+// above.
+Result<void> RemoveFlight(Service& service, const std::string& id,
+                          std::optional<storage::Time> trashed_until = std::nullopt);
 
 // What has been in the trash for its days is removed; answers how many. Any thread.
 Result<int> RemoveOldTrash(Service& service);

@@ -211,18 +211,21 @@ Result<void> Catalogue::ChangeFlight(const std::string& id, const FlightChange& 
   return records_->Change(id, line);
 }
 
-Result<void> Catalogue::DeleteFlight(const std::string& id) {
+Result<void> Catalogue::DeleteFlight(const std::string& id, std::optional<Time> trashed_until) {
+  const auto until_us = trashed_until ? std::optional(ToUs(*trashed_until)) : std::nullopt;
+  const std::string wanted = "id=?1 AND (CAST(?2 AS BIGINT) IS NULL OR deleted_age_us<=?2)";
   return db_.Again([&]() -> Result<void> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, id));
-    SKYQUILT_TRY_ASSIGN(const bool known, db->Finds("SELECT 1 FROM flight WHERE id=?", id));
+    SKYQUILT_TRY_ASSIGN(const bool known, db->Finds("SELECT 1 FROM flight WHERE " + wanted, id, until_us));
     if (!known) return NoSuchFlight(id);
     SKYQUILT_TRY_ASSIGN(const std::vector<std::string> uploads,
                         db->AllText("SELECT id FROM upload WHERE flight_id=?", id));
     // What the record cannot take (a full disk, the one thing that deleting mends) must not keep the flight:
     // the record only tells a repair of a lost catalogue not to bring the flight back.
     if (records_) (void)records_->Deleting(id, Now()).ok();
-    Result<void> done = db->Change("DELETE FROM flight WHERE id=?", id);
+    Result<void> done = db->Change("DELETE FROM flight WHERE " + wanted, id, until_us);
+    if (done && db->Changes() == 0) done = NoSuchFlight(id);  // another server restored it just now
     if (done) done = transaction.Commit();
     if (!done && records_) (void)records_->Change(id, {}).ok();
     if (!done) return done.error();

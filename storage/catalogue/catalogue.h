@@ -122,8 +122,9 @@ class Catalogue {
   // All of it or nothing.
   Result<void> ChangeFlight(const std::string& id, const FlightChange& change);
   // For good, also from the trash. Files, revisions and jobs go with it; a worker that runs one of its jobs
-  // loses its lease.
-  Result<void> DeleteFlight(const std::string& id);
+  // loses its lease. With `trashed_until` one alone that went to the trash by then (AgeClock) and is there
+  // still: kNotFound else.
+  Result<void> DeleteFlight(const std::string& id, std::optional<Time> trashed_until = std::nullopt);
   Result<bool> HasFlight(const std::string& id) const;
   // With those in the trash: all whose files are to stay on the disk.
   Result<std::vector<std::string>> FlightIds() const;

@@ -92,6 +92,21 @@ TEST_F(TrashTest, DaysCountByTheAgeClock) {
   EXPECT_EQ(*trash_.DeletedUntil(age), std::vector<std::string>{flight_});
 }
 
+TEST_F(TrashTest, WhatWasRestoredIsNotRemovedWithTheOldOnes) {
+  ASSERT_TRUE(trash_.Put(flight_, Now()));
+  const Time until = db_->ages().Now();
+  ASSERT_EQ(trash_.DeletedUntil(until)->size(), 1u);  // and then somebody takes it back
+  ASSERT_TRUE(trash_.Restore(flight_));
+  EXPECT_EQ(catalogue_.DeleteFlight(flight_, until).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(catalogue_.DeleteFlight(flight_, Time::max()).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(catalogue_.ListFiles(flight_)->size(), 1u);
+  // In the trash once more its days begin anew.
+  ASSERT_TRUE(trash_.Put(flight_, Now()));
+  EXPECT_EQ(catalogue_.DeleteFlight(flight_, until - std::chrono::hours(1)).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(catalogue_.DeleteFlight(flight_, Time::max()));
+  EXPECT_TRUE(trash_.List()->empty());
+}
+
 TEST_F(TrashTest, UploadsWaitForTheirFlight) {
   SpooledUpload wish;
   wish.flight_id = flight_;
