@@ -84,7 +84,8 @@ Result<MapExport> MapExports::Add(const MapExport& wish, Time now) {
                            {flight::RemarkCode::kExportsOfFlight, {{"most", kMaxOfFlight}}});
   }
   SKYQUILT_TRY_ASSIGN(const std::int64_t open,
-                      db->Number("SELECT count(*) FROM map_export WHERE state IN ('accepted','running')"));
+                      db->Number("SELECT count(*) FROM map_export e JOIN flight f ON f.id=e.flight_id"
+                                 " WHERE e.state IN ('accepted','running') AND f.deleted_us IS NULL"));
   if (open >= kMaxOpen) return flight::Because(ErrorCode::kRateLimited, flight::RemarkCode::kExportsOfServer);
   MapExport added = wish;
   added.id = NewId();

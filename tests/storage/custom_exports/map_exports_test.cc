@@ -6,10 +6,12 @@
 #include <fstream>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "storage/blobs/folder_blobs.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
+#include "storage/catalogue/trash.h"
 #include "storage/db/ids.h"
 #include "storage/folder/sweep.h"
 #include "tests/storage/postgres/test_catalogue.h"
@@ -203,6 +205,18 @@ TEST_F(MapExportsTest, ADeadServersExportIsTakenUpTwiceAndThenFails) {
   ASSERT_TRUE(exports_.TakeUpAfterRestart());
   EXPECT_FALSE(*exports_.Claim(now));
   EXPECT_EQ(exports_.Get(flight, asked.id)->state, ExportState::kFailed);
+}
+
+TEST_F(MapExportsTest, ThoseOfFlightsInTheTrashTakeNoPlaceOfOthers) {
+  std::vector<std::string> flights;
+  for (int i = 0; i < MapExports::kMaxOpen; ++i) {
+    if (i % MapExports::kMaxOfFlight == 0) flights.push_back(Flight());
+    Ask(flights.back(), std::to_string(i));
+  }
+  const MapExport wish = Wish(Flight(), "{}");
+  EXPECT_EQ(exports_.Add(wish, Now()).error().code, ErrorCode::kRateLimited);
+  ASSERT_TRUE(Trash(*db_).Put(flights.front(), Now()));
+  EXPECT_TRUE(exports_.Add(wish, Now()));
 }
 
 TEST_F(MapExportsTest, GoesWithItsFlight) {
