@@ -26,8 +26,8 @@ BlobInfo InfoOf(std::string key, const struct stat& status) {
   return {std::move(key), status.st_size, std::chrono::system_clock::time_point(changed)};
 }
 
-// What PublishFile renames: never seen by List.
-fs::path Temporary(const fs::path& path) { return path.parent_path() / (".put-" + NewId()); }
+// What PublishFile renames: never seen by List, and gone where that comes to nothing.
+TemporaryFile Temporary(const fs::path& path) { return {path.parent_path() / (".put-" + NewId()), ""}; }
 
 bool IsTemporary(const fs::path& path) { return path.filename().string().starts_with(".put-"); }
 
@@ -46,24 +46,24 @@ fs::path FolderBlobs::PathOf(const std::string& key) const {
 }
 
 Result<void> FolderBlobs::Put(const std::string& key, const fs::path& file) {
-  const fs::path path = PathOf(key), temporary = Temporary(path);
+  const fs::path path = PathOf(key);
+  const TemporaryFile temporary = Temporary(path);
   SKYQUILT_TRY(MakeParent(path));
   std::error_code error;
-  fs::copy_file(file, temporary, error);
-  if (error) return FileError("cannot write", temporary, error.value());
-  return PublishFile(temporary, path);
+  fs::copy_file(file, temporary.path(), error);
+  if (error) return FileError("cannot write", temporary.path(), error.value());
+  return PublishFile(temporary.path(), path);
 }
 
 Result<void> FolderBlobs::PutIfAbsent(const std::string& key, std::string_view bytes) {
-  const fs::path path = PathOf(key), temporary = Temporary(path);
+  const fs::path path = PathOf(key);
+  const TemporaryFile temporary = Temporary(path);
   SKYQUILT_TRY(MakeParent(path));
-  SKYQUILT_TRY(WriteFileAtomically(temporary, bytes));
-  const int linked = link(temporary.c_str(), path.c_str());
-  const int code = errno;
-  unlink(temporary.c_str());
-  if (linked != 0 && code == EEXIST)
+  SKYQUILT_TRY(WriteFileAtomically(temporary.path(), bytes));
+  const bool is_linked = link(temporary.c_str(), path.c_str()) == 0;
+  if (!is_linked && errno == EEXIST)
     return Error{ErrorCode::kConflict, path.string() + " is there already.", ""};
-  if (linked != 0) return FileError("cannot write", path, code);
+  if (!is_linked) return FileError("cannot write", path, errno);
   return SyncFolder(path.parent_path());
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 #include <utility>
 
 #include "core/base/process/file_descriptor.h"
@@ -16,6 +17,11 @@ namespace skyquilt::storage {
 Error FileError(const std::string& what, const std::filesystem::path& path, int number) {
   const ErrorCode code = number == ENOSPC || number == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo;
   return {code, what + " " + path.string() + ": " + std::strerror(number), ""};
+}
+
+TemporaryFile::~TemporaryFile() {
+  std::error_code gone;  // what stays is overwritten by the next run
+  std::filesystem::remove(path_, gone);
 }
 
 namespace {
@@ -47,8 +53,10 @@ Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_
   std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
-  if (!file) return FileError("cannot write", temporary, errno != 0 ? errno : EIO);
-  return PublishFile(temporary, path);
+  const Result<void> done =
+      file ? PublishFile(temporary, path) : FileError("cannot write", temporary, errno != 0 ? errno : EIO);
+  if (!done) ::unlink(temporary.c_str());
+  return done;
 }
 
 Result<std::string> ReadWholeFile(const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/result.h"
 
@@ -14,6 +15,20 @@ namespace skyquilt::storage {
 
 // What the system said of a file, as an Error: kOutOfSpace where the disk is full, else kIo.
 Error FileError(const std::string& what, const std::filesystem::path& path, int number);
+
+// Gone at the end of the scope, where it is still there.
+class TemporaryFile {
+ public:
+  TemporaryFile(std::filesystem::path path, const char* ending) : path_(std::move(path)) { path_ += ending; }
+  ~TemporaryFile();
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const char* c_str() const { return path_.c_str(); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 // What was made, renamed or removed in a folder stays so through a power cut. Errors: kIo, kOutOfSpace.
 Result<void> SyncFolder(const std::filesystem::path& folder);

@@ -7,7 +7,6 @@
 
 #include <cstdint>
 #include <mutex>
-#include <system_error>
 #include <utility>
 
 #include "core/base/check.h"
@@ -29,11 +28,6 @@ int ForwardGdalProgress(double fraction, const char*, void* step) {
   auto& told = *static_cast<GdalStep*>(step);
   told.progress.Report(told.from + fraction * (told.to - told.from), told.message);
   return told.progress.IsCancelled() ? FALSE : TRUE;
-}
-
-TemporaryFile::~TemporaryFile() {
-  std::error_code gone;  // what stays is overwritten by the next run
-  std::filesystem::remove(path_, gone);
 }
 
 Error LastGdalError(const Progress& progress) {

@@ -1,5 +1,5 @@
-// What every piece of work by GDAL needs: its drivers, its words, its progress as a share of ours, files that
-// are gone at the end, and its last error as ours. One thread, but for RegisterGdalOnce.
+// What every piece of work by GDAL needs: its drivers, its words, its progress as a share of ours, and its last
+// error as ours. One thread, but for RegisterGdalOnce.
 #pragma once
 
 #include <cpl_error.h>
@@ -47,20 +47,6 @@ struct GdalStep {
 
 // A GDALProgressFunc; `step` points to a GdalStep. 0 (stop) once the job is cancelled.
 int ForwardGdalProgress(double fraction, const char* message, void* step);
-
-// Gone at the end of the scope, where it is still there.
-class TemporaryFile {
- public:
-  TemporaryFile(std::filesystem::path path, const char* ending) : path_(std::move(path)) { path_ += ending; }
-  ~TemporaryFile();
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  const char* c_str() const { return path_.c_str(); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // Of the last call, as a file that could not be written: kCancelled, kOutOfSpace, kIo.
 Error LastGdalError(const Progress& progress);

@@ -16,6 +16,7 @@
 #include "core/base/try.h"
 #include "storage/exports/warp_geotiff.h"
 #include "storage/exports/warped/warp_tiles.h"
+#include "storage/files/publish_file.h"
 #include "storage/rasters/gdal_steps.h"
 
 namespace skyquilt::storage {

@@ -272,6 +272,18 @@ TEST_P(EachBlobStore, GivesNothingButWhatWasPublished) {
 INSTANTIATE_TEST_SUITE_P(Blobs, EachBlobStore, testing::Values("folder", "s3"),
                          [](const auto& one) { return std::string(one.param); });
 
+TEST(FolderBlobs, APutThatFailsLeavesNoCopy) {
+  test::TemporaryFolder folder;
+  FolderBlobs blobs(folder.path());
+  std::ofstream(folder / "file") << "bytes";
+  const fs::path files = folder / "flights/a/files";
+  fs::create_directories(files / "x/in the way");
+  EXPECT_FALSE(blobs.Put("flights/a/files/x", folder / "file"));
+  EXPECT_FALSE(blobs.Put("flights/a/files/y", folder / "no such file"));
+  EXPECT_EQ(blobs.PutIfAbsent("flights/a/files/x", "bytes").error().code, ErrorCode::kConflict);
+  EXPECT_EQ(std::distance(fs::directory_iterator(files), fs::directory_iterator()), 1);
+}
+
 TEST(PartBytesFor, StaysBelowTenThousandParts) {
   EXPECT_EQ(PartBytesFor(1), kSinglePutBytes);
   const std::int64_t largest = std::int64_t{5} << 40;
