@@ -85,7 +85,11 @@ class Target {
       : path_(path), fd_(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0640)) {}
   bool is_open() const { return fd_.is_open(); }
   std::int64_t bytes() const { return bytes_; }
-  std::string Finish() { return sum_.Finish(); }
+  // What a cache renames next is whole after a power cut as well.
+  Result<std::string> Finish() {
+    if (fdatasync(fd_.get()) != 0) return FileTrouble(path_);
+    return sum_.Finish();
+  }
 
   Result<void> Write(std::string_view came) {
     const std::size_t wrote = fd_.Write(came.data(), came.size());
@@ -315,7 +319,7 @@ Result<S3Object> S3Client::GetToFile(const std::string& key, const std::filesyst
                     : answer.error();
     Pause(attempt);
   }
-  const std::string sum = target.Finish();
+  SKYQUILT_TRY_ASSIGN(const std::string sum, target.Finish());
   if (!object->sha256.empty() && sum != object->sha256) {
     return Error{ErrorCode::kCorrupt,
                  fmt::format("{}{} came with other bytes than were put there.", settings_.Address(), key),

@@ -53,7 +53,7 @@ class S3Client {
   // `length` bytes from `offset` on, or as many as there are.
   Result<std::string> Get(const std::string& key, std::int64_t offset, std::int64_t length);
   // The whole object into a file that is made or emptied, and its checksum held against what is stated, by
-  // one request. A transfer that breaks off goes on where it was.
+  // one request. A transfer that breaks off goes on where it was. Durable when this returns.
   Result<S3Object> GetToFile(const std::string& key, const std::filesystem::path& path);
   // kConflict: with `if_absent`, where it is there already.
   Result<void> Put(const std::string& key, std::string_view bytes, const S3PutOptions& options);
