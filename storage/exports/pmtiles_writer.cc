@@ -79,8 +79,7 @@ std::string MetadataJson(const TilesetFacts& metadata) {
   for (const char* name : {"name", "description", "attribution", "type", "version", "generator", "fringe"}) {
     if (const auto found = metadata.find(name); found != metadata.end()) json[name] = found->second;
   }
-  if (const auto found = metadata.find("tile_size"); found != metadata.end())
-    json["tile_size"] = std::stoi(found->second);
+  if (metadata.contains("tile_size")) json["tile_size"] = TilesetNumber(metadata, "tile_size", 256);
   return JsonText(json);
 }
 

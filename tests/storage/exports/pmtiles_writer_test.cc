@@ -6,6 +6,7 @@
 #include <cstring>
 #include <optional>
 
+#include "storage/db/sqlite_db.h"
 #include "storage/pmtiles/pmtiles_archive.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
@@ -139,6 +140,17 @@ TEST(WritePmtiles, StoresEqualTilesOnceAndEqualNeighboursAsARun) {
   EXPECT_EQ(archive.Number(72), 64u);
   EXPECT_EQ(archive.Number(80), 1u);
   EXPECT_EQ(archive.Number(88), 1u);
+}
+
+TEST(WritePmtiles, TakesATileSizeThatIsNoNumberForTheUsualOne) {
+  test::TemporaryFolder folder;
+  test::WritePaintedTileset(folder / "map.mbtiles", {18, 256, 1001, 2002, 7, 6});
+  ASSERT_TRUE(SqliteDb::Open(folder / "map.mbtiles", OpenMode::kReadWrite)
+                  ->Exec("UPDATE metadata SET value='wide' WHERE name='tile_size'"));
+  SilentProgress progress;
+  ASSERT_TRUE(WritePmtiles(folder / "map.mbtiles", folder / "map.pmtiles", progress));
+  const Archive archive{test::BytesOf(folder / "map.pmtiles")};
+  EXPECT_NE(Gunzip(archive.Section(24)).find("\"tile_size\":256"), std::string::npos);
 }
 
 TEST(PmtilesDirectories, SplitIntoLeavesWhenTheRootGrowsTooLarge) {
