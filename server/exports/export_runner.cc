@@ -227,9 +227,8 @@ Result<void> ExportRunner::Store(const MapExport& claimed, const fs::path& made)
   std::error_code error;
   // One level only: a flight that is gone is not made anew.
   fs::create_directory(path.parent_path(), error);
-  if (!error) fs::rename(made, path, error);
-  if (error) return storage::FileError("cannot store", path, error.value());
-  return storage::SyncFolder(path.parent_path());
+  if (error) return storage::FileError("cannot make", path.parent_path(), error.value());
+  return storage::PublishFile(made, path);
 }
 
 Result<void> RecoverExports(api::Service& service) {
