@@ -132,7 +132,7 @@ Result<void> BringBackAll(const DataDir& dir, RepairReport& report) {
 Result<void> Enter(const DataDir& dir, CatalogueDb& db, const DiskFlight& flight, LostFolder& lost,
                    RepairReport& report) {
   SKYQUILT_TRY_ASSIGN(const std::optional<FlightRecord> record, ReadFlightRecord(flight.folder));
-  const bool is_known = *Catalogue(db).HasFlight(flight.id);
+  SKYQUILT_TRY_ASSIGN(const bool is_known, Catalogue(db).HasFlight(flight.id));
   if (!is_known && (!HoldsAnything(flight) || (record && record->is_deleted))) return {};
   SKYQUILT_TRY_ASSIGN(const EnteredFlight entered, EnterFlight(db, flight, record));
   for (const std::string& note : entered.notes) report.lines.push_back(note);
