@@ -11,6 +11,7 @@
 #include "api/common/per_revision.h"
 #include "api/http/http_message.h"
 #include "core/base/result.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/rasters/height_raster.h"
 #include "storage/rasters/open_rasters.h"
 

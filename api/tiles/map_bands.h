@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "storage/blobs/blob_store.h"
 #include "storage/caches/tileset_cache.h"
 #include "storage/rasters/band_raster.h"
 #include "storage/rasters/open_rasters.h"

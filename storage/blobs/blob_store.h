@@ -15,6 +15,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -33,6 +34,13 @@ struct LocalBlob {
   std::filesystem::path path;
   std::shared_ptr<const void> in_use;
 };
+
+// What reads a blob as a file keeps that file under its path for as long as it lives.
+template <typename Reader>
+std::shared_ptr<Reader> KeepingFile(std::shared_ptr<Reader> reader, const LocalBlob& file) {
+  Reader* const shown = reader.get();
+  return {shown, [reader = std::move(reader), in_use = file.in_use](Reader*) mutable { reader.reset(); }};
+}
 
 // The SHA-256 (in hex) that a blob is known to have by another than its store; nothing where nobody knows.
 using ProofOfBlob = std::function<Result<std::optional<std::string>>(const std::string& key)>;

@@ -15,20 +15,7 @@ namespace skyquilt::storage {
 
 namespace {
 
-// A tileset that is a file in the cache, which keeps it for as long as it is read.
-class FetchedTiles final : public MapTiles {
- public:
-  FetchedTiles(LocalBlob file, std::shared_ptr<MbtilesReader> reader)
-      : file_(std::move(file)), reader_(std::move(reader)) {}
-  Result<std::optional<FoundTile>> Find(const geo::TileId& tile) override { return reader_->Find(tile); }
-  Result<std::string> Load(FoundTile tile) override { return reader_->Load(std::move(tile)); }
-  const std::map<std::string, std::string>& metadata() const override { return reader_->metadata(); }
-
- private:
-  LocalBlob file_;
-  std::shared_ptr<MbtilesReader> reader_;
-};
-
+// A file in the cache.
 Result<std::shared_ptr<MapTiles>> OpenFetched(BlobStore& blobs, const std::string& key) {
   Result<LocalBlob> file = blobs.Local(key);
   // The store has another file: that is no fault of the map's, and may be mended there.
@@ -36,7 +23,7 @@ Result<std::shared_ptr<MapTiles>> OpenFetched(BlobStore& blobs, const std::strin
     return Error{ErrorCode::kUnavailable, file.error().message, file.error().detail};
   if (!file) return file.error();
   SKYQUILT_TRY_ASSIGN(std::shared_ptr<MbtilesReader> reader, MbtilesReader::Open(file->path));
-  return std::shared_ptr<MapTiles>(std::make_shared<FetchedTiles>(*std::move(file), std::move(reader)));
+  return std::shared_ptr<MapTiles>(KeepingFile(std::move(reader), *file));
 }
 
 // In the data folder.

@@ -4,7 +4,6 @@
 
 #include <utility>
 
-#include "core/base/check.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 
@@ -129,11 +128,6 @@ Result<std::optional<FoundTile>> PreviewTiles::Find(const geo::TileId& tile) {
     return FoundTile{XXH3_64bits(blob.data(), blob.size()),
                      std::string(reinterpret_cast<const char*>(blob.data()), blob.size())};
   });
-}
-
-Result<std::string> PreviewTiles::Load(FoundTile tile) {
-  SKYQUILT_CHECK(tile.bytes.has_value(), "the preview finds tiles with their bytes");
-  return *std::move(tile.bytes);
 }
 
 Result<void> PreviewTiles::Put(const Tiles& tiles) {

@@ -83,7 +83,6 @@ class PreviewTiles final : public TileSource {
 
   // With its bytes.
   Result<std::optional<FoundTile>> Find(const geo::TileId& tile) override;
-  Result<std::string> Load(FoundTile tile) override;
   // All or none; a tile that is there already is replaced.
   Result<void> Put(const Tiles& tiles);
 

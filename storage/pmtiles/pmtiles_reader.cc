@@ -104,9 +104,4 @@ bool PmtilesReader::IsAtHand(const geo::TileId& tile) const {
   return !entry;  // that there is none, is known
 }
 
-Result<std::string> PmtilesReader::Load(FoundTile tile) {
-  SKYQUILT_CHECK(tile.bytes.has_value(), "a tile was to be loaded that Find did not answer");
-  return *std::move(tile.bytes);
-}
-
 }  // namespace skyquilt::storage

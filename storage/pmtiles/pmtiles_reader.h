@@ -37,7 +37,6 @@ class PmtilesReader final : public MapTiles {
                                                      std::shared_ptr<PmtilesMemory> memory);
 
   Result<std::optional<FoundTile>> Find(const geo::TileId& tile) override;
-  Result<std::string> Load(FoundTile tile) override;
   bool IsAtHand(const geo::TileId& tile) const override;
   const std::map<std::string, std::string>& metadata() const override { return metadata_; }
 

@@ -14,16 +14,8 @@
 
 #include "core/base/result.h"
 #include "core/base/try.h"
-#include "storage/blobs/blob_store.h"
 
 namespace skyquilt::storage {
-
-// The file stays under its path for as long as somebody reads it.
-template <typename Raster>
-std::shared_ptr<Raster> KeepingFile(std::shared_ptr<Raster> raster, const LocalBlob& file) {
-  Raster* const shown = raster.get();
-  return {shown, [raster = std::move(raster), in_use = file.in_use](Raster*) mutable { raster.reset(); }};
-}
 
 template <typename Raster>
 class OpenRasters {

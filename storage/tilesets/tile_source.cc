@@ -3,8 +3,16 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
+#include <utility>
+
+#include "core/base/check.h"
 
 namespace skyquilt::storage {
+
+Result<std::string> TileSource::Load(FoundTile tile) {
+  SKYQUILT_CHECK(tile.bytes.has_value(), "a tile was to be loaded that Find did not answer");
+  return *std::move(tile.bytes);
+}
 
 image::TileEncoding EncodingOf(const TilesetFacts& metadata) {
   return TilesetText(metadata, "fringe") == "webp"   ? image::TileEncoding::kJpegWebp

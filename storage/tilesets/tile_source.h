@@ -26,8 +26,8 @@ class TileSource {
   virtual Result<std::optional<FoundTile>> Find(const geo::TileId& tile) = 0;
   // True: Find reads no more than a page or two of a file that is open.
   virtual bool IsAtHand(const geo::TileId&) const { return true; }
-  // The bytes of a tile that Find answered.
-  virtual Result<std::string> Load(FoundTile tile) = 0;
+  // The bytes of a tile that Find answered; as it stands here, of one that finds none without them.
+  virtual Result<std::string> Load(FoundTile tile);
 };
 
 // As MBTiles names them. Beside its names: `tile_size`, and `fringe`, "webp" where partly transparent tiles
