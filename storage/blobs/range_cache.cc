@@ -1,29 +1,16 @@
 #include "storage/blobs/range_cache.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <fstream>
 #include <utility>
 
-#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {
-
-// Fewer bytes only at the chunk's end.
-Result<std::string> SliceOf(const LocalBlob& chunk, std::int64_t offset, std::int64_t length) {
-  const FileDescriptor file(open(chunk.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (!file.is_open())
-    return Error{ErrorCode::kNotFound, "A chunk is no longer in the cache.", chunk.path.string()};
-  std::string bytes(static_cast<std::size_t>(length), '\0');
-  const ssize_t got = file.ReadAt(static_cast<std::uint64_t>(offset), bytes.data(), bytes.size());
-  if (got < 0) return Error{ErrorCode::kIo, "The server's cache could not be read.", chunk.path.string()};
-  bytes.resize(static_cast<std::size_t>(got));
-  return bytes;
-}
 
 Result<void> WriteChunk(const std::filesystem::path& to, std::string_view bytes) {
   std::ofstream file(to, std::ios::binary | std::ios::trunc);
@@ -86,11 +73,11 @@ std::string RangeCache::ChunkKey(const std::string& key, std::int64_t chunk) {
 Result<std::string> RangeCache::Kept(const std::string& key, std::int64_t chunk, std::int64_t from,
                                      std::int64_t until) {
   SKYQUILT_TRY_ASSIGN(const LocalBlob kept, cache_.Find(ChunkKey(key, chunk)));
-  SKYQUILT_TRY_ASSIGN(std::string slice, SliceOf(kept, from, until - from));
+  SKYQUILT_TRY_ASSIGN(std::string slice, ReadRangeOfFile(kept.path, from, until - from));
   if (slice.size() == static_cast<std::size_t>(until - from)) return slice;
   // The blob's last chunk, or one of which a power cut left a part.
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const std::string> sums, sums_(key));
-  SKYQUILT_TRY_ASSIGN(const std::string whole, SliceOf(kept, 0, kRangeChunkBytes));
+  SKYQUILT_TRY_ASSIGN(const std::string whole, ReadRangeOfFile(kept.path, 0, kRangeChunkBytes));
   if (sums == nullptr || AreAsPut(*sums, chunk, chunk, whole)) return slice;
   cache_.Forget(ChunkKey(key, chunk));
   return Error{ErrorCode::kNotFound, "A chunk in the cache was cut off.", key};

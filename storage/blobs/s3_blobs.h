@@ -56,9 +56,6 @@ class S3Blobs final : public BlobStore {
   std::filesystem::path FolderOf(const std::string& prefix) const override { return cache_->root() / prefix; }
   std::string Address() const override { return client_->settings().Address(); }
 
-  S3Client& client() { return *client_; }
-  LocalCache& cache() { return *cache_; }
-
  private:
   Error NotAsPublished(const std::string& key, ErrorCode code) const;
   Result<void> PutInParts(const std::string& key, const std::filesystem::path& file, std::int64_t bytes,
