@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "storage/tilesets/mbtiles_writer.h"
 
 namespace skyquilt::storage {
 
@@ -47,6 +48,20 @@ constexpr const char* kTilesOfLevel =
     "SELECT tile_column, tile_row, tile_data FROM tiles WHERE zoom_level = ?1 "
     "AND tile_column BETWEEN ?2 AND ?3 AND tile_row BETWEEN ?4 AND ?5 ORDER BY tile_row DESC, tile_column";
 
+// Whether each content is what its key says: what a power cut kept from the disk may lie within a tile, where
+// SQLite does not see it.
+Result<void> CheckContents(SqliteDb& tiles) {
+  constexpr std::int64_t kMostOfOneKey = 16;
+  SKYQUILT_TRY_ASSIGN(Statement contents, tiles.Prepare("SELECT tile_data_id, tile_data FROM tiles_data"));
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool row, contents.Step());
+    if (!row) return {};
+    const std::int64_t behind = contents.ColumnInt64(0) - ContentIdOf(contents.ColumnBlob(1));
+    if (behind < 0 || behind > kMostOfOneKey)
+      return Error{ErrorCode::kCorrupt, "a tile that a killed run left is not the one that was put", ""};
+  }
+}
+
 }  // namespace
 
 Result<std::unique_ptr<EarlierMap>> OpenEarlierMap(const MapFiles& paths, bool is_finished) {
@@ -56,6 +71,7 @@ Result<std::unique_ptr<EarlierMap>> OpenEarlierMap(const MapFiles& paths, bool i
   SKYQUILT_TRY_ASSIGN(earlier->tiles, SqliteDb::Open(paths.tiles, mode));
   SKYQUILT_TRY_ASSIGN(earlier->state, SqliteDb::Open(paths.state, mode));
   SqliteDb &tiles_db = earlier->tiles, &state = earlier->state;
+  if (!is_finished) SKYQUILT_TRY(CheckContents(tiles_db));
   SKYQUILT_TRY_ASSIGN(earlier->select_tiles, tiles_db.Prepare(kTilesOfLevel));
   SKYQUILT_TRY_ASSIGN(const std::int64_t count, tiles_db.Number("SELECT count(*) FROM tiles_shallow"));
   SKYQUILT_TRY_ASSIGN(

@@ -42,7 +42,8 @@ struct EarlierMap {
   std::string facts;
 };
 
-// `is_finished`: a published map, read as it is; else what a killed run left, rolled back to its last commit.
+// `is_finished`: a published map, read as it is; else what a killed run left, rolled back to its last commit,
+// and read through: seconds a gigabyte.
 // Errors: kIo, kCorrupt (also where tiles and state are of two maps).
 Result<std::unique_ptr<EarlierMap>> OpenEarlierMap(const MapFiles& files, bool is_finished);
 

@@ -82,11 +82,14 @@ Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesyst
   return std::unique_ptr<MbtilesWriter>(new MbtilesWriter(std::move(state)));
 }
 
+std::int64_t ContentIdOf(std::span<const std::uint8_t> bytes) {
+  // 63 bits, so that it is a positive row id of SQLite.
+  return static_cast<std::int64_t>(XXH3_64bits(bytes.data(), bytes.size()) >> 1);
+}
+
 Result<void> MbtilesWriter::Put(const geo::TileId& tile, image::PictureFormat format,
                                 std::span<const std::uint8_t> bytes) {
-  // 63 bits, so that the id is a positive SQLite rowid; a collision of different bytes moves on to the next
-  // id.
-  auto id = static_cast<std::int64_t>(XXH3_64bits(bytes.data(), bytes.size()) >> 1);
+  std::int64_t id = ContentIdOf(bytes);
   while (true) {
     state_->find_bytes.Bind(1, id);
     SKYQUILT_TRY_ASSIGN(const bool found, state_->find_bytes.Step());

@@ -8,8 +8,10 @@
 // tiles (storage/exports/stored_tiles.h). Errors: kOutOfSpace, kIo.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,9 @@
 #include "core/pyramid/tile_sink.h"
 
 namespace skyquilt::storage {
+
+// The key of a tile's bytes in tiles_data; where other bytes have it, theirs is the next that is free.
+std::int64_t ContentIdOf(std::span<const std::uint8_t> bytes);
 
 struct TilesetMetadata {
   std::string name;
