@@ -99,6 +99,7 @@ struct GeotiffDem::Raster {
   std::unique_ptr<GDALDataset> dataset;
   std::unique_ptr<OGRCoordinateTransformation, DropTransform> model_from_wgs84;
   std::array<double, 6> pixel_from_model{};
+  std::optional<double> middle_deg;  // its longitude, where it counts in degrees
   std::optional<double> hole;
   double scale_m = 1.0;
   double offset_m = 0.0;
@@ -155,6 +156,11 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
   wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   raster->model_from_wgs84.reset(OGRCreateCoordinateTransformation(&wgs84, &horizontal));
   if (!raster->model_from_wgs84) return refuse("lies in an unknown coordinate system");
+  constexpr double kRadInDegree = 0.017453292519943295;
+  if (horizontal.IsGeographic() && std::abs(horizontal.GetAngularUnits() / kRadInDegree - 1.0) < 1e-6) {
+    raster->middle_deg = model_from_pixel[0] + 0.5 * raster->dataset->GetRasterXSize() * model_from_pixel[1] +
+                         0.5 * raster->dataset->GetRasterYSize() * model_from_pixel[2];
+  }
   GDALRasterBand* band = raster->dataset->GetRasterBand(1);
   int has_hole = 0;
   const double hole = band->GetNoDataValue(&has_hole);
@@ -175,6 +181,9 @@ std::optional<double> GeotiffDem::GroundHeightM(const geo::LatLon& position) con
   double x = position.lon_deg;
   double y = position.lat_deg;
   if (!raster_->model_from_wgs84->Transform(1, &x, &y)) return std::nullopt;
+  // Models go on across the antimeridian, and some count from 0 to 360 degrees.
+  if (raster_->middle_deg && std::abs(x - *raster_->middle_deg) > 180.0)
+    x -= 360.0 * std::round((x - *raster_->middle_deg) / 360.0);
   const std::array<double, 6>& t = raster_->pixel_from_model;
   // GDAL counts from the outer corner of the first pixel, the heights stand at the middles.
   const double column = t[0] + t[1] * x + t[2] * y - 0.5;

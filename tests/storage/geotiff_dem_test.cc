@@ -88,6 +88,16 @@ TEST_F(GeotiffDemTest, ReadsGeographicModelsBetweenTheirCells) {
   }
 }
 
+TEST_F(GeotiffDemTest, ReadsModelsThatCountLongitudesFrom0To360Degrees) {
+  Model model;
+  model.west = 188.5;
+  model.height = [](double lon, double) { return 400.0 + 1e4 * (lon - 188.5); };
+  const auto dem = Open(model);
+  EXPECT_NEAR(dem->GroundHeightM({47.418, -171.497}).value(), 430.0, 0.02);
+  EXPECT_NEAR(dem->GroundHeightM({47.418, 188.503}).value(), 430.0, 0.02);
+  EXPECT_FALSE(dem->GroundHeightM({47.418, -171.49}));
+}
+
 TEST_F(GeotiffDemTest, ReadsProjectedModels) {
   Model model;
   model.epsg = 32632;
