@@ -53,9 +53,22 @@ constexpr const char* kMeasured =
     "CASE hex(substr(d.tile_data, 1, 1)) WHEN 'FF' THEN 0 WHEN '52' THEN 1 ELSE 2 END "
     "FROM tiles_shallow s JOIN tiles_data d ON s.tile_data_id = d.tile_data_id";
 
+// Where the tiles' places stand: apart from their bytes, if the tileset has that.
+Result<std::string> TableOfPlaces(SqliteDb& mbtiles) {
+  SKYQUILT_TRY_ASSIGN(const bool are_apart,
+                      mbtiles.Finds("SELECT 1 FROM sqlite_master WHERE name = 'tiles_shallow'"));
+  return std::string(are_apart ? "tiles_shallow" : "tiles");
+}
+
 }  // namespace
 
 Result<std::vector<TableTile>> ReadTileTable(SqliteDb& mbtiles) {
+  SKYQUILT_TRY_ASSIGN(const std::string table, TableOfPlaces(mbtiles));
+  if (table == "tiles")
+    return Error{ErrorCode::kUnsupportedFormat,
+                 "The MBTiles is of another program, whose tiles cannot be laid out anew. Bring it to a server "
+                 "with \"skyquilt import\", or take it as MBTiles or KMZ.",
+                 ""};
   SKYQUILT_TRY_ASSIGN(const std::int64_t stated, mbtiles.Number(kStatedSizes));
   SKYQUILT_TRY_ASSIGN(auto rows, mbtiles.Prepare(stated == 2 ? kStated : kMeasured));
   const Error damaged{ErrorCode::kCorrupt, "The tileset of the map is damaged. Stitch the flight again.", ""};
@@ -95,13 +108,6 @@ Result<Extent> ExtentOf(SqliteDb& mbtiles, const std::string& table, int zoom, s
   SKYQUILT_TRY(query.Step());
   return Extent{query.ColumnInt64(0) + turn, query.ColumnInt64(1) + turn, side - 1 - query.ColumnInt64(3),
                 side - 1 - query.ColumnInt64(2)};
-}
-
-// Where the tiles' places stand: apart from their bytes, if the tileset has that.
-Result<std::string> TableOfPlaces(SqliteDb& mbtiles) {
-  SKYQUILT_TRY_ASSIGN(const bool are_apart,
-                      mbtiles.Finds("SELECT 1 FROM sqlite_master WHERE name = 'tiles_shallow'"));
-  return std::string(are_apart ? "tiles_shallow" : "tiles");
 }
 
 // How many levels above the finest may share its corner for the price of an eighth of the map.

@@ -59,5 +59,13 @@ TEST(TileGrid, AddsLittleRoomWhereOnlyFineLevelsAreAligned) {
   }
 }
 
+TEST(TileTable, SaysThatThoseOfOtherProgramsHaveNone) {
+  const test::TemporaryFolder folder;
+  auto db = *SqliteDb::Open(folder / "map.mbtiles", OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(db.Exec("CREATE TABLE metadata(name TEXT, value TEXT);"
+                      "CREATE TABLE tiles(zoom_level INTEGER, tile_column INTEGER, tile_row INTEGER, tile_data BLOB)"));
+  EXPECT_EQ(ReadTileTable(db).error().code, ErrorCode::kUnsupportedFormat);
+}
+
 }  // namespace
 }  // namespace skyquilt::storage
