@@ -71,17 +71,15 @@ class FolderUploadBytes final : public UploadBytes {
   void Remove(const SpooledUpload& upload) const override { unlink(PathOf(upload.id).c_str()); }
 
   Result<int> RemoveExpired(Time now) const override {
-    std::vector<std::string> over;
-    {
-      const auto db = db_.Lock();
-      SKYQUILT_TRY_ASSIGN(over, db->AllText("SELECT id FROM upload WHERE expires_us<=?1", ToUs(now)));
-    }
+    // Held to the end: who goes on with one does so before, and it is not over, or hears that it is gone.
+    const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::string> over,
+                        db->AllText("SELECT id FROM upload WHERE expires_us<=?1", ToUs(now)));
     // The bytes first: as long as the row is there, they are known to be nobody's.
     int count = 0;
     for (const std::string& id : over) {
       if (unlink(PathOf(id).c_str()) == 0) ++count;
     }
-    const auto db = db_.Lock();
     SKYQUILT_TRY(db->Change("DELETE FROM upload WHERE expires_us<=?", ToUs(now)));
     return count;
   }
