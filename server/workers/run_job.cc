@@ -23,6 +23,7 @@
 #include "server/routing/request_log.h"
 #include "server/units/cut_job.h"
 #include "server/units/end_of_work.h"
+#include "storage/files/publish_file.h"
 #include "storage/folder/object_store/sweep_blobs.h"
 #include "storage/folder/sweep.h"
 
@@ -33,7 +34,7 @@ namespace fs = std::filesystem;
 using storage::LeaseState;
 
 Error OsError(const std::string& what, int code) {
-  const bool is_full = code == ENOSPC || code == EDQUOT;
+  const bool is_full = storage::IsNoRoom(code);
   return flight::Because(is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
                          is_full ? flight::RemarkCode::kFailDiskFull : flight::RemarkCode::kFailNotStored,
                          what + ": " + std::strerror(code));

@@ -14,8 +14,10 @@
 
 namespace skyquilt::storage {
 
+bool IsNoRoom(int number) { return number == ENOSPC || number == EDQUOT || number == EFBIG; }
+
 Error FileError(const std::string& what, const std::filesystem::path& path, int number) {
-  const ErrorCode code = number == ENOSPC || number == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo;
+  const ErrorCode code = IsNoRoom(number) ? ErrorCode::kOutOfSpace : ErrorCode::kIo;
   return {code, what + " " + path.string() + ": " + std::strerror(number), ""};
 }
 

@@ -37,7 +37,7 @@ Error NotStored(ErrorCode code, std::string detail) {
 }
 
 Error OsError(const std::string& what, int code) {
-  return NotStored(code == ENOSPC || code == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
+  return NotStored(IsNoRoom(code) ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
                    what + ": " + std::strerror(code));
 }
 

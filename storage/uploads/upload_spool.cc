@@ -12,6 +12,7 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/db/ids.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -43,7 +44,7 @@ Error NoSuchUpload() { return {ErrorCode::kNotFound, "There is no such upload. I
 
 Error UploadWriteError(const std::string& what) {
   const int code = errno;
-  const bool is_full = code == ENOSPC || code == EDQUOT;
+  const bool is_full = IsNoRoom(code);
   return {is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
           is_full ? "The server's disk is full. Free some space and go on with the upload."
                   : "The server could not store the upload.",

@@ -16,6 +16,7 @@
 #include "core/flight/remarks/because.h"
 #include "storage/blobs/sha256.h"
 #include "storage/db/ids.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -71,7 +72,7 @@ NamedValues HeadersOfPut(const S3PutOptions& options) {
 
 Error FileTrouble(const std::filesystem::path& path) {
   const int code = errno;
-  const bool is_full = code == ENOSPC || code == EDQUOT;
+  const bool is_full = IsNoRoom(code);
   return {is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
           is_full ? "The server's disk is full. Free some space, or give less with --cache-bytes."
                   : "The server could not keep a file that it fetched.",

@@ -2,6 +2,8 @@
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -233,6 +235,23 @@ TEST_F(StreamedFileTest, RefusesWhatIsNoMap) {
   }
   for (const StreamedFormat format : {StreamedFormat::kPmtiles, StreamedFormat::kGeotiff})
     EXPECT_EQ(maps_.Open(mbtiles, "b", format).error().code, ErrorCode::kCorrupt);
+}
+
+// As that of an export is, which may take no more than the disk has room for.
+TEST(StreamFile, TellsALimitOfItsSizeAsADiskWithoutRoom) {
+  const test::TemporaryFolder folder;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit limited{rlim_t{1} << 20, before.rlim_max};
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limited), 0);
+  auto file = *StreamFile::Create(folder / "large");
+  file->Write(std::string(std::size_t{2} << 20, 'x'));
+  const Result<void> published = file->Publish();
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  signal(SIGXFSZ, handler);
+  ASSERT_FALSE(published.ok());
+  EXPECT_EQ(published.error().code, ErrorCode::kOutOfSpace) << published.error().message;
 }
 
 }  // namespace
