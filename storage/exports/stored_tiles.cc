@@ -66,8 +66,8 @@ Result<std::vector<TableTile>> ReadTileTable(SqliteDb& mbtiles) {
   SKYQUILT_TRY_ASSIGN(const std::string table, TableOfPlaces(mbtiles));
   if (table == "tiles")
     return Error{ErrorCode::kUnsupportedFormat,
-                 "The MBTiles is of another program, whose tiles cannot be laid out anew. Bring it to a server "
-                 "with \"skyquilt import\", or take it as MBTiles or KMZ.",
+                 "The MBTiles is of another program, whose tiles cannot be laid out anew. Bring it to a "
+                 "server with \"skyquilt import\", or take it as MBTiles or KMZ.",
                  ""};
   SKYQUILT_TRY_ASSIGN(const std::int64_t stated, mbtiles.Number(kStatedSizes));
   SKYQUILT_TRY_ASSIGN(auto rows, mbtiles.Prepare(stated == 2 ? kStated : kMeasured));

@@ -41,8 +41,8 @@ struct TableTile {
 };
 
 // By their zooms, columns and rows. MbtilesWriter says beside the tiles' places what they are; tilesets of
-// earlier versions did not, and are read through once; those of other programs are kUnsupportedFormat. Memory: 40
-// bytes a tile.
+// earlier versions did not, and are read through once; those of other programs are kUnsupportedFormat.
+// Memory: 40 bytes a tile.
 Result<std::vector<TableTile>> ReadTileTable(SqliteDb& mbtiles);
 
 // The cells of one zoom, as the raster formats want them: all levels have the same north-west corner. It lies

@@ -16,7 +16,8 @@ namespace skyquilt::storage {
 // What the system said of a file, as an Error: kOutOfSpace where the disk is full, else kIo.
 Error FileError(const std::string& what, const std::filesystem::path& path, int number);
 
-// Whether errno says that there is no room: on the disk, by a quota, or by how large a file of this process may be.
+// Whether errno says that there is no room: on the disk, by a quota, or in what a file of this process may
+// take.
 bool IsNoRoom(int number);
 
 // Gone at the end of the scope, where it is still there.

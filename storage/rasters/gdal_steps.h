@@ -1,5 +1,5 @@
-// What every piece of work by GDAL needs: its drivers, its words, its progress as a share of ours, and its last
-// error as ours. One thread, but for RegisterGdalOnce.
+// What every piece of work by GDAL needs: its drivers, its words, its progress as a share of ours, and its
+// last error as ours. One thread, but for RegisterGdalOnce.
 #pragma once
 
 #include <cpl_error.h>

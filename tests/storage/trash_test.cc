@@ -102,7 +102,8 @@ TEST_F(TrashTest, WhatWasRestoredIsNotRemovedWithTheOldOnes) {
   EXPECT_EQ(catalogue_.ListFiles(flight_)->size(), 1u);
   // In the trash once more its days begin anew.
   ASSERT_TRUE(trash_.Put(flight_, Now()));
-  EXPECT_EQ(catalogue_.DeleteFlight(flight_, until - std::chrono::hours(1)).error().code, ErrorCode::kNotFound);
+  const Time before = until - std::chrono::hours(1);
+  EXPECT_EQ(catalogue_.DeleteFlight(flight_, before).error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(catalogue_.DeleteFlight(flight_, Time::max()));
   EXPECT_TRUE(trash_.List()->empty());
 }

@@ -62,8 +62,7 @@ TEST(TileGrid, AddsLittleRoomWhereOnlyFineLevelsAreAligned) {
 TEST(TileTable, SaysThatThoseOfOtherProgramsHaveNone) {
   const test::TemporaryFolder folder;
   auto db = *SqliteDb::Open(folder / "map.mbtiles", OpenMode::kReadWriteCreate);
-  ASSERT_TRUE(db.Exec("CREATE TABLE metadata(name TEXT, value TEXT);"
-                      "CREATE TABLE tiles(zoom_level INTEGER, tile_column INTEGER, tile_row INTEGER, tile_data BLOB)"));
+  ASSERT_TRUE(db.Exec("CREATE TABLE tiles(zoom_level, tile_column, tile_row, tile_data)"));
   EXPECT_EQ(ReadTileTable(db).error().code, ErrorCode::kUnsupportedFormat);
 }
 
