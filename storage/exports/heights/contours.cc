@@ -144,6 +144,17 @@ double ContourIntervalM(double lowest_m, double highest_m) {
 }
 
 Result<double> WriteContours(const std::filesystem::path& heights, double smooth_m, Progress& progress) {
+  const std::vector<ContourFile> files = {
+      {"GPKG", ".gpkg", {"-nln", "contours"}},
+      {"GeoJSON", ".geojson", {"-t_srs", "EPSG:4326", "-lco", "RFC7946=YES"}},
+      {"DXF", ".dxf", {"-select", ""}},
+  };
+  const std::filesystem::path folder = heights.parent_path();
+  const auto path_of = [&](const ContourFile& file) {
+    return folder / fmt::format("contours{}", file.ending);
+  };
+  std::error_code gone;  // what cannot be removed cannot be written either, which is said
+  for (const ContourFile& file : files) std::filesystem::remove(path_of(file), gone);  // of other heights
   RegisterGdalOnce();
   // Else it says of DXF that it knows no fields, and of unknown ground that it has no range.
   const QuietGdal quiet;
@@ -155,12 +166,6 @@ Result<double> WriteContours(const std::filesystem::path& heights, double smooth
   const double interval_m = ContourIntervalM(range[0], range[1]);
   SKYQUILT_TRY_ASSIGN(const Dataset lines,
                       LinesOf(*averaged, interval_m, kShortestInCells * smooth_m, progress));
-  const std::vector<ContourFile> files = {
-      {"GPKG", ".gpkg", {"-nln", "contours"}},
-      {"GeoJSON", ".geojson", {"-t_srs", "EPSG:4326", "-lco", "RFC7946=YES"}},
-      {"DXF", ".dxf", {"-select", ""}},
-  };
-  const std::filesystem::path folder = heights.parent_path();
   std::vector<std::unique_ptr<TemporaryFile>> made;
   for (const ContourFile& file : files) {
     // GDAL knows formats by their endings.
@@ -169,7 +174,7 @@ Result<double> WriteContours(const std::filesystem::path& heights, double smooth
   }
   // Once all are there: beside older ones of other formats they would pass for the same lines.
   for (std::size_t i = 0; i < files.size(); ++i)
-    SKYQUILT_TRY(PublishFile(made[i]->path(), folder / fmt::format("contours{}", files[i].ending)));
+    SKYQUILT_TRY(PublishFile(made[i]->path(), path_of(files[i])));
   return interval_m;
 }
 

@@ -226,8 +226,12 @@ Result<void> SurfaceWriter::Publish() {
   for (std::size_t i = 0; i < work.FileCount(); ++i) {
     warp.message = kSurfaceFiles[i].message;
     warp.pixels = kSurfaceFiles[i].pixels;
-    SKYQUILT_TRY(WarpGeotiff(work.raw[i].path(), work.folder / kSurfaceFiles[i].name, warp, work.progress));
+    // In place of the raw one, whose room it takes.
+    SKYQUILT_TRY(WarpGeotiff(work.raw[i].path(), work.raw[i].path(), warp, work.progress));
   }
+  // Once all are there: heights beside flags of an earlier map would pass for measured.
+  for (std::size_t i = 0; i < work.FileCount(); ++i)
+    SKYQUILT_TRY(PublishFile(work.raw[i].path(), work.folder / kSurfaceFiles[i].name));
   return {};
 }
 

@@ -105,6 +105,7 @@ TEST(Contours, ArePublishedTogetherOrNotAtAll) {
   const test::TemporaryFolder folder;
   SilentProgress progress;
   WriteHeights(folder.path() / "dtm.tif", kSide, ConeAt);
+  folder.Write("contours.gpkg", "of an earlier map");
   // The last of them cannot be written.
   std::filesystem::create_directories(folder.path() / "contours.tmp.dxf" / "in_the_way");
   EXPECT_FALSE(WriteContours(folder.path() / "dtm.tif", 0.2, progress));

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/surface/terrain/ground_sketch.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
@@ -175,6 +176,24 @@ TEST(SurfaceWriter, LeavesNothingBesideWhenItIsGivenUp) {
     ASSERT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+// A disk that is full, or a process that dies, while the second file is made.
+TEST(SurfaceWriter, LeavesTheHeightsOfAnEarlierMapUntilAllOfItsOwnAreThere) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"dsm.tif", "dsm_photos.tif"}) folder.Write(name, "of an earlier map");
+  folder.Write("dsm_photos.tif.raw.tmp.warped.tmp/held", "");  // a folder where a file is to be
+  {
+    SilentProgress progress;
+    SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), kMiddle, FarGrid(), 6.0, 1, nullptr,
+                         progress);
+    ASSERT_TRUE(writer.Begin());
+    ASSERT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
+    EXPECT_FALSE(writer.Publish());
+  }
+  for (const char* name : {"dsm.tif", "dsm_photos.tif"})
+    EXPECT_EQ(test::BytesOf(folder / name), "of an earlier map") << name;
+  EXPECT_FALSE(std::filesystem::exists(folder / "dsm.tif.raw.tmp"));
 }
 
 // A flight across the border of two zones, whose first photos lie in the other one than most of the map.
