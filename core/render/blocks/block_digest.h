@@ -1,5 +1,5 @@
 // DigestBlock: a digest of all that the pixels of a block depend on: the ground below it (with walls: all
-// ground), the photos that may show some of it (their bytes, lenses, poses, tones), its cells of the seam
+// ground), the photos that may show some of it (bytes, ranges, lenses, poses, tones), its cells of the seam
 // map, and the options. Two blocks of the same digest have the same tiles, so a block need not be rendered
 // again when a flight is gone on with or grows. The other way round a block whose digest differs may still
 // come out the same. Pure; any thread.

@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/geo/tile_id.h"
+#include "core/render/blocks/block_digest.h"
 #include "core/render/blocks/block_geometry.h"
 #include "tests/support/map_truth.h"
 #include "tests/support/memory_sink.h"
@@ -241,6 +242,35 @@ TEST(RenderTiles, ABoundaryCutsPixelsAndChangesNoneOfTheRest) {
   }
   EXPECT_GT(inside_pixels, 1000);
   EXPECT_GT(outside_pixels, 1000);
+}
+
+// Of samples that are more than bytes: the same file in another range is another picture.
+TEST(RenderTiles, ABlockIsAnotherWhereItsPhotosAreDrawnInAnotherRange) {
+  test::SimulatedMap map = SmallMap();
+  const SeamMap seams = map.Seams({});
+  PhotoCache cache(*map.photos, 1 << 28);
+  const RenderContext context{map.flight, map.ground, map.exposure, seams, map.plan, cache};
+  const std::vector<Digest> files(map.flight.photos.size());
+  const auto digests = [&] {
+    std::vector<Digest> of_blocks;
+    for (const RenderBlock& block : map.plan.blocks) {
+      of_blocks.push_back(DigestBlock(context, pyramid::EncodeOptions{image::TileEncoding::kJpegPng, 95},
+                                      files, block, GeometryOf(context, block)));
+    }
+    return of_blocks;
+  };
+  const std::vector<Digest> drawn_as_bytes = digests();
+  const auto draw_in = [&](double high) {
+    for (alignment::AlignedPhoto& photo : map.flight.photos)
+      photo.photo.sample_range = flight::SampleRange{1000.0, high};
+  };
+  draw_in(5000.0);
+  const std::vector<Digest> dark = digests();
+  draw_in(4000.0);
+  EXPECT_NE(dark, drawn_as_bytes);
+  EXPECT_NE(digests(), dark);
+  draw_in(5000.0);
+  EXPECT_EQ(digests(), dark);
 }
 
 TEST(RenderTiles, ABoundaryElsewhereIsRefusedWithTheFlightsPlace) {
