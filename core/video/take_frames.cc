@@ -250,6 +250,14 @@ std::optional<flight::FlightLog> LogOf(const flight::InputFile& film,
   return *std::move(log);
 }
 
+// Of a film that says for how long it goes on: a copy that broke off, or pictures that cannot be decoded.
+std::optional<flight::Remark> EndsEarly(const flight::InputFile& film, double film_s, double until_s) {
+  constexpr double kLastPicturesS = 3.0;
+  if (film_s - until_s <= kLastPicturesS || film_s > kLongestFilmS) return std::nullopt;
+  return flight::Remark{flight::RemarkCode::kFilmEndsEarly,
+                        {{"file", film.name}, {"film_s", film_s}, {"until_s", until_s}}};
+}
+
 // Cameras write a subtitle a second or more often; what lies further apart than the last few was not written
 // with this film, or not with all of it.
 std::optional<flight::Remark> OfOtherLength(const flight::InputFile& film, double film_s,
@@ -292,6 +300,8 @@ Result<TakenFrames> TakeFrames(const flight::InputFile& film,
         {flight::RemarkCode::kFilmFull,
          {{"file", film.name}, {"frames", taken.photos.size()}, {"until_s", taken.times_s.back()}}});
   }
+  if (auto early = EndsEarly(film, video.facts().duration_s, looked_at_s); early && !is_full)
+    taken.warnings.push_back(*std::move(early));
   const std::optional<flight::FlightLog> log = LogOf(film, subtitles, taken.warnings);
   std::vector<std::string> names;
   for (const flight::InputFile& photo : taken.photos) names.push_back(photo.name);

@@ -6,6 +6,7 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/video/moving_film.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::video {
@@ -78,6 +79,26 @@ TEST(TakeFrames, SaysWhereItStoppedWhenThereAreTooMany) {
   EXPECT_EQ(taken.frames->photos.size(), 3U);
   ASSERT_EQ(taken.frames->warnings.size(), 1U);
   EXPECT_NE(flight::InWords(taken.frames->warnings[0]).find("film.mp4"), std::string::npos);
+}
+
+TEST(TakeFrames, SaysThatAFilmBreaksOff) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path whole = folder / "whole.mkv";  // Matroska says in its head how long it lasts
+  if (!WriteFilm(whole, 240, [](int k) { return 6 * k; }))
+    GTEST_SKIP() << "no MPEG-4 encoder on this machine";
+  const std::string bytes = test::BytesOf(whole);
+  const std::filesystem::path cut = folder.Write("cut.mkv", bytes.substr(0, bytes.size() / 3));
+  const auto warnings_of = [&](const std::filesystem::path& film) {
+    SilentProgress progress;
+    const Result<TakenFrames> taken =
+        TakeFrames({film.filename().string(), film}, std::nullopt, folder.path(), {}, progress);
+    EXPECT_TRUE(taken.ok()) << film;
+    return taken.ok() ? taken->warnings : std::vector<flight::Remark>();
+  };
+  EXPECT_TRUE(warnings_of(whole).empty());
+  const std::vector<flight::Remark> of_cut = warnings_of(cut);
+  ASSERT_EQ(of_cut.size(), 1U);
+  EXPECT_EQ(of_cut[0].code, flight::RemarkCode::kFilmEndsEarly);
 }
 
 TEST(TakeFrames, IsTheSameWithAnyNumberOfThreads) {

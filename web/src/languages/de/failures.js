@@ -206,6 +206,7 @@ export const failure_words = {
   no_film: (v) => `${v.file} ist kein lesbares Video. Fügen Sie ein MP4 oder MOV so hinzu, wie die Kamera es gespeichert hat, oder Einzelbilder als JPEG.`,
   film_damaged: (v) => `${v.file} ist beschädigt. ${copy_again}`,
   film_too_large: (v) => `${v.file} hat Einzelbilder von ${number(v.width_px)} × ${number(v.height_px)} Pixeln; gelesen werden höchstens ${number(v.most_side_px)} je Seite.`,
+  film_ends_early: (v) => `${v.file} dauert ${fixed(v.film_s, 0)}\u00a0s, die Bilder enden aber nach ${fixed(v.until_s, 0)}\u00a0s: Was danach kommt, fehlt auf der Karte. ${copy_again}`,
   film_timed_by_creation: (v) => `${v.file} wurde um ${v.at} erstellt; für die Zuordnung der Einzelbilder zum Flugprotokoll gilt das als Beginn. Manche Kameras schreiben das Ende: Dann begann das Video ${fixed(v.film_s, 0)}\u00a0s früher. Liegt die Karte entlang des Tracks versetzt, nennen Sie das Video ${v.name}.`,
   subtitles_of_other_length: (v) => `${v.file} dauert ${fixed(v.film_s, 0)}\u00a0s, seine Untertitel ${fixed(v.subtitles_s, 0)}\u00a0s. Wurde das Video geschnitten oder gehören sie zu einem anderen, liegen die Einzelbilder falsch: Fügen Sie das Video so hinzu, wie die Kamera es gespeichert hat, mit seinen eigenen Untertiteln.`,
   subtitles_of_no_film: (v) => `${v.file} wird für ${v.film} nicht verwendet: Untertitel gehören zum Video ihres Namens. Sind es seine eigenen, nennen Sie die Datei ${v.name}.`,

@@ -209,6 +209,7 @@ export const failure_words = {
   no_film: (v) => `${v.file} is not a readable video. Add an MP4 or MOV as the camera saved it, or its frames as JPEGs.`,
   film_damaged: (v) => `${v.file} is damaged. ${copy_again}`,
   film_too_large: (v) => `${v.file} has frames of ${number(v.width_px)} × ${number(v.height_px)} pixels; at most ${number(v.most_side_px)} a side are read.`,
+  film_ends_early: (v) => `${v.file} lasts ${fixed(v.film_s, 0)}\u00a0s, but its pictures end after ${fixed(v.until_s, 0)}\u00a0s: the map lacks what comes later. ${copy_again}`,
   film_timed_by_creation: (v) => `${v.file} was created at ${v.at}, and its frames are placed on a flight log as if it began then. Some cameras write when a video ended: it began ${fixed(v.film_s, 0)}\u00a0s earlier then. If the map lies off along the track, name the video ${v.name}.`,
   subtitles_of_other_length: (v) => `${v.file} lasts ${fixed(v.film_s, 0)}\u00a0s, its subtitles ${fixed(v.subtitles_s, 0)}\u00a0s. If the video was cut, or they belong to another one, its frames are placed wrongly: add the video as the camera saved it, with its own subtitles.`,
   subtitles_of_no_film: (v) => `${v.file} is not used for ${v.film}: subtitles belong to the video of their name. If they are its own, name them ${v.name}.`,
