@@ -68,8 +68,9 @@ class SquarePixels {
 };
 
 // One band of a block.
-std::vector<float> BandOfBlock(const BandsContext& context, std::size_t band, const WeighedBlock& weighed,
-                               const BlockBoundary& boundary, double pixel_m, BandCache& cache) {
+Result<std::vector<float>> BandOfBlock(const BandsContext& context, std::size_t band,
+                                       const WeighedBlock& weighed, const BlockBoundary& boundary,
+                                       double pixel_m, BandCache& cache) {
   const int size_px = weighed.geometry.size_px, side = weighed.shares.square_px;
   const std::size_t pixels = static_cast<std::size_t>(size_px) * size_px;
   std::vector<float> sums(pixels, 0.0F), weights(pixels, 0.0F);
@@ -80,8 +81,7 @@ std::vector<float> BandOfBlock(const BandsContext& context, std::size_t band, co
     for (Eigen::Vector2f& pixel : view.pixel_in_image)
       pixel += camera->field.At(pixel.cast<double>()).cast<float>();
     const int denominator = DenominatorFor(camera->photo, pixel_m);
-    const auto picture = cache.Get(share.photo, *camera, denominator);
-    if (!picture) continue;  // read while the bands were registered: gone from the disk since
+    SKYQUILT_TRY_ASSIGN(const auto picture, cache.Get(share.photo, *camera, denominator));
     // A part of a square: of one cell of nodes.
     const auto add_part = [&](const SquareShare& square, int left, int top, int part_px) {
       const SquarePixels in_photo(view, weighed.geometry, left, top, denominator);
@@ -90,7 +90,7 @@ std::vector<float> BandOfBlock(const BandsContext& context, std::size_t band, co
           const float share_of_pixel = share.WeightAt(square, x, y, side);
           if (!(share_of_pixel > 0.0F) || !boundary.Holds(x, y)) continue;
           const Eigen::Vector2f at = in_photo.At(x, y);
-          const float value = ValueAt(**picture, at.x(), at.y());
+          const float value = ValueAt(*picture, at.x(), at.y());
           if (std::isnan(value)) continue;
           const std::size_t pixel = static_cast<std::size_t>(y) * size_px + static_cast<std::size_t>(x);
           sums[pixel] += share_of_pixel * value;
@@ -164,11 +164,16 @@ Result<void> RenderBands(const BandsContext& context, const flight::PhotoSource&
                     fmt::format("bands of block {} of {}", i + 1, plan.blocks.size()));
     if (weighed.shares.photos.empty()) continue;
     const BlockBoundary boundary(plan, block.tile);
-    std::vector<std::vector<float>> values(bands);
+    std::vector<Result<std::vector<float>>> made(bands, std::vector<float>());
     // A band has its own cache: no two threads ask for one picture.
     ParallelFor(bands, options.threads, [&](std::size_t band) {
-      values[band] = BandOfBlock(context, band, weighed, boundary, pixel_m, caches[band]);
+      made[band] = BandOfBlock(context, band, weighed, boundary, pixel_m, caches[band]);
     });
+    std::vector<std::vector<float>> values;
+    for (Result<std::vector<float>>& of_band : made) {
+      if (!of_band) return of_band.error();
+      values.push_back(*std::move(of_band));
+    }
     SKYQUILT_TRY(sink.Put(static_cast<int>(places[i].column * raster.block_px),
                           static_cast<int>(places[i].row * raster.block_px), values));
   }

@@ -2,8 +2,8 @@
 // shows what comes from the references' seam map, where each band shows it from its own camera, so that the
 // bands of a pixel are of one place and one moment. Values are calibrated and never evened out; where
 // captures meet they blend over the seams' width. Memory: a block's values and the decoded pictures, within
-// the budget. The same values with any number of threads. Blocking. Errors: those of the sink; kCancelled. A
-// picture that cannot be decoded any more leaves its ground to others, or without values.
+// the budget. The same values with any number of threads. Blocking. Errors: those of the sink and of decoding
+// what could be decoded while the bands were registered; kCancelled.
 #pragma once
 
 #include <cstdint>

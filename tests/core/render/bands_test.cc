@@ -349,10 +349,12 @@ class KeptBands final : public bands::BandSink {
   std::map<std::pair<int, int>, std::vector<std::vector<float>>> blocks;
 };
 
-void Render(const RigFlight& flown, const RigSource& source, int threads, KeptBands& kept) {
+// `later`: what is drawn from, once the bands are registered.
+Result<void> Render(const RigFlight& flown, const RigSource& source, int threads, KeptBands& kept,
+                    const RigSource* later = nullptr) {
   const ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
   const auto plan = PlanMosaic(flown.references, ground, {});
-  ASSERT_TRUE(plan.ok());
+  if (!plan) return plan.error();
   std::vector<Thumbnail> thumbnails;
   for (const alignment::AlignedPhoto& photo : flown.references.photos)
     thumbnails.push_back(MakeThumbnail(photo.photo, *source.Decode(photo.photo, 1)));
@@ -360,16 +362,15 @@ void Render(const RigFlight& flown, const RigSource& source, int threads, KeptBa
   const SeamMap seams = BuildSeamMap(flown.references, ground, *plan, exposure, thumbnails, {});
   const BandCameras cameras = Register(flown, source, threads);
   SilentProgress progress;
-  ASSERT_TRUE(RenderBands({flown.references, ground, seams, *plan, cameras, flown.captures}, source,
-                          {threads}, kept, progress)
-                  .ok());
+  return RenderBands({flown.references, ground, seams, *plan, cameras, flown.captures},
+                     later != nullptr ? *later : source, {threads}, kept, progress);
 }
 
 TEST(RenderBandsTest, ShowsTheGroundsReflectance) {
   const RigFlight flown = Fly(3);
   const RigSource source;
   KeptBands kept;
-  Render(flown, source, 2, kept);
+  ASSERT_TRUE(Render(flown, source, 2, kept));
   ASSERT_EQ(kept.raster.bands.size(), 3U);
   for (std::size_t band = 0; band < kBands.size(); ++band) {
     double squares = 0.0;
@@ -394,12 +395,23 @@ TEST(RenderBandsTest, ShowsTheGroundsReflectance) {
   }
 }
 
+// A disk that is pulled out: holes in a raster would pass for ground without values.
+TEST(RenderBandsTest, APictureThatIsGoneSinceIsSaid) {
+  const RigSource source;
+  RigSource later;
+  later.damaged = "1_red";
+  KeptBands kept;
+  const Result<void> rendered = Render(Fly(2), source, 2, kept, &later);
+  ASSERT_FALSE(rendered.ok());
+  EXPECT_EQ(rendered.error().code, ErrorCode::kCorrupt);
+}
+
 TEST(RenderBandsTest, DoesNotDependOnThreads) {
   const RigFlight flown = Fly(2);
   const RigSource source;
   KeptBands one, four;
-  Render(flown, source, 1, one);
-  Render(flown, source, 4, four);
+  ASSERT_TRUE(Render(flown, source, 1, one));
+  ASSERT_TRUE(Render(flown, source, 4, four));
   ASSERT_EQ(one.blocks.size(), four.blocks.size());
   for (const auto& [corner, values] : one.blocks) {
     for (std::size_t band = 0; band < values.size(); ++band) {
