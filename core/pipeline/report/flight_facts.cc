@@ -1,6 +1,7 @@
 #include "core/pipeline/report/flight_facts.h"
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -62,14 +63,18 @@ Report OfReportText(const Cbor& text) {
   return ReportOf<Report>(ParseOrderedJson(text.get_ref<const std::string&>()));
 }
 
-// Runs of equal labels, row by row: photo, then how many cells.
+// Runs of equal labels, row by row: photo, then how many cells. Between two fields lie more cells without any
+// than a number of a run holds: those are several runs.
 Cbor OfAppearance(const MapAppearance& appearance) {
   std::vector<std::int32_t> runs;
   for (int row = 0; row < appearance.labels.rows(); ++row) {
-    for (int column = 0; column < appearance.labels.columns(); ++column) {
+    for (int column = 0, alike = 0; column < appearance.labels.columns(); column += alike) {
+      alike = appearance.labels.AlikeFrom(column, row);
       const std::int32_t label = appearance.labels.At(column, row);
-      if (runs.empty() || runs[runs.size() - 2] != label) runs.insert(runs.end(), {label, 0});
-      ++runs.back();
+      const bool goes_on = !runs.empty() && runs[runs.size() - 2] == label &&
+                           runs.back() <= std::numeric_limits<std::int32_t>::max() - alike;
+      if (!goes_on) runs.insert(runs.end(), {label, 0});
+      runs.back() += alike;
     }
   }
   return {{"gsd_m", appearance.gsd_m},
@@ -100,9 +105,11 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   appearance.grid.rows = json.at("rows");
   appearance.stands_upright = json.value("upright", false);  // not in maps of earlier versions
   appearance.is_gsd_asked = json.value("gsd_asked", false);  // nor this
-  constexpr int kMaxCells = 1 << 20;                         // a side
-  if (appearance.grid.columns < 0 || appearance.grid.rows < 0 || appearance.grid.columns > kMaxCells ||
-      appearance.grid.rows > kMaxCells) {
+  constexpr int kMaxSideCells = 1 << 30;
+  constexpr std::int64_t kMaxCells = std::int64_t{1} << 35;  // of fields far apart, most without a photo
+  const std::int64_t cells = std::int64_t{appearance.grid.columns} * appearance.grid.rows;
+  if (appearance.grid.columns < 0 || appearance.grid.rows < 0 || cells > kMaxCells ||
+      std::max(appearance.grid.columns, appearance.grid.rows) > kMaxSideCells) {
     ThrowDamaged<Cbor>("the seam grid is of no size");
   }
   appearance.labels = render::SeamLabels(appearance.grid.columns, appearance.grid.rows);
@@ -110,11 +117,10 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   std::vector<std::int32_t> runs(bytes.size() / sizeof(std::int32_t));
   std::copy_n(bytes.data(), runs.size() * sizeof(std::int32_t), reinterpret_cast<std::uint8_t*>(runs.data()));
   std::int64_t cell = 0;
-  const std::int64_t cells = std::int64_t{appearance.grid.columns} * appearance.grid.rows;
   for (std::size_t run = 0; run + 1 < runs.size(); run += 2) {
     const bool is_photo = runs[run] >= 0 && static_cast<std::size_t>(runs[run]) < photos;
-    for (std::int32_t k = 0; k < runs[run + 1] && cell < cells; ++k, ++cell) {
-      if (!is_photo) continue;
+    if (!is_photo) cell += std::max(0, runs[run + 1]);
+    for (std::int32_t k = 0; is_photo && k < runs[run + 1] && cell < cells; ++k, ++cell) {
       appearance.labels.Set(static_cast<int>(cell % appearance.grid.columns),
                             static_cast<int>(cell / appearance.grid.columns), runs[run]);
     }

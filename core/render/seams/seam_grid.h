@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -63,6 +64,10 @@ class SeamLabels {
     return chunk == nullptr ? kNoPhoto : (*chunk)[Within(column, row)];
   }
   void Set(int column, int row, std::int32_t photo);  // inside the grid only
+  // How many cells from here to the east surely have this one's label: all of an empty chunk's row.
+  int AlikeFrom(int column, int row) const {
+    return Find(column, row) != nullptr ? 1 : std::min(columns_, (column / kChunk + 1) * kChunk) - column;
+  }
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }

@@ -88,6 +88,24 @@ TEST(FlightFacts, AreReadAgainExactly) {
   }
 }
 
+// Two fields some tens of kilometres apart: between them lie more cells than 32 bits count.
+TEST(FlightFacts, KeepTheLabelsOfFieldsFarApart) {
+  FlightFacts facts = SomeFacts();
+  MapAppearance& shown = *facts.appearance;
+  shown.grid.columns = 1'100'000;
+  shown.grid.rows = 2'000;
+  shown.labels = render::SeamLabels(shown.grid.columns, shown.grid.rows);
+  shown.labels.Set(5, 0, 0);
+  shown.labels.Set(1'099'999, 1'999, 0);
+  const auto read = test::ValueOf(ParseFacts(WriteFacts(facts)));
+  ASSERT_TRUE(read.appearance);
+  const render::SeamLabels& labels = read.appearance->labels;
+  EXPECT_EQ(labels.At(5, 0), 0);
+  EXPECT_EQ(labels.At(1'099'999, 1'999), 0);
+  for (const auto& [column, row] : {std::pair{4, 0}, {6, 0}, {5, 1}, {1'099'998, 1'999}, {1'099'999, 1'998}})
+    EXPECT_EQ(labels.At(column, row), render::kNoPhoto) << column << " " << row;
+}
+
 TEST(FlightFacts, CutOffAnywhereAreRefusedAndNeverBelieved) {
   const std::string bytes = WriteFacts(SomeFacts());
   for (std::size_t length = 0; length < bytes.size(); length += 7) {
