@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -79,6 +80,20 @@ void PutGroundBelow(PosedFlight& posed) {
   posed.assumptions.push_back({{flight::RemarkCode::kOnTheGround, {{"height_m", height_m}}},
                                {flight::RemarkCode::kHeightBySpacingOnTheGround, {{"height_m", guessed_m}}},
                                guessed_m});
+}
+
+void TellLackOfGeoid(const std::optional<double>& geoid_m, const std::vector<flight::Photo>& photos,
+                     const flight::FlightLog* log, bool is_zero_of_sea, PosedFlight& posed) {
+  if (geoid_m || !posed.report.heights_above_ellipsoid.value_or(false)) return;
+  const auto is_of_sea = [](const auto& at) { return at.height_amsl_m && !at.height_ellipsoid_m; };
+  const bool is_any_of_sea =
+      is_zero_of_sea ||
+      std::any_of(photos.begin(), photos.end(),
+                  [&](const flight::Photo& photo) { return photo.position && is_of_sea(*photo.position); }) ||
+      (log != nullptr && std::any_of(log->gnss.begin(), log->gnss.end(), is_of_sea));
+  if (!is_any_of_sea) return;
+  posed.report.heights_above_ellipsoid.reset();
+  posed.warnings.push_back(flight::RemarkCode::kNoGeoid);
 }
 
 }  // namespace skyquilt::poses

@@ -7,6 +7,7 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
 #include "core/poses/estimate_poses.h"
+#include "core/poses/heights/ground_below.h"
 #include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
@@ -48,6 +49,32 @@ TEST(ChooseHeights, TakesHeightsAboveTakeoffAsRecorded) {
   for (flight::Photo& photo : photos) photo.position->height_ellipsoid_m.reset();
   EXPECT_FALSE(ChooseHeights(photos, nullptr).is_above_ellipsoid) << "nothing but heights above take-off";
   EXPECT_TRUE(ChooseHeights(photos, nullptr, 85.0).is_above_ellipsoid) << "as given";
+}
+
+// Debian without proj-data, say.
+TEST(TellLackOfGeoid, SaysThatHeightsAboveTheSeaCountAsIfAboveTheEllipsoid) {
+  std::vector<flight::Photo> of_sea = Photos(3, 60.0);
+  for (flight::Photo& photo : of_sea) photo.position->height_amsl_m = 145.0;
+  const std::vector<flight::Photo> of_ellipsoid = Photos(3, 60.0, 190.0);
+  flight::FlightLog track;
+  track.gnss.emplace_back().height_amsl_m = 145.0;
+  const auto is_said = [](const std::optional<double>& geoid_m, const std::vector<flight::Photo>& photos,
+                          const flight::FlightLog* log, bool is_zero_of_sea) {
+    PosedFlight posed;
+    posed.report.heights_above_ellipsoid = true;
+    TellLackOfGeoid(geoid_m, photos, log, is_zero_of_sea, posed);
+    EXPECT_EQ(posed.report.heights_above_ellipsoid.has_value(), posed.warnings.empty());
+    return !posed.warnings.empty() && posed.warnings[0].code == flight::RemarkCode::kNoGeoid;
+  };
+  EXPECT_TRUE(is_said({}, of_sea, nullptr, false));
+  EXPECT_FALSE(is_said(45.0, of_sea, nullptr, false));
+  EXPECT_FALSE(is_said({}, of_ellipsoid, nullptr, false));
+  EXPECT_TRUE(is_said({}, of_ellipsoid, nullptr, true)) << "over an elevation model, or a take-off as given";
+  EXPECT_TRUE(is_said({}, of_ellipsoid, &track, false));
+  PosedFlight from_takeoff;
+  from_takeoff.report.heights_above_ellipsoid = false;
+  TellLackOfGeoid({}, of_sea, nullptr, false, from_takeoff);
+  EXPECT_TRUE(from_takeoff.warnings.empty());
 }
 
 TEST(ChooseHeights, TiesAPhotoWithoutRelativeHeightToTheOthersThroughItsAbsoluteOne) {

@@ -226,6 +226,7 @@ export const remark_words = {
   angles_assumed: () => 'Angenommen wird der Blick senkrecht nach unten, gedreht in Flugrichtung.',
   angles_assumed_by_direction: (v) => `Angenommen wird der Blick senkrecht nach unten, gedreht bei ${count(v.photos, photos)} nach der Kompassrichtung in EXIF (GPSImgDirection), sonst in Flugrichtung.`,
   angles_found: () => 'Die Winkel wurden aus dem gefunden, was die Fotos zeigen.',
+  no_geoid: () => 'Höhen über dem Meer zählen als Höhen über dem Ellipsoid: Dem Server fehlt ein Geoid (EGM96), das beide unterscheidet, um bis zu 100\u00a0m. Wer ihn betreibt, installiert die Gitter von PROJ (Debian: proj-data); danach erstellen Sie die Karte erneut.',
   no_heights: () => 'Kein Foto sagt, wie hoch über dem Boden es aufgenommen wurde.',
   height_by_spacing: (v) => `${formatDistance(v.height_m)} sind nach dem Abstand der Fotos angenommen; der Maßstab der Karte hängt davon ab.`,
   on_the_ground: (v) => `Nach den aufgezeichneten Höhen wurden die meisten Fotos auf oder unter dem Boden aufgenommen (die Hälfte unter ${fixed(v.height_m, 0)}\u00a0m), was nicht sein kann: Der Boden liegt nicht so hoch wie der Startort, oder die Höhen zählen ab etwas anderem.`,

@@ -225,6 +225,7 @@ export const remark_words = {
   angles_assumed: () => 'They are taken as looking straight down, turned along the course of the flight.',
   angles_assumed_by_direction: (v) => `They are taken as looking straight down, ${number(v.photos)} of them turned by the compass direction in EXIF (GPSImgDirection), others along the course of the flight.`,
   angles_found: () => 'Their angles were found from what they show.',
+  no_geoid: () => 'Heights above sea level count as heights above the ellipsoid: the server has no geoid (EGM96) that tells the two apart, by up to 100\u00a0m. Whoever runs it installs the grids of PROJ (Debian: proj-data); then make the map again.',
   no_heights: () => 'No photo says how high above the ground it was taken.',
   height_by_spacing: (v) => `${formatDistance(v.height_m)} is assumed from the spacing of the photos; the scale of the map depends on it.`,
   on_the_ground: (v) => `By the recorded heights most photos were taken on or below the ground (half of them below ${fixed(v.height_m, 0)}\u00a0m), which cannot be: the ground is not as high as the take-off location, or the heights count from something else.`,
