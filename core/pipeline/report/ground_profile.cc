@@ -15,19 +15,11 @@ constexpr double kStepsPerCell = 2.0;
 constexpr int kChunksToMeasure = 64;
 constexpr double kMaxProfileLengthM = 100'000.0;
 
-// Across the antimeridian the short way.
-geo::LatLon Between(const geo::LatLon& from, const geo::LatLon& to, double share) {
-  const double turn_deg = geo::RadToDeg(geo::WrapRad(geo::DegToRad(to.lon_deg - from.lon_deg)));
-  const double lon_deg = from.lon_deg + share * turn_deg;
-  return {from.lat_deg + share * (to.lat_deg - from.lat_deg),
-          geo::RadToDeg(geo::WrapRad(geo::DegToRad(lon_deg)))};
-}
-
 double LengthM(const geo::LatLon& from, const geo::LatLon& to, int chunks) {
   double length_m = 0.0;
   geo::LatLon before = from;
   for (int i = 1; i <= chunks; ++i) {
-    const geo::LatLon next = Between(from, to, static_cast<double>(i) / chunks);
+    const geo::LatLon next = geo::OnTheWay(from, to, static_cast<double>(i) / chunks);
     length_m += geo::MetresApart(before, next);
     before = next;
   }
@@ -106,7 +98,7 @@ Result<GroundProfile> ProfileGround(const LocatedMap& map, const geo::LatLonBoun
     for (int k = 1; k <= steps; ++k) {
       const double share = static_cast<double>(k) / steps;
       profile.samples.push_back(
-          SampleAt(map, bounds, Between(line[i], line[i + 1], share), before_m + share * parts_m[i]));
+          SampleAt(map, bounds, geo::OnTheWay(line[i], line[i + 1], share), before_m + share * parts_m[i]));
     }
     profile.length_m += parts_m[i];
     profile.step_m = std::max(profile.step_m, parts_m[i] / steps);

@@ -58,12 +58,10 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
                                            const std::vector<Thumbnail>& thumbnails) {
   std::vector<ExposureSample> samples;
   if (flight.photos.size() < 2) return samples;
-  std::vector<double> sizes_m;
-  for (const auto& photo : flight.photos) {
-    sizes_m.push_back(photo.height_above_ground_m / photo.intrinsics.MeanFocalPx() *
-                      std::max(photo.intrinsics.width_px, photo.intrinsics.height_px));
-  }
-  const double size_m = Median(std::move(sizes_m));
+  const double size_m = MedianOf(flight.photos, [](const alignment::AlignedPhoto& photo) {
+    return photo.height_above_ground_m / photo.intrinsics.MeanFocalPx() *
+           std::max(photo.intrinsics.width_px, photo.intrinsics.height_px);
+  });
   const double step_m = std::max(0.1, size_m / SpotsAcross(flight.photos.size()));
 
   std::unordered_map<std::int64_t, std::uint32_t> spot_of_cell;
