@@ -10,7 +10,12 @@
 namespace skyquilt::surface {
 namespace {
 
-constexpr int kPitReach = 2;  // cells: a pit is no wider than twice that and one
+constexpr double kWidestThingM = 60.0;  // what is wider than this counts as ground
+constexpr double kSlope = 0.3;          // that ground may have
+constexpr double kLeastHeightM = 0.3;   // what stands less high than this is ground
+constexpr double kMostStepM = 2.5;      // what stands higher is none, however wide the square
+constexpr double kLeastPitM = 1.0;      // deeper within a few cells: no ground either, but a mistake
+constexpr int kPitReach = 2;            // cells: a pit is no wider than twice that and one
 
 // The least (or greatest) of 2 * reach + 1 values about each, by two running ones that begin anew every
 // window (van Herk 1992): as many steps for any reach.
@@ -97,7 +102,7 @@ void BridgeGaps(std::vector<float>& heights, std::vector<float> weights, int col
 }
 
 // Between two pits that no ground has, all that there is would stand on them.
-void TakePitsAway(GroundModel& ground, int columns, int rows, const GroundOptions& options) {
+void TakePitsAway(GroundModel& ground, int columns, int rows) {
   std::vector<float> closed = ground.heights_m;
   constexpr float kNone = std::numeric_limits<float>::max();
   for (std::size_t i = 0; i < closed.size(); ++i) {
@@ -107,8 +112,7 @@ void TakePitsAway(GroundModel& ground, int columns, int rows, const GroundOption
   for (float& height : closed) height = height == -kNone ? kNone : height;
   ChooseInSquares(closed, columns, rows, kPitReach, [](float a, float b) { return std::min(a, b); });
   for (std::size_t i = 0; i < closed.size(); ++i) {
-    if (ground.is_ground[i] != 0 && closed[i] - ground.heights_m[i] > options.least_pit_m)
-      ground.is_ground[i] = 0;
+    if (ground.is_ground[i] != 0 && closed[i] - ground.heights_m[i] > kLeastPitM) ground.is_ground[i] = 0;
   }
 }
 
@@ -118,8 +122,7 @@ int NextReach(int reach) { return std::max(reach + 1, static_cast<int>(1.2 * rea
 
 }  // namespace
 
-GroundModel GroundUnder(const std::vector<float>& heights_m, int columns, int rows, double cell_m,
-                        const GroundOptions& options) {
+GroundModel GroundUnder(const std::vector<float>& heights_m, int columns, int rows, double cell_m) {
   SKYQUILT_CHECK(
       columns > 0 && rows > 0 && cell_m > 0.0 && heights_m.size() == static_cast<std::size_t>(columns) * rows,
       "a ground model needs a grid of heights");
@@ -131,21 +134,21 @@ GroundModel GroundUnder(const std::vector<float>& heights_m, int columns, int ro
   }
   if (std::count(ground.is_ground.begin(), ground.is_ground.end(), 1) == 0)
     return {heights_m, ground.is_ground};
-  TakePitsAway(ground, columns, rows, options);
+  TakePitsAway(ground, columns, rows);
   // From here on a height everywhere, so that nothing stands out where the photos end.
   BridgeGaps(ground.heights_m, {ground.is_ground.begin(), ground.is_ground.end()}, columns, rows);
   std::vector<float> opened = ground.heights_m;
   const int largest =
       std::min(std::max(columns, rows),
-               static_cast<int>(std::ceil(0.5 * std::min(options.widest_thing_m, 1e5 * cell_m) / cell_m)));
+               static_cast<int>(std::ceil(0.5 * std::min(kWidestThingM, 1e5 * cell_m) / cell_m)));
   int before = 0;
   for (int reach = 1; before < largest;
        before = reach, reach = std::min(NextReach(reach), std::max(largest, 1))) {
     const std::vector<float> last = opened;
     ChooseInSquares(opened, columns, rows, reach, [](float a, float b) { return std::min(a, b); });
     ChooseInSquares(opened, columns, rows, reach, [](float a, float b) { return std::max(a, b); });
-    const double climb_m = options.slope * 2.0 * (reach - before) * cell_m;
-    const float most_m = static_cast<float>(std::min(options.most_step_m, options.least_height_m + climb_m));
+    const double climb_m = kSlope * 2.0 * (reach - before) * cell_m;
+    const float most_m = static_cast<float>(std::min(kMostStepM, kLeastHeightM + climb_m));
     for (std::size_t i = 0; i < opened.size(); ++i) {
       if (last[i] - opened[i] > most_m) ground.is_ground[i] = 0;
     }
