@@ -20,8 +20,6 @@
 namespace skyquilt::api {
 namespace {
 
-using nlohmann::json;
-
 Error Refuse(std::string_view field, std::string_view rule) {
   return flight::Because(
       ErrorCode::kUnprocessable,
@@ -32,7 +30,7 @@ using pipeline::JobOption;
 using pipeline::JobOptionKind;
 
 // The value as the table has it; nothing where it is of another type or out of range.
-std::optional<double> NumberOf(const JobOption& option, const json& value) {
+std::optional<double> NumberOf(const JobOption& option, const nlohmann::json& value) {
   switch (option.kind) {
     case JobOptionKind::kNumber:
     case JobOptionKind::kWhole: {
@@ -56,7 +54,8 @@ std::optional<double> NumberOf(const JobOption& option, const json& value) {
   return std::nullopt;
 }
 
-Result<void> SetPlain(const JobOption& option, const json& value, pipeline::MosaicOptions* options) {
+Result<void> SetPlain(const JobOption& option, const nlohmann::json& value,
+                      pipeline::MosaicOptions* options) {
   if (option.may_be_open && value.is_null()) return {};
   const std::optional<double> number = NumberOf(option, value);
   if (!number) return Refuse(option.name, option.Rule());
@@ -64,7 +63,7 @@ Result<void> SetPlain(const JobOption& option, const json& value, pipeline::Mosa
   return {};
 }
 
-Result<void> SetOrigin(const json& value, pipeline::MosaicOptions* options) {
+Result<void> SetOrigin(const nlohmann::json& value, pipeline::MosaicOptions* options) {
   if (value.is_null()) return {};
   if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number()) {
     return Refuse("origin", "must be [latitude, longitude] in degrees");
@@ -77,7 +76,7 @@ Result<void> SetOrigin(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
-Result<geo::LatLon> PlaceOf(const json& value) {
+Result<geo::LatLon> PlaceOf(const nlohmann::json& value) {
   constexpr const char* kRule = "has a place that is not [latitude, longitude] in degrees, up to 85 and 180";
   if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number())
     return Refuse("place", kRule);
@@ -86,7 +85,7 @@ Result<geo::LatLon> PlaceOf(const json& value) {
   return place;
 }
 
-Result<void> SetPlace(const json& value, pipeline::MosaicOptions* options) {
+Result<void> SetPlace(const nlohmann::json& value, pipeline::MosaicOptions* options) {
   constexpr std::size_t kMaxPairs = 100;
   pipeline::PlaceRequest request;
   if (value == "control") {
@@ -96,7 +95,7 @@ Result<void> SetPlace(const json& value, pipeline::MosaicOptions* options) {
   }
   if (!value.is_array() || value.empty() || value.size() > kMaxPairs)
     return Refuse("place", "must be \"control\" or a list of 1 to 100 pairs of \"shown\" and \"is\"");
-  for (const json& pair : value) {
+  for (const nlohmann::json& pair : value) {
     if (!pair.is_object() || pair.size() != 2 || !pair.contains("shown") || !pair.contains("is"))
       return Refuse(
           "place",
@@ -109,16 +108,16 @@ Result<void> SetPlace(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
-Result<void> SetBoundary(const json& value, pipeline::MosaicOptions* options) {
+Result<void> SetBoundary(const nlohmann::json& value, pipeline::MosaicOptions* options) {
   if (value.is_null()) return {};
   SKYQUILT_TRY_ASSIGN(options->boundary, storage::ParseBoundary(JsonText(value)));
   return {};
 }
 
-Result<void> SetLayers(const json& value, pipeline::MosaicOptions* options) {
+Result<void> SetLayers(const nlohmann::json& value, pipeline::MosaicOptions* options) {
   constexpr const char* kRule = "must be a list of \"photo\", \"error\" and \"height\", each at most once";
   if (!value.is_array()) return Refuse("layers", kRule);
-  for (const json& name : value) {
+  for (const nlohmann::json& name : value) {
     const auto layer = name.is_string() ? render::MapLayerNamed(name.get<std::string>()) : std::nullopt;
     if (!layer || std::count(options->layers.begin(), options->layers.end(), *layer) > 0)
       return Refuse("layers", kRule);
@@ -127,7 +126,7 @@ Result<void> SetLayers(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
-Result<void> SetImport(const json& value, pipeline::MosaicOptions* options) {
+Result<void> SetImport(const nlohmann::json& value, pipeline::MosaicOptions* options) {
   if (value.is_null()) return {};
   if (!value.is_string()) return Refuse("import_file", "must be the name of one of the flight's files");
   const auto name = value.get<std::string>();
@@ -138,7 +137,7 @@ Result<void> SetImport(const json& value, pipeline::MosaicOptions* options) {
 }
 
 // What else is said of a map that is not made but taken over would be said in vain.
-Result<void> CheckImport(const json& given, const pipeline::MosaicOptions& options) {
+Result<void> CheckImport(const nlohmann::json& given, const pipeline::MosaicOptions& options) {
   if (options.import_file.empty()) return {};
   for (const auto& [field, value] : given.items()) {
     if (field != "import_file" && field != "quality")
@@ -147,12 +146,14 @@ Result<void> CheckImport(const json& given, const pipeline::MosaicOptions& optio
   return {};
 }
 
-constexpr std::pair<std::string_view, Result<void> (*)(const json&, pipeline::MosaicOptions*)> kOthers[] = {
+using OptionSetter = Result<void> (*)(const nlohmann::json&, pipeline::MosaicOptions*);
+constexpr std::pair<std::string_view, OptionSetter> kOthers[] = {
     {"origin", SetOrigin},
     {"boundary", SetBoundary},
     {"place", SetPlace},
     {"layers", SetLayers},
-    {"import_file", SetImport}};
+    {"import_file", SetImport},
+};
 
 std::string KnownOptions() {
   const std::span<const JobOption> table = pipeline::JobOptionTable();
@@ -164,7 +165,7 @@ std::string KnownOptions() {
   return known;
 }
 
-Result<void> SetOne(const std::string& field, const json& value, pipeline::MosaicOptions* options) {
+Result<void> SetOne(const std::string& field, const nlohmann::json& value, pipeline::MosaicOptions* options) {
   const JobOption* option = pipeline::FindJobOption(field);
   if (option && option->kind != JobOptionKind::kOther) return SetPlain(*option, value, options);
   for (const auto& [name, set] : kOthers) {
@@ -178,7 +179,7 @@ Result<void> SetOne(const std::string& field, const json& value, pipeline::Mosai
 
 Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
   SKYQUILT_TRY(CheckJsonText(text));
-  const json parsed = ParseJson(text);
+  const nlohmann::json parsed = ParseJson(text);
   if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The options are not JSON.", ""};
   if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The options must be a JSON object.", ""};
   pipeline::MosaicOptions options;

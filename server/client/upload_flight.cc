@@ -19,7 +19,6 @@
 namespace skyquilt::server {
 namespace {
 
-using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
 
@@ -64,20 +63,20 @@ class Tally {
   const Clock::time_point began_ = Clock::now();
 };
 
-Result<json> Parsed(const ClientAnswer& answer) {
-  json value = ParseJson(answer.body);
+Result<nlohmann::json> Parsed(const ClientAnswer& answer) {
+  nlohmann::json value = ParseJson(answer.body);
   if (value.is_object()) return value;
   return Error{ErrorCode::kUnprocessable, "The server's answer is no JSON; is it a Skyquilt?", ""};
 }
 
-Result<std::string> TextAt(const json& value, const char* key) {
+Result<std::string> TextAt(const nlohmann::json& value, const char* key) {
   if (auto text = TextIn(value, key)) return *std::move(text);
   return Error{ErrorCode::kUnprocessable,
                fmt::format("The server's answer has no \"{}\"; is it a Skyquilt?", key), ""};
 }
 
-Result<json> PostJson(ServerClient& client, const std::string& path, const json& value,
-                      const std::string& once_key) {
+Result<nlohmann::json> PostJson(ServerClient& client, const std::string& path, const nlohmann::json& value,
+                                const std::string& once_key) {
   ClientRequest request;
   request.method = "POST";
   request.path = path;
@@ -94,9 +93,9 @@ Result<NamesAndSizes> FilesThere(ServerClient& client, const std::string& flight
   ClientRequest request;
   request.path = "/api/v1/flights/" + flight_id + "/files";
   SKYQUILT_TRY_ASSIGN(const ClientAnswer answer, client.Send(request));
-  SKYQUILT_TRY_ASSIGN(const json value, Parsed(answer));
+  SKYQUILT_TRY_ASSIGN(const nlohmann::json value, Parsed(answer));
   NamesAndSizes there;
-  for (const json& file : value.value("files", json::array())) {
+  for (const nlohmann::json& file : value.value("files", nlohmann::json::array())) {
     SKYQUILT_TRY_ASSIGN(std::string name, TextAt(file, "name"));
     there.emplace(std::move(name), file.value("bytes", std::uint64_t{0}));
   }
@@ -164,8 +163,8 @@ Result<void> SendFile(ServerClient& client, const std::string& flight_id, const 
 }
 
 // The member "options" of a flight or a job, where any are given.
-json Wish(const UploadOptions& options) {
-  if (options.job_options.empty()) return json::object();
+nlohmann::json Wish(const UploadOptions& options) {
+  if (options.job_options.empty()) return nlohmann::json::object();
   return {{"options", ParseJson(options.job_options)}};
 }
 
@@ -175,11 +174,11 @@ Result<void> WaitForJob(ServerClient& client, const std::string& job_id, Progres
   ask.path = "/api/v1/jobs/" + job_id;
   for (;;) {
     SKYQUILT_TRY_ASSIGN(const ClientAnswer answer, client.Send(ask));
-    SKYQUILT_TRY_ASSIGN(const json job, Parsed(answer));
+    SKYQUILT_TRY_ASSIGN(const nlohmann::json job, Parsed(answer));
     SKYQUILT_TRY_ASSIGN(const std::string state, TextAt(job, "state"));
     if (state == "successful") return {};
     if (state == "failed" || state == "dismissed") {
-      const json error = job.value("error", json());
+      const nlohmann::json error = job.value("error", nlohmann::json());
       const std::string why = error.is_object() ? error.value("message", std::string()) : std::string();
       return Error{ErrorCode::kUnprocessable,
                    state == "failed" ? "The map could not be made: " + why : "The job was cancelled.", ""};
@@ -221,12 +220,12 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   uploaded.flight_id = options.flight_id;
   progress.BeginStage("upload");
   if (uploaded.flight_id.empty()) {
-    json fields = {{"name", options.name}};
+    nlohmann::json fields = {{"name", options.name}};
     // Servers of before know neither: they are asked for nothing that nobody wants.
     if (!options.tags.empty()) fields["tags"] = options.tags;
     if (options.is_kept) fields["keep"] = true;
     fields.update(Wish(options));
-    SKYQUILT_TRY_ASSIGN(const json made,
+    SKYQUILT_TRY_ASSIGN(const nlohmann::json made,
                         PostJson(client, "/api/v1/flights", fields, options.flight_once_key));
     SKYQUILT_TRY_ASSIGN(uploaded.flight_id, TextAt(made, "id"));
   }
@@ -246,8 +245,9 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   }
   counting = nullptr;
   if (!options.makes_map) return uploaded;
-  SKYQUILT_TRY_ASSIGN(const json job, PostJson(client, "/api/v1/flights/" + uploaded.flight_id + "/jobs",
-                                               Wish(options), options.job_once_key));
+  SKYQUILT_TRY_ASSIGN(const nlohmann::json job,
+                      PostJson(client, "/api/v1/flights/" + uploaded.flight_id + "/jobs", Wish(options),
+                               options.job_once_key));
   SKYQUILT_TRY_ASSIGN(uploaded.job_id, TextAt(job, "id"));
   if (options.waits) SKYQUILT_TRY(WaitForJob(client, uploaded.job_id, progress));
   return uploaded;

@@ -13,7 +13,6 @@ namespace skyquilt::server {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 constexpr const char* kSourcesFile = "frames.json";
 
@@ -29,7 +28,7 @@ Result<void> CheckIsOurs(const fs::path& folder) {
 }
 
 Result<void> WriteSources(const fs::path& folder, const std::vector<flight::InputFile>& sources) {
-  json list = json::array();
+  nlohmann::json list = nlohmann::json::array();
   for (const flight::InputFile& source : sources) {
     SKYQUILT_TRY_ASSIGN(const Digest digest, DigestOfFile(source.path));
     list.push_back({{"name", source.name},
@@ -39,10 +38,10 @@ Result<void> WriteSources(const fs::path& folder, const std::vector<flight::Inpu
   return storage::WriteFileAtomically(folder / kSourcesFile, JsonText(list, 1));
 }
 
-std::optional<FilmSource> SourceFrom(const json& said) {
+std::optional<FilmSource> SourceFrom(const nlohmann::json& said) {
   if (!said.is_object() || !said.contains("name") || !said.contains("path") || !said.contains("digest"))
     return std::nullopt;
-  const json &name = said["name"], &path = said["path"], &bytes = said["digest"];
+  const nlohmann::json &name = said["name"], &path = said["path"], &bytes = said["digest"];
   if (!name.is_string() || !path.is_string() || !bytes.is_array()) return std::nullopt;
   FilmSource source{{name.get<std::string>(), path.get<std::string>()}, {}};
   if (bytes.size() != source.digest.size()) return std::nullopt;
@@ -78,10 +77,10 @@ Result<video::FlightFiles> TakeFilmFrames(const std::vector<flight::InputFile>& 
 }
 
 std::vector<FilmSource> SourcesOfFrames(const fs::path& out_dir) {
-  const json list = ParseJsonFile(out_dir / kFramesFolder / kSourcesFile);
+  const nlohmann::json list = ParseJsonFile(out_dir / kFramesFolder / kSourcesFile);
   std::vector<FilmSource> sources;
   if (!list.is_array()) return sources;
-  for (const json& said : list) {
+  for (const nlohmann::json& said : list) {
     if (auto source = SourceFrom(said)) sources.push_back(*std::move(source));
   }
   return sources;

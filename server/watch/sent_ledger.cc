@@ -20,8 +20,6 @@
 namespace skyquilt::server {
 namespace {
 
-using nlohmann::json;
-
 constexpr const char* kLedgerHead = "{\"skyquilt\":\"sent\",\"version\":1}";
 constexpr std::size_t kMaxLineBytes = std::size_t{64} << 20;
 
@@ -102,7 +100,7 @@ Result<void> SentLedger::Refresh() {
 }
 
 void SentLedger::Apply(const std::string& line) {
-  const json value = ParseJson(line);
+  const nlohmann::json value = ParseJson(line);
   if (!value.is_object()) return;
   const std::string key = TextIn(value, "flight").value_or("");
   if (key.empty()) return;
@@ -124,7 +122,7 @@ void SentLedger::Apply(const std::string& line) {
     }
   }
   if (const auto sent = value.find("sent"); sent != value.end() && sent->is_array()) {
-    for (const json& hex : *sent) {
+    for (const nlohmann::json& hex : *sent) {
       const auto digest = hex.is_string() ? DigestOf(hex.get<std::string>()) : std::nullopt;
       if (digest) flight.sent[*digest] = true;
     }
@@ -161,8 +159,8 @@ const SentFlight* SentLedger::Find(const std::vector<Digest>& digests) const {
 
 namespace {
 
-std::string LineOf(const std::string& key, const char* what, json value) {
-  const json line = {{"flight", key}, {what, std::move(value)}};
+std::string LineOf(const std::string& key, const char* what, nlohmann::json value) {
+  const nlohmann::json line = {{"flight", key}, {what, std::move(value)}};
   return JsonText(line);
 }
 
@@ -174,7 +172,7 @@ Result<void> SentLedger::Begin(const std::string& key, const std::string& name) 
 }
 
 Result<void> SentLedger::WillSend(const std::string& key, const std::map<Digest, std::string>& files) {
-  json named = json::object();
+  nlohmann::json named = nlohmann::json::object();
   for (const auto& [digest, name] : files) named[HexOf(digest)] = name;
   const LedgerLock lock(file_.get());
   return Append(LineOf(key, "files", std::move(named)));
@@ -186,7 +184,7 @@ Result<void> SentLedger::Made(const std::string& key, const std::string& id) {
 }
 
 Result<void> SentLedger::Sent(const std::string& key, const std::vector<Digest>& digests) {
-  json hexes = json::array();
+  nlohmann::json hexes = nlohmann::json::array();
   for (const Digest& digest : digests) hexes.push_back(HexOf(digest));
   const LedgerLock lock(file_.get());
   return Append(LineOf(key, "sent", std::move(hexes)));

@@ -16,12 +16,11 @@ namespace skyquilt::storage {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 constexpr std::uintmax_t kMaxReportBytes = std::uintmax_t{512} << 20;
 
 // Nothing where there is no such file, or where it is none: then it is said.
-std::optional<json> ReadJson(const fs::path& path, std::vector<FileVerdict>& verdicts) {
+std::optional<nlohmann::json> ReadJson(const fs::path& path, std::vector<FileVerdict>& verdicts) {
   std::error_code gone;
   if (!fs::exists(path, gone)) return std::nullopt;
   FileVerdict& verdict = verdicts.emplace_back();
@@ -36,19 +35,19 @@ std::optional<json> ReadJson(const fs::path& path, std::vector<FileVerdict>& ver
     verdict.Add(Severity::kError, "it cannot be read: " + text.error().message);
     return std::nullopt;
   }
-  json value = ParseJson(*text);
+  nlohmann::json value = ParseJson(*text);
   if (value.is_object()) return value;
   verdict.Add(Severity::kError, "it is no JSON object: cut off, or changed by hand");
   return std::nullopt;
 }
 
-std::optional<double> NumberAt(const json& value, const char* name) {
+std::optional<double> NumberAt(const nlohmann::json& value, const char* name) {
   const auto found = value.find(name);
   if (found == value.end() || !found->is_number()) return std::nullopt;
   return found->get<double>();
 }
 
-std::optional<geo::LatLonBounds> BoundsAt(const json& report) {
+std::optional<geo::LatLonBounds> BoundsAt(const nlohmann::json& report) {
   const auto found = report.find("bounds");
   if (found == report.end() || !found->is_array() || found->size() != 4) return std::nullopt;
   std::array<double, 4> box{};
@@ -66,7 +65,7 @@ double FarthestDeg(const geo::LatLonBounds& a, const geo::LatLonBounds& b) {
   return farthest;
 }
 
-void CompareTiles(const json& report, const FileVerdict& tiles, FileVerdict& verdict) {
+void CompareTiles(const nlohmann::json& report, const FileVerdict& tiles, FileVerdict& verdict) {
   const auto compare = [&](const char* name, double is) {
     const auto said = NumberAt(report, name);
     if (!said)
@@ -81,7 +80,7 @@ void CompareTiles(const json& report, const FileVerdict& tiles, FileVerdict& ver
   if (tiles.tile_size_px > 0) compare("tile_size_px", tiles.tile_size_px);
 }
 
-void CompareBounds(const json& report, const FileVerdict& map, FileVerdict& verdict) {
+void CompareBounds(const nlohmann::json& report, const FileVerdict& map, FileVerdict& verdict) {
   constexpr double kSameDeg = 2e-7;  // PMTiles has so many digits
   const auto said = BoundsAt(report);
   if (!said || !map.bounds) return;
@@ -97,7 +96,7 @@ void CompareBounds(const json& report, const FileVerdict& map, FileVerdict& verd
     verdict.Add(Severity::kError, map.file + " does not cover its bounds");
 }
 
-void ComparePhotos(const json& report, const json& photos, FileVerdict& verdict) {
+void ComparePhotos(const nlohmann::json& report, const nlohmann::json& photos, FileVerdict& verdict) {
   const auto features = photos.find("features");
   if (features == photos.end() || !features->is_array()) {
     verdict.Add(Severity::kError, "it has no features");
@@ -105,9 +104,9 @@ void ComparePhotos(const json& report, const json& photos, FileVerdict& verdict)
   }
   std::set<std::string> names;
   double aligned = 0.0, pose_only = 0.0;
-  for (const json& feature : *features) {
-    const json properties =
-        feature.is_object() ? feature.value("properties", json::object()) : json::object();
+  for (const nlohmann::json& feature : *features) {
+    const auto none = nlohmann::json::object();
+    const nlohmann::json properties = feature.is_object() ? feature.value("properties", none) : none;
     if (!properties.is_object()) continue;
     const auto text = [&](const char* name) { return TextIn(properties, name).value_or(""); };
     if (!names.insert(text("name")).second)
@@ -115,7 +114,7 @@ void ComparePhotos(const json& report, const json& photos, FileVerdict& verdict)
     aligned += text("placement") == "aligned" ? 1.0 : 0.0;
     pose_only += text("placement") == "pose_only" ? 1.0 : 0.0;
   }
-  const json counts = report.value("photos", json::object());
+  const nlohmann::json counts = report.value("photos", nlohmann::json::object());
   if (!counts.is_object()) return;
   for (const auto& [name, is] : {std::pair{"aligned", aligned}, std::pair{"pose_only", pose_only}}) {
     const auto said = NumberAt(counts, name);
