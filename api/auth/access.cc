@@ -158,12 +158,12 @@ void KeepToAsker(const Service& service, const Request& request, Response& respo
   response.headers.Set("Cache-Control", std::move(control));
 }
 
-bool IsStillGood(Service& service, const Request& request) {
+bool IsStillGood(Service& service, const std::string& owner) {
   const auto tokens = service.tokens.Known();
   if (!tokens) return false;
-  if (!(*tokens)->requires_token && request.only_flight.empty()) return true;
+  if (owner.empty()) return !(*tokens)->requires_token;
   for (const storage::Token& token : (*tokens)->tokens) {
-    if (token.id == request.owner) return !token.HasEnded(storage::Now());
+    if (token.id == owner) return !token.HasEnded(storage::Now());
   }
   return false;
 }

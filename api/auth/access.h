@@ -29,8 +29,9 @@ std::optional<Response> CheckAccess(Service& service, Request& request, const Ro
 // operator said that theirs keeps tokens apart (Service::has_keyed_cache).
 void KeepToAsker(const Service& service, const Request& request, Response& response);
 
-// For answers that go on for long: false from when the token it came with was revoked or has ended.
-bool IsStillGood(Service& service, const Request& request);
+// For answers that go on for long: false from when the token it came with (Request::owner) was revoked or has
+// ended, also where the server asks nobody for one.
+bool IsStillGood(Service& service, const std::string& owner);
 
 // 256 random bits as text. Shown once, stored nowhere.
 std::string NewTokenText();

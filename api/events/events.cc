@@ -28,7 +28,7 @@ class EventStream final : public LiveSource {
   EventStream(Service& service, const Request& request, std::uint64_t seat, storage::EventFilter filter,
               std::int64_t after)
       : service_(service),
-        requester_(RequesterOf(request)),
+        owner_(request.owner),
         seat_(seat),
         filter_(std::move(filter)),
         after_(after) {}
@@ -38,7 +38,7 @@ class EventStream final : public LiveSource {
   bool WaitsForDisk() const override { return !next_; }
 
   Result<std::string> Next() override {
-    if (!IsStillGood(service_, requester_)) {
+    if (!IsStillGood(service_, owner_)) {
       return Error{ErrorCode::kUnauthorized, "The token of this stream was revoked or has ended.", ""};
     }
     std::string text;
@@ -54,12 +54,6 @@ class EventStream final : public LiveSource {
   }
 
  private:
-  static Request RequesterOf(const Request& request) {
-    Request requester;
-    requester.owner = request.owner;
-    return requester;
-  }
-
   Result<void> HandOn(std::string& text) {
     SKYQUILT_TRY_ASSIGN(const auto items, service_.event_hub.Since(*next_));
     if (!items) {
@@ -94,7 +88,7 @@ class EventStream final : public LiveSource {
   }
 
   Service& service_;
-  Request requester_;
+  const std::string owner_;
   std::uint64_t seat_;
   storage::EventFilter filter_;
   std::int64_t after_;                 // the last event that was sent or skipped

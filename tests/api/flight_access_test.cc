@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "api/http/digest.h"
@@ -329,6 +330,19 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
   EXPECT_EQ(told.find(world.flight), std::string::npos);
   // A stream ends with its token.
   ASSERT_TRUE(world.sample.service().tokens.Revoke("share"));
+  EXPECT_FALSE(events.live->Next());
+}
+
+// The server asks nobody for a token: a link is good until it is revoked all the same.
+TEST(FlightAccess, AStreamEndsWithTheLinkThatOpenedIt) {
+  SampleService sample;
+  const std::string at = "/api/v1/flights/" + sample.NewFlight() + "/shares";
+  const auto share = nlohmann::json::parse(sample.Send(Method::kPost, at).body);
+  const std::string token = share["token"];
+  Response events = sample.Get("/api/v1/events", {{"Authorization", "Bearer " + token}});
+  ASSERT_NE(events.live, nullptr);
+  EXPECT_TRUE(events.live->Next());
+  ASSERT_EQ(sample.Send(Method::kDelete, at + "/" + share["id"].get<std::string>()).status, 204);
   EXPECT_FALSE(events.live->Next());
 }
 
