@@ -51,8 +51,8 @@ Response OnceBy(Service& service, const Request& request, const std::string& fin
   }
   if (*known) return Replay(**known);
   Response response = Answered(carry_out(), request);
-  // What the machine could not do may be tried again.
-  if (response.status >= 500) return response;
+  // What was not done may be tried again: the server may have room for it by then, or whoever sent it the right.
+  if (response.status >= 400) return response;
   const Result<void> kept = answers.Keep(
       *key, {fingerprint, response.status, std::string(response.headers.Find("Location")), response.body},
       service.db.ages().Now());

@@ -331,6 +331,18 @@ TEST(IdempotencyKeys, CarryARequestOutOnce) {
   EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", "{}", headers).status, 400);
 }
 
+TEST(IdempotencyKeys, KeepNoRefusal) {
+  SampleService sample;
+  const std::string flight = "/api/v1/flights/" + sample.NewFlight();
+  Headers headers = Typed("application/json");
+  headers.Add("Idempotency-Key", "k1");
+  const auto ask = [&] { return sample.Send(Method::kPost, flight + "/jobs", "{}", headers); };
+  EXPECT_EQ(ask().status, 409) << "it has no files yet";
+  EXPECT_EQ(sample.Send(Method::kPut, flight + "/files/a.jpg", "x").status, 201);
+  EXPECT_EQ(ask().status, 202);
+  EXPECT_EQ(ask().headers.Find("Idempotency-Replayed"), "true");
+}
+
 TEST(Jobs, AreRetriedOnceTheyHaveEnded) {
   SampleService sample;
   const std::string flight = sample.NewFlight();
