@@ -90,6 +90,12 @@ std::string Gdal(const MapView& map) {
   const TileMatrix& coarse = matrices.front();
   const int finest_zoom = matrices.back().zoom;
   const int overviews = finest_zoom - coarse.zoom;
+  // Of a map across the antimeridian the part west of it.
+  const auto column_of = [&](const geo::LatLon& corner) {
+    return geo::TileId::AtMerc(coarse.zoom, geo::MercFromLatLon(corner)).x();
+  };
+  const std::uint32_t west = column_of(map.revision().bounds.NorthWest()),
+                      east = column_of(map.revision().bounds.SouthEast());
   const double side_m = geo::TileSizeInMercM(coarse.zoom);
   const auto x = [&](std::uint64_t column) {
     return -geo::kMercHalfWidthM + static_cast<double>(column) * side_m;
@@ -115,10 +121,10 @@ std::string Gdal(const MapView& map) {
   <Cache/>
 </GDAL_WMS>
 )",
-      XmlText(Tiles(map, "${z}", "${x}", "${y}")), x(coarse.min_column), y(coarse.min_row),
-      x(coarse.max_column + 1), y(coarse.max_row + 1), pixels(coarse.min_column, coarse.max_column),
-      pixels(coarse.min_row, coarse.max_row), finest_zoom, std::uint64_t{coarse.min_column} << overviews,
-      std::uint64_t{coarse.min_row} << overviews, map.tile_size_px(), map.tile_size_px(), overviews);
+      XmlText(Tiles(map, "${z}", "${x}", "${y}")), x(west), y(coarse.min_row), x(east + 1),
+      y(coarse.max_row + 1), pixels(west, east), pixels(coarse.min_row, coarse.max_row), finest_zoom,
+      std::uint64_t{west} << overviews, std::uint64_t{coarse.min_row} << overviews, map.tile_size_px(),
+      map.tile_size_px(), overviews);
 }
 
 std::string Arcgis(const MapView& map) {

@@ -148,6 +148,11 @@ std::vector<GridMatrix> MatricesOf(const MapGrid& grid, const storage::Revision&
     matrix.max_column = tile_at(box->max.x() - corner.x(), grid.Columns(level));
     matrix.min_row = tile_at(corner.y() - box->max.y(), grid.Rows(level));
     matrix.max_row = tile_at(corner.y() - box->min.y(), grid.Rows(level));
+    // Across the antimeridian columns lie at both ends, and one span has to hold them.
+    if (grid.is_in_degrees() && revision.bounds.east_deg > 180.0) {
+      matrix.min_column = 0;
+      matrix.max_column = grid.Columns(level) - 1;
+    }
     matrices.push_back(matrix);
   }
   return matrices;

@@ -55,7 +55,7 @@ class MapGrid {
 // middle where UTM has one.
 std::vector<MapGrid> GridsOf(const storage::Revision& revision);
 
-// One level that a map is to be had in, and the tiles that its bounds touch.
+// One level that a map is to be had in, and the tiles that its bounds touch (TileMatrix).
 struct GridMatrix {
   int level = 0;
   std::int64_t min_column = 0, max_column = 0, min_row = 0, max_row = 0;

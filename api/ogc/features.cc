@@ -254,7 +254,7 @@ std::string PhotoCollection(const Request& request, const storage::ShownFlight& 
   collection["title"] =
       map.name + (kind == PhotoFeatures::kPhotos ? ", photos" : ", footprints of the photos");
   collection["itemType"] = "feature";
-  collection["extent"]["spatial"] = {{"bbox", FeatureJson::array({map.revision.bounds.ToArray()})},
+  collection["extent"]["spatial"] = {{"bbox", FeatureJson::array({GeoJsonBbox(map.revision.bounds)})},
                                      {"crs", kFeatureCrs}};
   if (const auto times = CaptureTimesOf(map.revision)) {
     collection["extent"]["temporal"]["interval"] =

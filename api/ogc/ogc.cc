@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "api/auth/flight_access.h"
+#include "api/common/feature_query.h"
 #include "api/common/find_flight.h"
 #include "api/grids/grid_tiles.h"
 #include "api/http/parameters.h"
@@ -110,7 +111,7 @@ Value Collection(const Request& request, const storage::ShownFlight& map,
   const auto [low, high] = geo::MercFromLatLonBounds(map.revision.bounds);
   collection["extent"] = {
       {"spatial",
-       {{"bbox", Value::array({map.revision.bounds.ToArray()})},
+       {{"bbox", Value::array({GeoJsonBbox(map.revision.bounds)})},
         {"crs", kCrs84Uri},
         {"storageCrsBbox", Value::array({Value::array({low.x(), low.y(), high.x(), high.y()})})}}}};
   collection["dataType"] = "map";

@@ -71,8 +71,9 @@ std::vector<TileMatrix> MatricesOf(const storage::Revision& revision, int stored
     matrix.scale_denominator = matrix.pixel_m / kOgcPixelM;
     const geo::TileId first = geo::TileId::AtMerc(zoom, north_west);
     const geo::TileId last = geo::TileId::AtMerc(zoom, south_east);
-    matrix.min_column = first.x();
-    matrix.max_column = last.x();
+    const bool is_across = bounds.east_deg > 180.0;
+    matrix.min_column = is_across ? 0U : first.x();
+    matrix.max_column = is_across ? (std::uint32_t{1} << zoom) - 1 : last.x();
     matrix.min_row = first.y();
     matrix.max_row = last.y();
     matrices.push_back(matrix);

@@ -54,7 +54,7 @@ struct TileMatrix {
   int zoom = 0;
   double scale_denominator = 0.0;  // of kOgcPixelM
   double pixel_m = 0.0;            // in merc
-  // The tiles that the map's bounds touch.
+  // The tiles that the map's bounds touch; across the antimeridian, where they are at both ends, all columns.
   std::uint32_t min_column = 0, max_column = 0, min_row = 0, max_row = 0;
 };
 std::vector<TileMatrix> MatricesOf(const MapView& map);

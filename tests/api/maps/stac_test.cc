@@ -167,7 +167,7 @@ TEST_F(StacTest, MapsThatLieNowhereAreNotFound) {
 }
 
 TEST_F(StacTest, AcrossTheAntimeridianBoxesAreThoseOfGeoJson) {
-  Add({179.75, -18.0, 180.25, -17.5});
+  const std::string flight = Add({179.75, -18.0, 180.25, -17.5});
   const json item = Search("")["features"][0];
   EXPECT_EQ(item["bbox"], json::parse("[179.75,-18.0,-179.75,-17.5]"));
   EXPECT_EQ(item["geometry"]["type"], "MultiPolygon");
@@ -175,6 +175,16 @@ TEST_F(StacTest, AcrossTheAntimeridianBoxesAreThoseOfGeoJson) {
   ASSERT_EQ(sides.size(), 2u);
   EXPECT_EQ(sides[0][0][2], json::parse("[180.0,-17.5]"));
   EXPECT_EQ(sides[1][0][2], json::parse("[-179.75,-17.5]"));
+  const std::string ogc = "/ogc/collections/" + flight;
+  EXPECT_EQ(json::parse(sample_.Get(ogc).body)["extent"]["spatial"]["bbox"],
+            json::parse("[[179.75,-18.0,-179.75,-17.5]]"));
+  // A list of limits has one span of columns, and the tiles lie at both ends.
+  for (const char* set : {"/map/tiles/WebMercatorQuad", "/map/tiles/WorldCRS84Quad"}) {
+    const json limits = json::parse(sample_.Get(ogc + set).body)["tileMatrixSetLimits"];
+    ASSERT_FALSE(limits.empty()) << set;
+    EXPECT_EQ(limits[0]["minTileCol"], 0) << set;
+    EXPECT_GT(limits[0]["maxTileCol"].get<int>(), 0) << set;
+  }
   Add({-179.5, -18.0, -179.25, -17.5});  // from there eastward to the end of the other
   const json collection = json::parse(sample_.Get("/stac/collections/flights").body);
   EXPECT_EQ(collection["extent"]["spatial"]["bbox"], json::parse("[[-179.5,-18.0,-179.75,-17.5]]"));
