@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "api/auth/flight_access.h"
 #include "api/http/parameters.h"
@@ -22,7 +23,7 @@ namespace {
 using Value = nlohmann::ordered_json;
 
 constexpr double kArcgisVersion = 10.91;
-constexpr int kMaxServices = 200;
+constexpr int kServicesAtOnce = 1000;  // of the catalogue
 // Scales are of ArcGIS' 96 pixels an inch.
 constexpr double kPixelsPerMetre = 96.0 / 0.0254;
 
@@ -37,12 +38,15 @@ Result<Response> AnswerArcgis(const Request& request, const Value& document) {
 }
 
 Result<Response> ArcgisServices(Service& service, const Request& request) {
-  SKYQUILT_TRY_ASSIGN(const storage::FlightPage page,
-                      ListVisibleFlights(service, request, kMaxServices, std::nullopt));
   Value services = Value::array();
-  for (const storage::Flight& flight : page.flights) {
-    if (flight.active_revision) services.push_back({{"name", flight.id}, {"type", "MapServer"}});
-  }
+  std::optional<std::string> cursor;
+  do {
+    SKYQUILT_TRY_ASSIGN(const storage::MapPage page,
+                        ListVisibleMaps(service, request, kServicesAtOnce, cursor));
+    for (const storage::ShownFlight& map : page.maps)
+      services.push_back({{"name", map.flight_id}, {"type", "MapServer"}});
+    cursor = page.next_cursor;
+  } while (cursor);
   return AnswerArcgis(
       request, {{"currentVersion", kArcgisVersion}, {"folders", Value::array()}, {"services", services}});
 }

@@ -2,12 +2,13 @@
 // https://wiki.osgeo.org/wiki/Tile_Map_Service_Specification
 #include <fmt/format.h>
 
-#include "api/auth/flight_access.h"
+#include "api/http/links.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
+#include "api/views/listed_maps.h"
 #include "api/views/map_view.h"
 #include "core/base/text/xml_text.h"
 #include "core/base/try.h"
@@ -17,46 +18,44 @@
 namespace skyquilt::api {
 namespace {
 
-constexpr int kMaxMaps = 200;
-
 Response Root(const Request& request) {
   return Xml(fmt::format(
-      "<Services><TileMapService title=\"Skyquilt\" version=\"1.0.0\" href=\"{}/tms/1.0.0\"/></Services>\n",
-      XmlText(request.base_url)));
+      "<Services><TileMapService title=\"Skyquilt\" version=\"1.0.0\" href=\"{}\"/></Services>\n",
+      XmlText(LinkTo(request, "/tms/1.0.0"))));
 }
 
 // Maps of larger tiles have those of 256 pixels where programs look first.
-std::string PathOf(const MapView& map, int side_px) {
-  return fmt::format("/tms/1.0.0/{}{}", map.id,
-                     side_px == map.tile_sizes_px().front() ? "" : fmt::format("/{}", side_px));
+std::string PathOf(const std::string& flight_id, int stored_size_px, int side_px) {
+  const bool is_first = side_px == TileSizesOf(stored_size_px).front();
+  return fmt::format("/tms/1.0.0/{}{}", flight_id, is_first ? "" : fmt::format("/{}", side_px));
 }
 
-std::string TitleOf(const MapView& map, int side_px) {
-  return side_px == map.tile_sizes_px().front() ? map.name : fmt::format("{}, {} pixels", map.name, side_px);
+std::string TitleOf(const std::string& name, int stored_size_px, int side_px) {
+  const bool is_first = side_px == TileSizesOf(stored_size_px).front();
+  return is_first ? name : fmt::format("{}, {} pixels", name, side_px);
 }
 
 Result<Response> Maps(Service& service, const Request& request) {
-  SKYQUILT_TRY_ASSIGN(const storage::FlightPage page,
-                      ListVisibleFlights(service, request, kMaxMaps, std::nullopt));
+  SKYQUILT_TRY_ASSIGN(const ListedMaps listed, ListMapsOf(service, request));
   std::string maps;
-  for (const storage::Flight& flight : page.flights) {
-    if (!flight.active_revision) continue;
-    const Result<MapView> map = FindMap(service, request, flight.id);
-    if (!map) continue;  // deleted meanwhile
-    for (const int side_px : map->tile_sizes_px()) {
+  for (const ListedMap& map : listed.maps) {
+    const int stored_px = map.tiles.side_px;
+    for (const int side_px : TileSizesOf(stored_px)) {
       maps += fmt::format("<TileMap title=\"{}\" srs=\"EPSG:3857\" profile=\"none\" href=\"{}\"/>\n",
-                          XmlText(TitleOf(*map, side_px)), XmlText(map->Link(PathOf(*map, side_px))));
+                          XmlText(TitleOf(map.shown.name, stored_px, side_px)),
+                          XmlText(listed.Link(PathOf(map.shown.flight_id, stored_px, side_px))));
     }
   }
   return Xml(fmt::format(
-      "<TileMapService version=\"1.0.0\"><Title>Skyquilt</Title><TileMaps>\n{}</TileMaps></TileMapService>\n",
-      maps));
+      "<TileMapService version=\"1.0.0\"><Title>Skyquilt</Title><Abstract>{}</Abstract>"
+      "<TileMaps>\n{}</TileMaps></TileMapService>\n",
+      XmlText(listed.Note()), maps));
 }
 
 // The whole world, and every zoom from 0 on: programs number tiles from the box and tilesets from the first
 // one (GDAL refuses others). What is coarser than the map, or beside it, is empty.
 std::string TileMapText(const MapView& map, int side_px) {
-  const std::string path = map.base_url + PathOf(map, side_px);
+  const std::string path = map.base_url + PathOf(map.id, map.tile_size_px(), side_px);
   std::string sets;
   for (int zoom = 0; zoom <= MatricesOf(map, side_px).back().zoom; ++zoom) {
     sets += fmt::format("<TileSet href=\"{0}/{1}\" units-per-pixel=\"{2:.15g}\" order=\"{1}\"/>\n",
@@ -66,14 +65,14 @@ std::string TileMapText(const MapView& map, int side_px) {
   // it belongs.
   const std::string extension = map.token.empty() ? "png" : "png?" + map.token;
   return fmt::format(
-      R"(<TileMap version="1.0.0" tilemapservice="{0}/tms/1.0.0/"><Title>{1}</Title><Abstract/><SRS>EPSG:3857</SRS>
+      R"(<TileMap version="1.0.0" tilemapservice="{0}"><Title>{1}</Title><Abstract/><SRS>EPSG:3857</SRS>
 <BoundingBox minx="-{2:.9f}" miny="-{2:.9f}" maxx="{2:.9f}" maxy="{2:.9f}"/><Origin x="-{2:.9f}" y="-{2:.9f}"/>
 <TileFormat width="{3}" height="{3}" mime-type="image/png" extension="{4}"/>
 <TileSets profile="none">
 {5}</TileSets></TileMap>
 )",
-      XmlText(map.base_url), XmlText(TitleOf(map, side_px)), geo::kMercHalfWidthM, side_px,
-      XmlText(extension), sets);
+      XmlText(map.Link("/tms/1.0.0")), XmlText(TitleOf(map.name, map.tile_size_px(), side_px)),
+      geo::kMercHalfWidthM, side_px, XmlText(extension), sets);
 }
 
 Result<Response> TileMap(Service& service, const Request& request, const std::string& size) {

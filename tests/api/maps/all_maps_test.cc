@@ -75,6 +75,12 @@ TEST_F(AllMapsTest, WmtsHasALayerForEachMap) {
   EXPECT_EQ(sample_.Get("/wmts?cursor=x").status, 400);
 }
 
+TEST_F(AllMapsTest, FlightsWithoutMapsTakeNoPlaceInLists) {
+  for (int i = 0; i < 200; ++i) sample_.NewFlight();
+  for (const char* path : {"/tms/1.0.0", "/arcgis/rest/services"})
+    EXPECT_NE(Body(path).find(red_), std::string::npos) << path;
+}
+
 TEST_F(AllMapsTest, WmsLaysLayersOverEachOther) {
   for (const char* version : {"1.3.0", "1.1.1"}) {
     const std::string text = Body(std::string("/wms?REQUEST=GetCapabilities&VERSION=") + version);

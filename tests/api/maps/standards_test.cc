@@ -100,6 +100,9 @@ TEST_P(StandardsTest, TmsCountsFromTheWorld) {
   EXPECT_NE(text.find("<TileFormat width=\"256\""), std::string::npos);
   EXPECT_NE(text.find("minx=\"-20037508.342789244\""), std::string::npos);
   EXPECT_NE(text.find("extension=\"png?token=abc\""), std::string::npos);
+  const std::string all = "href=\"http://127.0.0.1:1/tms/1.0.0?token=abc\"";
+  EXPECT_NE(Body("/tms?token=abc").find(all), std::string::npos);
+  EXPECT_NE(text.find("tilemapservice=\"http://127.0.0.1:1/tms/1.0.0?token=abc\""), std::string::npos);
   EXPECT_EQ(CountOf(Body("/tms/1.0.0"), "<TileMap "), depth_ > 0 ? 2 : 1);
   EXPECT_EQ(sample_.Get("/tms/1.0.0/" + flight_ + "/0/0/0.png").status, 200);
   EXPECT_EQ(sample_.Get("/tms/1.0.0/" + flight_ + "/20/0/0.png").status, 404);
