@@ -1,7 +1,7 @@
 // AcceptedQuality: how much a client wants a media type, by its Accept header (RFC 9110 12.5.1), in
 // thousandths; 0: it does not take it. The closest range counts; without a header everything is welcome.
 // NamesType: whether it stands there itself, not within a range: many who send "*/*" mean what they have
-// known for long. Pure.
+// known for long; of codings (Accept-Encoding) as well. Pure.
 #pragma once
 
 #include <string_view>

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "api/common/accept.h"
 #include "core/base/try.h"
 #include "storage/pmtiles/pmtiles_archive.h"
 
@@ -41,17 +42,7 @@ Result<std::string> Whole(BodySource& source) {
 }  // namespace
 
 bool TakesCoding(const Request& request, std::string_view coding) {
-  std::string_view rest = request.headers.Find("Accept-Encoding");
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find(','), rest.size());
-    std::string_view entry = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    entry.remove_prefix(std::min(entry.find_first_not_of(" \t"), entry.size()));
-    const std::string_view name = entry.substr(0, entry.find_first_of("; \t"));
-    if (!EqualsIgnoringCase(name, coding)) continue;
-    return entry.find("q=0") == std::string_view::npos || entry.find("q=0.") != std::string_view::npos;
-  }
-  return false;
+  return NamesType(request.headers.Find("Accept-Encoding"), coding);
 }
 
 Result<void> CompressAnswer(const Request& request, Response& response) {

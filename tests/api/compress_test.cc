@@ -81,6 +81,7 @@ TEST(CompressAnswer, LeavesTheRestAsItIs) {
   };
   EXPECT_TRUE(is_as_it_was(Asking("identity"), Answer(kText)));
   EXPECT_TRUE(is_as_it_was(Asking("gzip;q=0"), Answer(kText)));
+  EXPECT_TRUE(is_as_it_was(Asking("br, gzip; q=0.000"), Answer(kText)));
   EXPECT_TRUE(is_as_it_was(Asking("gzip"), Answer(kText, "image/png")));
   EXPECT_TRUE(is_as_it_was(Asking("gzip"), Answer("short")));
   Request part = Asking("gzip");
