@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "api/http/parameters.h"
@@ -37,6 +38,18 @@ Result<std::optional<std::vector<std::string>>> NamesOf(const SearchJson& body, 
   return names;
 }
 
+// What is passed over would find everything.
+Result<void> CheckKnown(const std::function<bool(const char*)>& is_given) {
+  for (const char* unknown : {"query", "filter"}) {
+    if (is_given(unknown)) {
+      return BadParameter(fmt::format(
+          "This server does not search by \"{}\"; it does by bbox, intersects, datetime, ids and collections.",
+          unknown));
+    }
+  }
+  return {};
+}
+
 Result<void> SetCursor(StacSearch& search, std::string_view text) {
   if (!storage::IsId(text)) return BadParameter("\"cursor\" is not one that a page gave.");
   search.cursor = std::string(text);
@@ -51,6 +64,7 @@ Result<StacSearch> Checked(StacSearch search) {
 }  // namespace
 
 Result<StacSearch> ParseStacQuery(const Request& request) {
+  SKYQUILT_TRY(CheckKnown([&](const char* name) { return request.Query(name).has_value(); }));
   StacSearch search;
   SKYQUILT_TRY_ASSIGN(search.limit, ParseLimit(request.Query("limit").value_or(""), search.limit, kMaxFound));
   if (const auto cursor = request.Query("cursor")) SKYQUILT_TRY(SetCursor(search, *cursor));
@@ -81,13 +95,7 @@ Result<StacSearch> ParseStacBody(const std::string& body) {
   SKYQUILT_TRY(CheckJsonText(body));
   const SearchJson json = ParseJson(body);
   if (!json.is_object()) return BadParameter("The body must be a JSON object.");
-  for (const char* unknown : {"query", "filter"}) {
-    if (json.contains(unknown)) {
-      return BadParameter(fmt::format(
-          "This server does not search by \"{}\"; it does by bbox, intersects, datetime, ids and collections.",
-          unknown));
-    }
-  }
+  SKYQUILT_TRY(CheckKnown([&](const char* name) { return json.contains(name); }));
   const auto given = [&](const char* name) { return json.contains(name) && !json[name].is_null(); };
   StacSearch search;
   if (given("limit")) {
