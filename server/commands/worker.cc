@@ -242,13 +242,17 @@ void AddWorkerCommand(CLI::App& app) {
       "--name", options->name,
       "Name in the queue (default: worker-<process id>, with the machine's name where machines share it)");
   command->add_option("--parent", options->parent, "Stop when this process is gone");
-  command->add_option("--jobs", options->jobs, "Stop after this many jobs (default: never)");
-  command->add_option("--job-timeout", options->job_timeout_s,
-                      "Seconds that a job may take (default: by what was uploaded)");
-  command->add_option("--job-memory", options->job_memory_mib,
-                      "MiB of memory that a job may take (default: by what was uploaded)");
-  command->add_option("--photo-timeout", options->photo_timeout_s,
-                      "Seconds of processor time that the preview of a photo may take (default: 60)");
+  // A negative number would be none without a word.
+  const auto add_number = [&](const char* name, int& value, int most, const char* what) {
+    command->add_option(name, value, what)->check(CLI::Range(0, most));
+  };
+  add_number("--jobs", options->jobs, 1'000'000, "Stop after this many jobs (default: never)");
+  add_number("--job-timeout", options->job_timeout_s, 30 * 24 * 3600,
+             "Seconds that a job may take (default: by what was uploaded)");
+  add_number("--job-memory", options->job_memory_mib, 1 << 24,
+             "MiB of memory that a job may take (default: by what was uploaded)");
+  add_number("--photo-timeout", options->photo_timeout_s, 24 * 3600,
+             "Seconds of processor time that the preview of a photo may take (default: 60)");
   command
       ->add_option("--cut-above", options->cut_above,
                    "Flights of more files are cut into parts that several workers share; 0: none is")

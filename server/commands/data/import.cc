@@ -138,6 +138,7 @@ void AddImportCommand(CLI::App& app) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "With --data: threads; 0 takes all cores")
+      ->needs(data)
       ->capture_default_str();
   command
       ->add_option("--flight", arguments->upload.flight_id,
@@ -147,6 +148,7 @@ void AddImportCommand(CLI::App& app) {
       ->add_option("--patience", arguments->patience_s,
                    "With --server: seconds that one which does not answer is asked again")
       ->check(CLI::Range(0, 86'400))
+      ->needs(server)
       ->capture_default_str();
   command
       ->add_flag("--no-wait", arguments->no_wait,

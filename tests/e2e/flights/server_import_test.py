@@ -103,6 +103,8 @@ class ServerImport(ServerTestCase):
         both = run("import", self.utm, "--data", self.data, "--server", "http://127.0.0.1:1", code=None)
         self.assertNotEqual(both.returncode, 0)
         self.assertIn("excludes", both.stderr)
+        for words in (("--data", self.data, "--patience", "5"), ("--server", "http://127.0.0.1:1", "--threads", "1")):
+            self.assertIn("requires", run("import", self.utm, *words, code=None).stderr, words)
 
     def test_what_cannot_be_a_map_fails_its_job_and_nothing_else(self):
         server = self.serve("--workers", "1", "--job-timeout", "40")
