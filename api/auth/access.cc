@@ -4,12 +4,12 @@
 
 #include <array>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "api/auth/limits.h"
 #include "api/common/node_answers.h"
 #include "api/http/digest.h"
 #include "api/http/responses.h"
-#include "api/json/json_codec.h"
 #include "api/routes.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
@@ -97,12 +97,13 @@ Result<Response> OwnAccess(Service& service, const Request& request) {
   for (const storage::Token& token : tokens->tokens) {
     if (!only_reads && token.id == request.owner) scope = token.scope;
   }
-  return Json(
-      200, JsonObject({{"needs_token", tokens->requires_token || request.needs_token ? "true" : "false"},
-                       {"scope", JsonString(storage::ScopeName(scope))},
-                       {"flight",
-                        request.only_flight.empty() ? std::string("null") : JsonString(request.only_flight)},
-                       {"keep_days", std::to_string(service.keep_days)}}));
+  nlohmann::ordered_json access;
+  access["needs_token"] = tokens->requires_token || request.needs_token;
+  access["scope"] = storage::ScopeName(scope);
+  access["flight"] = nullptr;
+  if (!request.only_flight.empty()) access["flight"] = request.only_flight;
+  access["keep_days"] = service.keep_days;
+  return JsonOf(200, access);
 }
 
 }  // namespace

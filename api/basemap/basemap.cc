@@ -5,10 +5,10 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "api/downloads/send_file.h"
 #include "api/http/responses.h"
-#include "api/json/json_codec.h"
 #include "api/routes.h"
 
 namespace skyquilt::api {
@@ -43,29 +43,25 @@ std::string OriginOf(std::string_view tiles) {
   return std::string(tiles.substr(0, tiles.find('/', tiles.find("//") + 2)));
 }
 
-std::string OfferedJson(const PublicBasemap& offered) {
-  return JsonObject({{"name", JsonString(offered.name)},
-                     {"title", JsonString(offered.title)},
-                     {"tiles", JsonArray({JsonString(offered.tiles)})},
-                     {"attribution", JsonString(offered.attribution)},
-                     {"maxzoom", std::to_string(offered.max_zoom)}});
+nlohmann::ordered_json OfferedJson(const PublicBasemap& offered) {
+  return {{"name", offered.name},
+          {"title", offered.title},
+          {"tiles", nlohmann::ordered_json::array({offered.tiles})},
+          {"attribution", offered.attribution},
+          {"maxzoom", offered.max_zoom}};
 }
 
 Response Describe(const Basemap& basemap, const Request& request) {
-  const std::vector<std::string> tiles =
-      basemap.tiles.empty() ? std::vector<std::string>() : std::vector{JsonString(basemap.tiles)};
-  std::vector<std::pair<std::string_view, std::string>> fields = {{"tilejson", JsonString("3.0.0")},
-                                                                  {"tiles", JsonArray(tiles)}};
-  if (!basemap.pmtiles.empty())
-    fields.emplace_back("pmtiles", JsonString(request.base_path + "/basemap.pmtiles"));
-  if (!basemap.attribution.empty()) fields.emplace_back("attribution", JsonString(basemap.attribution));
-  if (basemap.max_zoom > 0) fields.emplace_back("maxzoom", std::to_string(basemap.max_zoom));
-  std::vector<std::string> offered;
+  nlohmann::ordered_json described = {{"tilejson", "3.0.0"}, {"tiles", nlohmann::ordered_json::array()}};
+  if (!basemap.tiles.empty()) described["tiles"].push_back(basemap.tiles);
+  if (!basemap.pmtiles.empty()) described["pmtiles"] = request.base_path + "/basemap.pmtiles";
+  if (!basemap.attribution.empty()) described["attribution"] = basemap.attribution;
+  if (basemap.max_zoom > 0) described["maxzoom"] = basemap.max_zoom;
+  described["public"] = nlohmann::ordered_json::array();
   for (const PublicBasemap& known : kPublicBasemaps) {
-    if (basemap.offers_public) offered.push_back(OfferedJson(known));
+    if (basemap.offers_public) described["public"].push_back(OfferedJson(known));
   }
-  fields.emplace_back("public", JsonArray(offered));
-  return Json(200, JsonObject(fields));
+  return JsonOf(200, described);
 }
 
 Result<Response> SendPmtiles(const Basemap& basemap, const Request& request) {

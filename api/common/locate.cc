@@ -6,7 +6,6 @@
 #include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
-#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/pipeline/report/locate.h"
 #include "storage/files/publish_file.h"
@@ -15,8 +14,6 @@ namespace skyquilt::api {
 namespace {
 
 using Value = nlohmann::ordered_json;
-
-Response Answer(const Value& value) { return Json(200, JsonText(value)); }
 
 Result<Response> At(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const double lon_deg, NumberParameter(request, "lon"));
@@ -34,7 +31,7 @@ Result<Response> At(Service& service, const Request& request) {
                       {"sharpness", sighting.sharpness ? Value(*sighting.sharpness) : Value()},
                       {"quality", sighting.quality}});
   }
-  return Answer({{"lon", lon_deg}, {"lat", lat_deg}, {"photos", photos}});
+  return JsonOf(200, {{"lon", lon_deg}, {"lat", lat_deg}, {"photos", photos}});
 }
 
 Result<Response> GroundOf(Service& service, const Request& request) {
@@ -43,9 +40,9 @@ Result<Response> GroundOf(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const pipeline::LocatedMap map, ReadLocatedMap(service, request.Parameter("flight")));
   SKYQUILT_TRY_ASSIGN(const pipeline::GroundPoint point,
                       pipeline::GroundAtPixel(map, request.Parameter("name"), {x, y}));
-  return Answer({{"lon", point.position.lon_deg},
-                 {"lat", point.position.lat_deg},
-                 {"sigma_m", point.sigma_m ? Value(*point.sigma_m) : Value()}});
+  return JsonOf(200, {{"lon", point.position.lon_deg},
+                      {"lat", point.position.lat_deg},
+                      {"sigma_m", point.sigma_m ? Value(*point.sigma_m) : Value()}});
 }
 
 }  // namespace

@@ -3,26 +3,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "api/json/json_codec.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
 
 std::string EventText(const storage::Event& event) {
-  return fmt::format("id: {}\nevent: {}\ndata: {}\n\n", event.seq, event.kind,
-                     JsonObject({{"at", JsonString(FormatTime(event.at))},
-                                 {"flight_id", JsonString(event.flight_id)},
-                                 {"job_id", event.job_id ? JsonString(*event.job_id) : std::string("null")},
-                                 {event.kind == "deleted" ? "deleted" : event.kind, event.body}}));
+  const nlohmann::ordered_json data = {
+      {"at", FormatTime(event.at)},
+      {"flight_id", event.flight_id},
+      {"job_id", event.job_id ? nlohmann::ordered_json(*event.job_id) : nlohmann::ordered_json()},
+      {event.kind, ParseOrderedJson(event.body)}};
+  return fmt::format("id: {}\nevent: {}\ndata: {}\n\n", event.seq, event.kind, JsonText(data));
 }
 
 namespace {
 
 // How far a job is. It has no id: progress is not replayed after a reconnect.
 std::string ProgressText(const storage::Job& job, storage::Time now) {
-  return fmt::format("event: progress\ndata: {}\n\n", JobJson(job, now));
+  return fmt::format("event: progress\ndata: {}\n\n", JsonText(JobJson(job, now)));
 }
 
 constexpr std::chrono::milliseconds kReadInterval{200};

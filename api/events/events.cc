@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "api/auth/access.h"
 #include "api/events/event_hub.h"
@@ -11,6 +12,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/routes.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 
@@ -156,12 +158,12 @@ Result<Response> Log(Service& service, const Request& request) {
   filter.job_id = job.id;
   constexpr int kMaxLines = 1000;
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, service.events.After(0, filter, kMaxLines));
-  std::vector<std::string> items;
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
   for (const storage::Event& event : events) {
-    items.push_back(JsonObject(
-        {{"seq", std::to_string(event.seq)}, {"at", JsonString(FormatTime(event.at))}, {"job", event.body}}));
+    items.push_back(
+        {{"seq", event.seq}, {"at", FormatTime(event.at)}, {"job", ParseOrderedJson(event.body)}});
   }
-  return Json(200, JsonObject({{"events", JsonArray(items)}}));
+  return JsonOf(200, {{"events", items}});
 }
 
 }  // namespace

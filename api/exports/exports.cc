@@ -42,8 +42,7 @@ Value RemarkOn(Service& service, const MapExport& made, const Value& crs) {
   return remark ? flight::JsonOfRemark<Value>(*remark) : Value();
 }
 
-std::string ExportJson(Service& service, const Request& asked, const MapExport& made,
-                       std::int64_t shown_revision) {
+Value ExportJson(Service& service, const Request& asked, const MapExport& made, std::int64_t shown_revision) {
   const Value request = ParseOrderedJson(made.request);
   const auto wished = [&](const char* field) {
     return request.is_object() && request.contains(field) ? request[field] : Value();
@@ -75,7 +74,7 @@ std::string ExportJson(Service& service, const Request& asked, const MapExport& 
   const std::string address = asked.base_path + AddressOfExport(made);
   json["href"] = address;
   json["download"] = is_there ? Value(address + "/file") : Value();
-  return JsonText(json);
+  return json;
 }
 
 // What the map is, as far as exports depend on it.
@@ -123,7 +122,7 @@ Result<Response> AskForExport(Service& service, const Request& request, const st
   wanted.is_of_link = !request.only_flight.empty();
   SKYQUILT_TRY_ASSIGN(const MapExport added,
                       service.db.Again([&] { return service.exports.Add(wanted, storage::Now()); }));
-  Response response = Json(202, ExportJson(service, request, added, map.revision));
+  Response response = JsonOf(202, ExportJson(service, request, added, map.revision));
   response.headers.Add("Location", AddressOfExport(added));
   return response;
 }
@@ -138,11 +137,11 @@ Result<Response> ListExports(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevisionOf(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const std::vector<MapExport> exports, service.exports.List(flight_id));
-  std::vector<std::string> items;
+  Value items = Value::array();
   for (const MapExport& one : exports) {
     if (!service.exports.HasExpired(one)) items.push_back(ExportJson(service, request, one, shown));
   }
-  return Json(200, JsonObject({{"exports", JsonArray(items)}}));
+  return JsonOf(200, {{"exports", items}});
 }
 
 Result<MapExport> FindExport(Service& service, const Request& request) {
@@ -154,7 +153,7 @@ Result<MapExport> FindExport(Service& service, const Request& request) {
 Result<Response> ShowExport(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const MapExport found, FindExport(service, request));
   SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevisionOf(service, found.flight_id));
-  return Json(200, ExportJson(service, request, found, shown));
+  return JsonOf(200, ExportJson(service, request, found, shown));
 }
 
 Result<Response> RemoveExport(Service& service, const Request& request) {

@@ -1,5 +1,7 @@
 #include "api/flights/flights.h"
 
+#include <nlohmann/json.hpp>
+
 #include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
 #include "api/http/links.h"
@@ -42,18 +44,17 @@ Result<Response> ListFlights(Service& service, const Request& request) {
     tag = checked->front();
   }
   SKYQUILT_TRY_ASSIGN(storage::FlightPage page, ListVisibleFlights(service, request, limit, cursor, tag));
-  std::vector<std::string> items;
+  nlohmann::ordered_json flights = nlohmann::ordered_json::array();
   const storage::Time now = storage::Now();
   for (storage::Flight& flight : page.flights) {
     SKYQUILT_TRY_ASSIGN(FlightView view, WithJobAndMap(service, std::move(flight)));
     view.may_change = MayChange(request, view.flight.owner);
     view.base_path = request.base_path;
-    items.push_back(FlightJson(view, now));
+    flights.push_back(FlightJson(view, now));
   }
-  Response response = Json(
-      200,
-      JsonObject({{"flights", JsonArray(items)},
-                  {"next_cursor", page.next_cursor ? JsonString(*page.next_cursor) : std::string("null")}}));
+  nlohmann::ordered_json next_cursor;
+  if (page.next_cursor) next_cursor = *page.next_cursor;
+  Response response = JsonOf(200, {{"flights", std::move(flights)}, {"next_cursor", next_cursor}});
   if (page.next_cursor) {
     response.headers.Add("Link", "</api/v1/flights?limit=" + std::to_string(limit) +
                                      (tag ? "&tag=" + EncodedForQuery(*tag) : std::string()) +
@@ -66,7 +67,7 @@ Result<Response> GetFlight(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(FlightView view, ViewFlight(service, request.Parameter("flight")));
   view.may_change = MayChange(request, view.flight.owner);
   view.base_path = request.base_path;
-  return Json(200, FlightJson(view, storage::Now()));
+  return JsonOf(200, FlightJson(view, storage::Now()));
 }
 
 Result<Response> Patch(Service& service, const Request& request, const std::string& body) {

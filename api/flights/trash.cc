@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -21,29 +22,29 @@ storage::Trash TrashOf(Service& service) {
   return storage::Trash(service.db, storage::FlightRecords(service.store.dir()));
 }
 
-std::string TrashedJson(const Service& service, const storage::TrashedFlight& flight) {
+nlohmann::ordered_json TrashedJson(const Service& service, const storage::TrashedFlight& flight) {
   const storage::AgeClock& ages = service.db.ages();
   const storage::Time end = flight.deleted_age + std::chrono::days(service.trash_days);
   const double days = std::chrono::duration<double, std::ratio<86400>>(end - ages.Now()).count();
   const auto days_left = static_cast<int>(std::ceil(std::clamp(days, 0.0, 1.0 * service.trash_days)));
-  return JsonObject({{"id", JsonString(flight.id)},
-                     {"name", JsonString(flight.name)},
-                     {"created_at", JsonString(FormatTime(flight.created))},
-                     {"file_count", std::to_string(flight.file_count)},
-                     {"bytes", std::to_string(flight.bytes)},
-                     {"deleted_at", JsonString(FormatTime(flight.deleted))},
-                     {"removed_at", JsonString(FormatTime(ages.OnTheWall(end)))},
-                     {"days_left", std::to_string(days_left)}});
+  return {{"id", flight.id},
+          {"name", flight.name},
+          {"created_at", FormatTime(flight.created)},
+          {"file_count", flight.file_count},
+          {"bytes", flight.bytes},
+          {"deleted_at", FormatTime(flight.deleted)},
+          {"removed_at", FormatTime(ages.OnTheWall(end))},
+          {"days_left", days_left}};
 }
 
 Result<Response> ListTrash(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::TrashedFlight> flights, TrashOf(service).List());
-  std::vector<std::string> items;
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
   for (const storage::TrashedFlight& flight : flights) {
     // What was deleted is seen by whoever may take it back.
     if (MayChange(request, flight.owner)) items.push_back(TrashedJson(service, flight));
   }
-  return Json(200, JsonObject({{"days", std::to_string(service.trash_days)}, {"flights", JsonArray(items)}}));
+  return JsonOf(200, {{"days", service.trash_days}, {"flights", items}});
 }
 
 Result<Response> Restore(Service& service, const Request& request) {
@@ -53,7 +54,7 @@ Result<Response> Restore(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(FlightView view, ViewFlight(service, id));
   view.may_change = MayChange(request, view.flight.owner);
   view.base_path = request.base_path;
-  return Json(200, FlightJson(view, storage::Now()));
+  return JsonOf(200, FlightJson(view, storage::Now()));
 }
 
 Result<Response> RemoveForGood(Service& service, const Request& request) {

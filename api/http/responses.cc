@@ -193,6 +193,8 @@ Response Json(int status, std::string body) {
   return response;
 }
 
+Response JsonOf(int status, const nlohmann::ordered_json& value) { return Json(status, JsonText(value)); }
+
 Response NoCache(Response response) {
   response.headers.Add("Cache-Control", "no-cache");
   return response;

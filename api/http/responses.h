@@ -30,6 +30,7 @@ Response ProblemWithStatus(int status, std::string_view detail, std::string_view
 Response Answered(Result<Response> answer, const Request& request);
 
 Response Json(int status, std::string body);
+Response JsonOf(int status, const nlohmann::ordered_json& value);
 Response NoContent();
 Response Text(int status, std::string body, std::string content_type);
 // To be asked for anew each time, by its tag if it has one.

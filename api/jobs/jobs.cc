@@ -49,7 +49,7 @@ constexpr int kMaxListed = 200;
 
 Result<Response> Queue(Service& service, const Request& request, const std::string& body) {
   SKYQUILT_TRY_ASSIGN(const storage::Job job, QueueJob(service, request, request.Parameter("flight"), body));
-  Response response = Json(202, JobJson(job, storage::Now()));
+  Response response = JsonOf(202, JobJson(job, storage::Now()));
   response.headers.Add("Location", "/api/v1/jobs/" + job.id);
   return response;
 }
@@ -59,23 +59,23 @@ Result<Response> GetJob(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const storage::Job job, service.queue.Get(request.Parameter("job")));
   // Names of machines are for who runs them.
   if (!request.is_admin || job.state != storage::JobState::kRunning)
-    return Json(200, JobJson(job, storage::Now()));
+    return JsonOf(200, JobJson(job, storage::Now()));
   SKYQUILT_TRY_ASSIGN(std::vector<storage::HeldUnit> held, storage::UnitQueue(service.db).Held(job.id));
   SKYQUILT_TRY_ASSIGN(std::vector<storage::WorkerAside> aside, storage::WorkersAside(service.db).List());
-  return Json(200, JobJson(job, storage::Now(), WorkersOfJob{std::move(held), std::move(aside)}));
+  return JsonOf(200, JobJson(job, storage::Now(), WorkersOfJob{std::move(held), std::move(aside)}));
 }
 
 Result<Response> ListJobs(Service& service, const Request& request) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::optional<std::string> flight;
   if (const auto given = request.Query("flight")) flight = *given;
   if (!request.only_flight.empty()) {
-    if (flight && *flight != request.only_flight) return Json(200, JsonObject({{"jobs", JsonArray({})}}));
+    if (flight && *flight != request.only_flight) return JsonOf(200, {{"jobs", list}});
     flight = request.only_flight;
   }
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::Job> jobs, service.queue.List(flight, kMaxListed));
-  std::vector<std::string> items;
-  for (const storage::Job& job : jobs) items.push_back(JobJson(job, storage::Now()));
-  return Json(200, JsonObject({{"jobs", JsonArray(items)}}));
+  for (const storage::Job& job : jobs) list.push_back(JobJson(job, storage::Now()));
+  return JsonOf(200, {{"jobs", list}});
 }
 
 Result<Response> Cancel(Service& service, const Request& request) {
@@ -83,7 +83,7 @@ Result<Response> Cancel(Service& service, const Request& request) {
   const Result<storage::Job> job =
       service.db.Free([&] { return service.queue.Cancel(request.Parameter("job"), storage::Now()); });
   if (!job) return job.error();
-  return Json(200, JobJson(*job, storage::Now()));
+  return JsonOf(200, JobJson(*job, storage::Now()));
 }
 
 // The same again: a new job with the options of one that has ended.
@@ -104,7 +104,7 @@ Result<Response> Retry(Service& service, const Request& request) {
   const int priority = request.is_admin ? ended.priority : std::min(ended.priority, 0);
   SKYQUILT_TRY_ASSIGN(const storage::Job job,
                       service.queue.Add(ended.flight_id, ended.options, now, {priority, request.owner}));
-  Response response = Json(202, JobJson(job, now));
+  Response response = JsonOf(202, JobJson(job, now));
   response.headers.Add("Location", "/api/v1/jobs/" + job.id);
   return response;
 }

@@ -63,28 +63,6 @@ ordered_json ErrorOf(const storage::Job& job) {
           {"reason", flight::ReasonValue<ordered_json>(job.error->reason)}};
 }
 
-ordered_json JobValue(const storage::Job& job, storage::Time now) {
-  ordered_json value;
-  value["id"] = job.id;
-  value["flight_id"] = job.flight_id;
-  value["state"] = storage::JobStateName(job.state);
-  value["stage"] = job.stage;
-  value["progress"] = job.progress;
-  value["message"] = job.message;
-  const std::optional<Eta> eta = EtaOf(job, now);
-  value["eta_s"] = eta ? ordered_json(eta->left_s) : ordered_json(nullptr);
-  value["eta_low_s"] = eta ? ordered_json(eta->low_s) : ordered_json(nullptr);
-  value["eta_high_s"] = eta ? ordered_json(eta->high_s) : ordered_json(nullptr);
-  value["priority"] = job.priority;
-  value["options"] = ParseOrderedJson(job.options.empty() ? "{}" : job.options);
-  value["attempts"] = job.attempts;
-  value["created_at"] = FormatTime(job.created);
-  value["started_at"] = TimeOrNull(job.started);
-  value["finished_at"] = TimeOrNull(job.finished);
-  value["error"] = ErrorOf(job);
-  return value;
-}
-
 const char* FlightState(const FlightView& view) {
   using storage::JobState;
   if (view.job && view.job->state == JobState::kAccepted) return "queued";
@@ -167,9 +145,26 @@ std::string FormatTime(storage::Time time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(whole), ms);
 }
 
-std::string JobJson(const storage::Job& job, storage::Time now, const std::optional<WorkersOfJob>& workers) {
-  ordered_json value = JobValue(job, now);
-  if (!workers) return JsonText(value);
+ordered_json JobJson(const storage::Job& job, storage::Time now, const std::optional<WorkersOfJob>& workers) {
+  ordered_json value;
+  value["id"] = job.id;
+  value["flight_id"] = job.flight_id;
+  value["state"] = storage::JobStateName(job.state);
+  value["stage"] = job.stage;
+  value["progress"] = job.progress;
+  value["message"] = job.message;
+  const std::optional<Eta> eta = EtaOf(job, now);
+  value["eta_s"] = eta ? ordered_json(eta->left_s) : ordered_json(nullptr);
+  value["eta_low_s"] = eta ? ordered_json(eta->low_s) : ordered_json(nullptr);
+  value["eta_high_s"] = eta ? ordered_json(eta->high_s) : ordered_json(nullptr);
+  value["priority"] = job.priority;
+  value["options"] = ParseOrderedJson(job.options.empty() ? "{}" : job.options);
+  value["attempts"] = job.attempts;
+  value["created_at"] = FormatTime(job.created);
+  value["started_at"] = TimeOrNull(job.started);
+  value["finished_at"] = TimeOrNull(job.finished);
+  value["error"] = ErrorOf(job);
+  if (!workers) return value;
   value["parts"] = ordered_json::array();
   for (const storage::HeldUnit& unit : workers->held) {
     value["parts"].push_back({{"kind", unit.kind},
@@ -187,10 +182,10 @@ std::string JobJson(const storage::Job& job, storage::Time now, const std::optio
                                       {"code", worker.code},
                                       {"message", worker.message}});
   }
-  return JsonText(value);
+  return value;
 }
 
-std::string FlightJson(const FlightView& view, storage::Time now) {
+ordered_json FlightJson(const FlightView& view, storage::Time now) {
   ordered_json value;
   value["id"] = view.flight.id;
   value["name"] = view.flight.name;
@@ -201,50 +196,47 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
   value["options"] = ParseOrderedJson(view.flight.options);
   value["tags"] = view.flight.tags;
   value["keep"] = view.flight.is_kept;
-  const auto& revision = view.revision;
-  value["revision"] = revision ? ordered_json(revision->revision) : ordered_json(nullptr);
-  value["job"] = view.job ? JobValue(*view.job, now) : ordered_json(nullptr);
-  value["bounds"] = revision ? ordered_json(revision->bounds.ToArray()) : ordered_json(nullptr);
-  value["georeferenced"] = revision ? ordered_json(LiesSomewhere(revision->bounds)) : ordered_json(nullptr);
-  value["min_zoom"] = revision ? ordered_json(revision->min_zoom) : ordered_json(nullptr);
-  value["max_zoom"] = revision ? ordered_json(revision->max_zoom) : ordered_json(nullptr);
-  value["photos"] = nullptr;
-  if (revision) {
-    value["photos"] = {{"total", revision->photos_total},
-                       {"aligned", revision->photos_aligned},
-                       {"pose_only", revision->photos_pose_only},
-                       {"left_out", revision->photos_left_out}};
+  // In this order; null until there is something to say.
+  for (const char* field : {"revision", "job", "bounds", "georeferenced", "min_zoom", "max_zoom", "photos",
+                            "captured", "gsd_m", "quality", "tilejson", "preview", "error"})
+    value[field] = nullptr;
+  value["may_change"] = view.may_change;
+  const std::string tilejson = fmt::format("{}/tiles/{}.json", view.base_path, view.flight.id);
+  if (view.job) {
+    value["job"] = JobJson(*view.job, now);
+    value["error"] = ErrorOf(*view.job);
   }
-  value["captured"] = nullptr;
-  if (revision && !revision->first_capture.empty()) {
-    value["captured"] = {{"first", revision->first_capture}, {"last", revision->last_capture}};
-  }
-  value["gsd_m"] = revision ? ordered_json(revision->gsd_m) : ordered_json(nullptr);
-  value["quality"] = nullptr;
-  if (revision && !revision->quality.empty()) {
-    const ordered_json quality = ParseOrderedJson(revision->quality);
+  if (const auto& map = view.revision) {
+    value["revision"] = map->revision;
+    value["bounds"] = map->bounds.ToArray();
+    value["georeferenced"] = LiesSomewhere(map->bounds);
+    value["min_zoom"] = map->min_zoom;
+    value["max_zoom"] = map->max_zoom;
+    value["photos"] = {{"total", map->photos_total},
+                       {"aligned", map->photos_aligned},
+                       {"pose_only", map->photos_pose_only},
+                       {"left_out", map->photos_left_out}};
+    if (!map->first_capture.empty())
+      value["captured"] = {{"first", map->first_capture}, {"last", map->last_capture}};
+    value["gsd_m"] = map->gsd_m;
+    const ordered_json quality = ParseOrderedJson(map->quality);
     if (quality.is_object()) value["quality"] = quality;
+    value["tilejson"] = tilejson;
   }
-  value["tilejson"] = revision ? ordered_json(fmt::format("{}/tiles/{}.json", view.base_path, view.flight.id))
-                               : ordered_json(nullptr);
-  value["preview"] = nullptr;
   if (view.preview) {
     value["preview"] = {{"edition", view.preview->edition},
                         {"photos", view.preview->photos},
                         {"bounds", view.preview->bounds.ToArray()},
-                        {"tilejson", fmt::format("{}/tiles/{}.json?rev={}", view.base_path, view.flight.id,
-                                                 kPreviewRevision)}};
+                        {"tilejson", fmt::format("{}?rev={}", tilejson, kPreviewRevision)}};
   }
-  value["error"] = view.job ? ErrorOf(*view.job) : ordered_json(nullptr);
-  value["may_change"] = view.may_change;
-  return JsonText(value);
+  return value;
 }
 
-std::string FileJson(const storage::StoredFile& file) {
-  return JsonText(ordered_json{{"name", file.name}, {"bytes", file.bytes}});
+ordered_json FileJson(const storage::StoredFile& file) {
+  return {{"name", file.name}, {"bytes", file.bytes}};
 }
 
-std::string FileOutcomesJson(const std::vector<FileOutcome>& files) {
+ordered_json FileOutcomesJson(const std::vector<FileOutcome>& files) {
   ordered_json list = ordered_json::array();
   for (const FileOutcome& file : files) {
     if (file.error) {
@@ -257,27 +249,7 @@ std::string FileOutcomesJson(const std::vector<FileOutcome>& files) {
     }
     if (!file.note.empty()) list.back()["note"] = file.note;
   }
-  return JsonText(list);
-}
-
-std::string JsonString(std::string_view text) { return JsonText(ordered_json(std::string(text))); }
-
-std::string JsonObject(const std::vector<std::pair<std::string_view, std::string>>& members) {
-  std::string text = "{";
-  for (const auto& [name, value] : members) {
-    if (text.size() > 1) text += ',';
-    text += JsonString(name) + ":" + value;
-  }
-  return text + "}";
-}
-
-std::string JsonArray(const std::vector<std::string>& items) {
-  std::string text = "[";
-  for (const std::string& item : items) {
-    if (text.size() > 1) text += ',';
-    text += item;
-  }
-  return text + "]";
+  return list;
 }
 
 Result<storage::FlightChange> ParseFlightFields(std::string_view body) {

@@ -1,12 +1,12 @@
-// Flights, files and jobs as the JSON of the API, and the JSON that clients send as checked values. Text in,
-// text out: the JSON library stays in the .cc files. Pure. Errors: kInvalidArgument (not JSON, nested too
-// deep), kUnprocessable (a field that is unknown or of a wrong kind).
+// Flights, files and jobs as the JSON of the API, and the JSON that clients send as checked values. Pure.
+// Errors: kInvalidArgument (not JSON, nested too deep), kUnprocessable (a field that is unknown or of a wrong
+// kind).
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -42,22 +42,17 @@ struct FileOutcome {
 // What nothing places is drawn around latitude 0, longitude 0: a place in the sea.
 bool LiesSomewhere(const geo::LatLonBounds& bounds);
 
-std::string FlightJson(const FlightView& view, storage::Time now);
+nlohmann::ordered_json FlightJson(const FlightView& view, storage::Time now);
 // Which worker has which part of a job, and which take nothing because their machines are in trouble.
 struct WorkersOfJob {
   std::vector<storage::HeldUnit> held;
   std::vector<storage::WorkerAside> aside;
 };
 // `workers`: for whoever may know; absent: nobody asked.
-std::string JobJson(const storage::Job& job, storage::Time now,
-                    const std::optional<WorkersOfJob>& workers = std::nullopt);
-std::string FileJson(const storage::StoredFile& file);
-std::string FileOutcomesJson(const std::vector<FileOutcome>& files);
-
-// {"a":<raw>,"b":<raw>}: values are JSON already.
-std::string JsonObject(const std::vector<std::pair<std::string_view, std::string>>& members);
-std::string JsonArray(const std::vector<std::string>& items);
-std::string JsonString(std::string_view text);
+nlohmann::ordered_json JobJson(const storage::Job& job, storage::Time now,
+                               const std::optional<WorkersOfJob>& workers = std::nullopt);
+nlohmann::ordered_json FileJson(const storage::StoredFile& file);
+nlohmann::ordered_json FileOutcomesJson(const std::vector<FileOutcome>& files);
 
 // "2026-11-21T04:55:03.123Z"
 std::string FormatTime(storage::Time time);

@@ -181,7 +181,7 @@ Result<NewTask> NewTaskFrom(Service& service, const Request& request, const Node
   task.name = NodeField(fields, "name");
   if (task.name.empty()) task.name = DefaultFlightName(storage::Now());
   const Result<storage::FlightChange> checked =
-      ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));
+      ParseFlightFields(JsonText(nlohmann::ordered_json{{"name", task.name}}));
   if (!checked) return checked.error();
   const std::string date = NodeField(fields, "dateCreated");
   task.created_ms = ParseNumber<std::int64_t>(date).value_or(NodeNowMs());

@@ -1,10 +1,10 @@
 // For operators and monitoring: liveness, readiness, metrics, version, API contract.
 #include <sys/statvfs.h>
 
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "api/http/responses.h"
-#include "api/json/json_codec.h"
 #include "api/routes.h"
 #include "core/base/try.h"
 
@@ -51,8 +51,7 @@ void AddOpsRoutes(Router& router, Service& service) {
   router
       .AddQuick(Method::kGet, "/version",
                 [&](const Request&) {
-                  return Json(200, JsonObject({{"name", JsonString("skyquilt")},
-                                               {"version", JsonString(service.version)}}));
+                  return JsonOf(200, {{"name", "skyquilt"}, {"version", service.version}});
                 })
       .scope = kEverybody;
   router

@@ -51,10 +51,12 @@ Result<std::optional<int>> ParseDays(const std::string& body) {
   return days;
 }
 
-std::vector<std::pair<std::string_view, std::string>> Described(const storage::Token& token) {
-  return {{"id", JsonString(token.id)},
-          {"created_at", JsonString(FormatTime(token.created))},
-          {"expires_at", token.expires ? JsonString(FormatTime(*token.expires)) : std::string("null")}};
+nlohmann::ordered_json Described(const storage::Token& token) {
+  nlohmann::ordered_json described = {{"id", token.id},
+                                      {"created_at", FormatTime(token.created)},
+                                      {"expires_at", nullptr}};
+  if (token.expires) described["expires_at"] = FormatTime(*token.expires);
+  return described;
 }
 
 // Those that have not ended, newest first.
@@ -76,17 +78,15 @@ Result<Response> ListShares(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const storage::TokenSet set, service.tokens.Read());
-  std::vector<std::string> items;
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
   for (const storage::Token& share : SharesOf(set, flight_id, storage::Now())) {
-    items.push_back(JsonObject(Described(share)));
+    items.push_back(Described(share));
   }
-  std::vector<std::string> addresses;
-  for (const std::string& address : service.addresses_for_others()) addresses.push_back(JsonString(address));
   const bool needs_token = set.requires_token || service.is_network_open;
-  return Json(200, JsonObject({{"needs_token", needs_token ? "true" : "false"},
-                               {"may_open_network", MayOpenNetwork(service, request) ? "true" : "false"},
-                               {"addresses", JsonArray(addresses)},
-                               {"shares", JsonArray(items)}}));
+  return JsonOf(200, {{"needs_token", needs_token},
+                      {"may_open_network", MayOpenNetwork(service, request)},
+                      {"addresses", service.addresses_for_others()},
+                      {"shares", items}});
 }
 
 // Shares that have ended make room.
@@ -121,14 +121,12 @@ Result<Response> AddShare(Service& service, const Request& request, const std::s
   if (days) token.expires = now + std::chrono::hours(24) * *days;
   token.flight_id = flight_id;
   SKYQUILT_TRY(service.tokens.AddShare(token));
-  auto members = Described(token);
-  members.emplace_back("token", JsonString(text));
+  nlohmann::ordered_json made = Described(token);
+  made["token"] = text;
   // Behind '#', so that no server or proxy on the way writes it down.
-  members.emplace_back(
-      "page", JsonString(fmt::format("{}/#/flights/{}?token={}", request.base_path, flight_id, text)));
-  members.emplace_back("embed",
-                       JsonString(fmt::format("{}/embed/{}#token={}", request.base_path, flight_id, text)));
-  return Json(201, JsonObject(members));
+  made["page"] = fmt::format("{}/#/flights/{}?token={}", request.base_path, flight_id, text);
+  made["embed"] = fmt::format("{}/embed/{}#token={}", request.base_path, flight_id, text);
+  return JsonOf(201, made);
 }
 
 Result<Response> RemoveShare(Service& service, const Request& request) {
@@ -146,9 +144,7 @@ Result<Response> OpenNetwork(Service& service, const Request& request) {
     return Error{ErrorCode::kConflict, "How others reach this server was said when it was started.", ""};
   }
   SKYQUILT_TRY(service.open_network());
-  std::vector<std::string> addresses;
-  for (const std::string& address : service.addresses_for_others()) addresses.push_back(JsonString(address));
-  return Json(200, JsonObject({{"addresses", JsonArray(addresses)}}));
+  return JsonOf(200, {{"addresses", service.addresses_for_others()}});
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "api/json/json_codec.h"
 #include "api/routes.h"
 #include "api/uploads/form_receiver.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -98,7 +100,7 @@ class AddFiles final : public BodySink {
     const Result<void> whole = parser_.Finish();
     if (!whole) return Problem(whole.error(), request_);
     if (receiver_.stored_count() == 0) return Problem(NothingUsable(receiver_.files()), request_);
-    return Json(201, JsonObject({{"files", FileOutcomesJson(receiver_.files())}}));
+    return JsonOf(201, {{"files", FileOutcomesJson(receiver_.files())}});
   }
 
  private:
@@ -140,9 +142,9 @@ class NewFlight final : public BodySink {
     SKYQUILT_TRY_ASSIGN(FlightView view, ViewFlight(service_, flight_id_));
     view.base_path = request_.base_path;
     const storage::Time now = storage::Now();
-    Response response = Json(202, JsonObject({{"flight", FlightJson(view, now)},
-                                              {"job", JobJson(job, now)},
-                                              {"files", FileOutcomesJson(receiver_.files())}}));
+    Response response = JsonOf(202, {{"flight", FlightJson(view, now)},
+                                     {"job", JobJson(job, now)},
+                                     {"files", FileOutcomesJson(receiver_.files())}});
     response.headers.Add("Location", "/api/v1/jobs/" + job.id);
     return response;
   }
@@ -151,11 +153,10 @@ class NewFlight final : public BodySink {
     const std::optional<std::string> name = receiver_.Text("name");
     const std::optional<std::string> chosen = receiver_.Text("options");
     if (chosen) SKYQUILT_TRY(ParseJobOptions(*chosen));
-    std::vector<std::pair<std::string_view, std::string>> members;
-    if (name && !name->empty())
-      members.emplace_back("name", JsonString(*name));  // an empty box means no name
-    if (chosen) members.emplace_back("options", *chosen);
-    SKYQUILT_TRY_ASSIGN(const storage::FlightChange fields, ParseFlightFields(JsonObject(members)));
+    nlohmann::ordered_json members = nlohmann::ordered_json::object();
+    if (name && !name->empty()) members["name"] = *name;  // an empty box means no name
+    if (chosen) members["options"] = ParseOrderedJson(*chosen);
+    SKYQUILT_TRY_ASSIGN(const storage::FlightChange fields, ParseFlightFields(JsonText(members)));
     if (fields.IsAny()) SKYQUILT_TRY(service_.catalogue.ChangeFlight(flight_id_, fields));
     return service_.queue.Add(flight_id_, fields.options.value_or("{}"), storage::Now(), {0, request_.owner});
   }
@@ -201,7 +202,7 @@ Result<Response> MakeEmptyFlight(Service& service, const Request& request, const
                                                   fields.options.value_or("{}"), now, request.owner, fields));
   FlightView view;
   view.flight = std::move(flight);
-  Response response = Json(201, FlightJson(view, now));
+  Response response = JsonOf(201, FlightJson(view, now));
   response.headers.Add("Location", "/api/v1/flights/" + view.flight.id);
   return response;
 }

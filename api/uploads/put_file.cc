@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -120,13 +121,13 @@ class PutFile final : public BodySink {
     const Result<std::optional<storage::AddedFile>> added = AddInItsPlace(service_, request_, file);
     if (!added || !*added) service_.store.Remove(flight_id, file.stored_name);
     if (!added) return added.error();
-    if (!*added) return Json(200, FileJson(file));
+    if (!*added) return JsonOf(200, FileJson(file));
     incoming_.Kept(file.bytes);
     if ((*added)->replaced) {
       service_.store.Remove(flight_id, (*added)->replaced_stored_name);
       incoming_.Freed((*added)->replaced_bytes);
     }
-    return Json((*added)->replaced ? 200 : 201, FileJson(file));
+    return JsonOf((*added)->replaced ? 200 : 201, FileJson(file));
   }
 
   // An archive's own name is there only until it is unpacked.
@@ -137,7 +138,7 @@ class PutFile final : public BodySink {
     if (!added) return added.error();
     incoming_.Kept(file.bytes);
     SKYQUILT_TRY_ASSIGN(const std::vector<FileOutcome> outcomes, UnpackOnly(service_, flight_id, *added));
-    return Json(201, JsonObject({{"files", FileOutcomesJson(outcomes)}}));
+    return JsonOf(201, {{"files", FileOutcomesJson(outcomes)}});
   }
 
   Service& service_;
@@ -200,9 +201,9 @@ Result<Response> ListFiles(Service& service, const Request& request) {
   SKYQUILT_TRY(RequireFlight(service, request.Parameter("flight")));
   SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> files,
                       service.catalogue.ListFiles(request.Parameter("flight")));
-  std::vector<std::string> items;
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
   for (const StoredFile& file : files) items.push_back(FileJson(file));
-  return Json(200, JsonObject({{"files", JsonArray(items)}}));
+  return JsonOf(200, {{"files", items}});
 }
 
 Result<Response> DeleteFile(Service& service, const Request& request) {

@@ -1,11 +1,11 @@
 // tus 1.0 at /api/v1/uploads: resumable uploads of one file each, with the extensions creation,
 // creation-with-upload, creation-defer-length, expiration, checksum, termination and concatenation. The
 // metadata name the flight ("flight") and the file ("filename"). https://tus.io/protocols/resumable-upload
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "api/auth/flight_access.h"
 #include "api/http/responses.h"
-#include "api/json/json_codec.h"
 #include "api/routes.h"
 #include "api/uploads/tus_chunk.h"
 #include "api/uploads/tus_headers.h"
@@ -177,13 +177,15 @@ Result<Response> GetUpload(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const SpooledUpload upload,
                       service.spool.Find(request.Parameter("upload"), service.db.ages().Now()));
   if (upload.file) SKYQUILT_TRY(UnpackOnly(service, upload.flight_id, *upload.file));
-  Response response = TusAnswer(
-      Json(200, JsonObject({{"id", JsonString(upload.id)},
-                            {"flight_id", upload.IsPart() ? "null" : JsonString(upload.flight_id)},
-                            {"name", JsonString(upload.name)},
-                            {"offset", std::to_string(upload.offset)},
-                            {"length", upload.length ? std::to_string(*upload.length) : std::string("null")},
-                            {"is_done", upload.is_done ? "true" : "false"}})));
+  nlohmann::ordered_json described = {{"id", upload.id},
+                                      {"flight_id", upload.flight_id},
+                                      {"name", upload.name},
+                                      {"offset", upload.offset},
+                                      {"length", nullptr},
+                                      {"is_done", upload.is_done}};
+  if (upload.IsPart()) described["flight_id"] = nullptr;
+  if (upload.length) described["length"] = *upload.length;
+  Response response = TusAnswer(JsonOf(200, described));
   DescribeTus(service, upload, response);
   if (upload.length) {
     response.headers.Add("Upload-Length", std::to_string(*upload.length));

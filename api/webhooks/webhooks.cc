@@ -45,13 +45,12 @@ Result<NewWebhook> ParseNewWebhook(const std::string& body) {
   return wanted;
 }
 
-std::string Described(const storage::Webhook& webhook, bool with_secret) {
-  std::vector<std::pair<std::string_view, std::string>> members = {
-      {"id", JsonString(webhook.id)},
-      {"url", JsonString(webhook.url)},
-      {"created_at", JsonString(FormatTime(webhook.created))}};
-  if (with_secret) members.emplace_back("secret", JsonString(webhook.secret));
-  return JsonObject(members);
+nlohmann::ordered_json Described(const storage::Webhook& webhook, bool with_secret) {
+  nlohmann::ordered_json described = {{"id", webhook.id},
+                                      {"url", webhook.url},
+                                      {"created_at", FormatTime(webhook.created)}};
+  if (with_secret) described["secret"] = webhook.secret;
+  return described;
 }
 
 Result<Response> AddWebhook(Service& service, const Request&, const std::string& body) {
@@ -63,14 +62,14 @@ Result<Response> AddWebhook(Service& service, const Request&, const std::string&
   SKYQUILT_TRY(service.check_receiver(wanted.url));
   SKYQUILT_TRY_ASSIGN(const storage::Webhook made,
                       storage::Webhooks(service.db).Add(wanted.url, wanted.secret, storage::Now()));
-  return Json(201, Described(made, true));
+  return JsonOf(201, Described(made, true));
 }
 
 Result<Response> ListWebhooks(storage::CatalogueDb& db, const Request&) {
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::Webhook> list, storage::Webhooks(db).List());
-  std::vector<std::string> items;
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
   for (const storage::Webhook& webhook : list) items.push_back(Described(webhook, false));
-  return Json(200, JsonObject({{"webhooks", JsonArray(items)}}));
+  return JsonOf(200, {{"webhooks", items}});
 }
 
 Result<Response> RemoveWebhook(storage::CatalogueDb& db, const Request& request) {

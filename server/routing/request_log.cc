@@ -6,19 +6,19 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 
 #include "api/json/json_codec.h"
+#include "core/base/text/json_io.h"
 
 namespace skyquilt::server {
 namespace {
 
 // One write a line, so that lines of several processes do not mix.
-void WriteLine(std::string_view level,
-               std::initializer_list<std::pair<std::string_view, std::string>> members) {
-  std::string line =
-      fmt::format("{{\"time\":\"{}\",\"level\":\"{}\"", api::FormatTime(storage::Now()), level);
-  for (const auto& [name, value] : members) line += fmt::format(",\"{}\":{}", name, value);
-  line += "}\n";
+void WriteLine(const char* level, const nlohmann::ordered_json& members) {
+  nlohmann::ordered_json values = {{"time", api::FormatTime(storage::Now())}, {"level", level}};
+  values.update(members);
+  const std::string line = JsonText(values) + "\n";
   // A log that cannot be written has nowhere to say so.
   [[maybe_unused]] const ssize_t wrote = write(STDERR_FILENO, line.data(), line.size());
 }
@@ -33,16 +33,11 @@ std::string NextRequestId() {
 }
 
 void LogResponse(std::string_view request_id, std::string_view method, std::string_view path, int status) {
-  WriteLine("error", {{"request_id", api::JsonString(request_id)},
-                      {"method", api::JsonString(method)},
-                      {"path", api::JsonString(path)},
-                      {"status", std::to_string(status)}});
+  WriteLine("error", {{"request_id", request_id}, {"method", method}, {"path", path}, {"status", status}});
 }
 
 void LogFailure(std::string_view request_id, std::string_view where, std::string_view what) {
-  WriteLine("error", {{"request_id", api::JsonString(request_id)},
-                      {"where", api::JsonString(where)},
-                      {"what", api::JsonString(what)}});
+  WriteLine("error", {{"request_id", request_id}, {"where", where}, {"what", what}});
 }
 
 void LogUncaught(const std::exception_ptr& failure) {
@@ -54,6 +49,6 @@ void LogUncaught(const std::exception_ptr& failure) {
   }
 }
 
-void LogEvent(std::string_view what) { WriteLine("info", {{"what", api::JsonString(what)}}); }
+void LogEvent(std::string_view what) { WriteLine("info", {{"what", what}}); }
 
 }  // namespace skyquilt::server
