@@ -247,7 +247,7 @@ std::string NameOfCollection(const std::string& flight_id, PhotoFeatures kind) {
   return flight_id + (kind == PhotoFeatures::kPhotos ? ".photos" : ".footprints");
 }
 
-std::string PhotoCollection(const Request& request, const storage::ShownFlight& map, PhotoFeatures kind) {
+FeatureJson PhotoCollection(const Request& request, const storage::ShownFlight& map, PhotoFeatures kind) {
   const std::string id = NameOfCollection(map.flight_id, kind);
   FeatureJson collection;
   collection["id"] = id;
@@ -264,7 +264,7 @@ std::string PhotoCollection(const Request& request, const storage::ShownFlight& 
   const std::string path = "/ogc/collections/" + id;
   collection["links"] = FeatureJson::array({FeatureLink(request, path, "self", "application/json"),
                                             FeatureLink(request, path + "/items", "items", kFeatureType)});
-  return JsonText(collection);
+  return collection;
 }
 
 void AddFeatureRoutes(Router& router, Service& service) {

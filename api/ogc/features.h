@@ -3,6 +3,7 @@
 // and time, page by page. OGC 17-069r4. Any thread.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,7 +20,8 @@ inline constexpr PhotoFeatures kPhotoFeatures[] = {PhotoFeatures::kPhotos, Photo
 std::optional<PhotoFeatures> PhotoFeaturesNamed(std::string_view collection);
 // "ID.photos".
 std::string NameOfCollection(const std::string& flight_id, PhotoFeatures kind);
-// Its description as JSON text.
-std::string PhotoCollection(const Request& request, const storage::ShownFlight& map, PhotoFeatures kind);
+// Its description.
+nlohmann::ordered_json PhotoCollection(const Request& request, const storage::ShownFlight& map,
+                                       PhotoFeatures kind);
 
 }  // namespace skyquilt::api

@@ -20,7 +20,6 @@
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "api/views/map_view.h"
-#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_format.h"
@@ -134,7 +133,7 @@ Result<Response> DescribeCollection(Service& service, const Request& request) {
     return NoCacheJson(Collection(request, shown, surfaces));
   }
   if (FeaturesOf(shown).empty()) return Error{ErrorCode::kNotFound, "This map was not made of photos.", ""};
-  return NoCacheJson(ParseOrderedJson(PhotoCollection(request, shown, *kind)));
+  return NoCacheJson(PhotoCollection(request, shown, *kind));
 }
 
 Result<Response> Collections(Service& service, const Request& request) {
@@ -147,7 +146,7 @@ Result<Response> Collections(Service& service, const Request& request) {
                         service.surfaces.Of(map.flight_id, map.revision.revision));
     collections.push_back(Collection(request, map, surfaces));
     for (const PhotoFeatures kind : FeaturesOf(map))
-      collections.push_back(ParseOrderedJson(PhotoCollection(request, map, kind)));
+      collections.push_back(PhotoCollection(request, map, kind));
   }
   Value links = Value::array({OgcLink(request, "/ogc/collections", "self", "application/json", "This list")});
   if (page.next_cursor) {

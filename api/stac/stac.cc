@@ -148,7 +148,7 @@ Result<FoundMaps> Find(Service& service, const Request& request, const StacSearc
   return found;
 }
 
-Result<std::string> ItemText(Service& service, const Request& request, const storage::ShownFlight& map) {
+Result<StacJson> ItemOf(Service& service, const Request& request, const storage::ShownFlight& map) {
   SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
                       service.surfaces.Of(map.flight_id, map.revision.revision));
   return StacItem(request, map, surfaces);
@@ -163,8 +163,8 @@ Result<Response> AnswerSearch(Service& service, const Request& request, const Re
   SKYQUILT_TRY_ASSIGN(const FoundMaps found, Find(service, request, *search));
   StacJson features = StacJson::array();
   for (const storage::ShownFlight& map : found.maps) {
-    SKYQUILT_TRY_ASSIGN(const std::string item, ItemText(service, request, map));
-    features.push_back(ParseOrderedJson(item));
+    SKYQUILT_TRY_ASSIGN(StacJson item, ItemOf(service, request, map));
+    features.push_back(std::move(item));
   }
   StacJson links = StacJson::array();
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
@@ -223,8 +223,8 @@ Result<Response> AnswerItem(Service& service, const Request& request, const std:
                  "This item is no more: the flight shows another map now. It is " + StacItemId(*shown) + ".",
                  ""};
   }
-  SKYQUILT_TRY_ASSIGN(const std::string item, ItemText(service, request, *shown));
-  return NoCache(Text(200, item, kGeoJsonType));
+  SKYQUILT_TRY_ASSIGN(const StacJson item, ItemOf(service, request, *shown));
+  return NoCacheJson(item, kGeoJsonType);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include "api/json/json_codec.h"
 #include "api/stac/stac_search.h"
 #include "api/surface/map_surface.h"
-#include "core/base/text/json_io.h"
 #include "core/pipeline/report/map_quality.h"
 
 namespace skyquilt::api {
@@ -75,8 +74,8 @@ std::string StacItemId(const storage::ShownFlight& map) {
   return fmt::format("{}-r{}", map.flight_id, map.revision.revision);
 }
 
-std::string StacItem(const Request& request, const storage::ShownFlight& map,
-                     const std::vector<Surface>& surfaces) {
+ItemJson StacItem(const Request& request, const storage::ShownFlight& map,
+                  const std::vector<Surface>& surfaces) {
   const std::string& id = map.flight_id;
   const auto to = [&](const std::string& path) { return LinkTo(request, path); };
   ItemJson item;
@@ -124,7 +123,7 @@ std::string StacItem(const Request& request, const storage::ShownFlight& map,
     item["assets"][files.name] = asset(fmt::format("/{}", files.heights), kCogType, files.title, "data");
   }
   item["links"] = links;
-  return JsonText(item);
+  return item;
 }
 
 }  // namespace skyquilt::api

@@ -3,6 +3,7 @@
 // https://github.com/radiantearth/stac-spec/blob/v1.0.0/item-spec/item-spec.md
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,8 @@ namespace skyquilt::api {
 
 // "ID-r3": another revision is another item.
 std::string StacItemId(const storage::ShownFlight& map);
-// JSON text. `surfaces`: the heights that the map has beside it.
-std::string StacItem(const Request& request, const storage::ShownFlight& map,
-                     const std::vector<Surface>& surfaces);
+// `surfaces`: the heights that the map has beside it.
+nlohmann::ordered_json StacItem(const Request& request, const storage::ShownFlight& map,
+                                const std::vector<Surface>& surfaces);
 
 }  // namespace skyquilt::api
