@@ -32,7 +32,7 @@ Result<Response> AnswerArcgis(const Request& request, const Value& document) {
   const std::string format = Parameter(request, "f").value_or("json");
   const bool is_pretty = EqualsIgnoringCase(format, "pjson");
   if (!is_pretty && !format.empty() && !EqualsIgnoringCase(format, "json")) {
-    return Error{ErrorCode::kInvalidArgument, "This is there as JSON: ask for f=json or f=pjson.", ""};
+    return Error{ErrorCode::kInvalidArgument, "This is there as JSON: ask for f=json or f=pjson."};
   }
   return NoCache(Text(200, JsonText(document, is_pretty ? 1 : -1), "application/json"));
 }
@@ -163,8 +163,7 @@ Result<Response> ArcgisUnknown(const Request& request) {
   return Error{ErrorCode::kNotFound,
                fmt::format("A map service of this server has no \"{}\": it has tiles, 0, layers and legend. "
                            "What is at a place is told by /api/v1/flights/{}/point?lon=...&lat=...",
-                           request.Parameter("operation"), request.Parameter("flight")),
-               ""};
+                           request.Parameter("operation"), request.Parameter("flight"))};
 }
 
 Result<Response> ArcgisTile(Service& service, const Request& request) {

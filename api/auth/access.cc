@@ -66,7 +66,7 @@ Response Unauthorized(const Request& request, std::string_view pattern, bool has
           ? "This server asks for a token. Its operator makes one with \"skyquilt token add\"."
           : "This server asks for a token, and all that it had were revoked or have ended. Its operator makes one "
             "with \"skyquilt token add\", or starts it again with --open to let everybody in.";
-  Response response = Problem({ErrorCode::kUnauthorized, how, ""}, request);
+  Response response = Problem({ErrorCode::kUnauthorized, how}, request);
   response.headers.Add("WWW-Authenticate", "Bearer realm=\"skyquilt\"");
   return response;
 }
@@ -74,8 +74,7 @@ Response Unauthorized(const Request& request, std::string_view pattern, bool has
 Response Forbidden(const Request& request, std::string_view pattern, Scope needed) {
   const Error error{
       ErrorCode::kForbidden,
-      std::string("This token may not do that: it needs the scope \"") + storage::ScopeName(needed) + "\".",
-      ""};
+      std::string("This token may not do that: it needs the scope \"") + storage::ScopeName(needed) + "\"."};
   return IsNode(pattern) ? NodeRefusal(error.message) : Problem(error, request);
 }
 

@@ -108,7 +108,7 @@ std::optional<Response> CheckFlightAccess(Service& service, const Request& reque
   if (!flight) return refuse(flight.error());
   if (!request.only_flight.empty() && !IsOpenToOneFlight(request, route.pattern, *flight)) {
     return refuse(
-        {ErrorCode::kNotFound, "This token opens one flight, and there is nothing of it here.", ""});
+        {ErrorCode::kNotFound, "This token opens one flight, and there is nothing of it here."});
   }
   if (!changes || !*flight) return std::nullopt;
   const Result<void> may = CheckMayChange(service, request, **flight);

@@ -30,8 +30,7 @@ Result<void> CheckLimits(Service& service, const storage::Token& token) {
   }
   return Error{ErrorCode::kRateLimited,
                fmt::format("This token may send {} requests a minute. Try again in a moment.",
-                           *token.requests_per_minute),
-               ""};
+                           *token.requests_per_minute)};
 }
 
 namespace {

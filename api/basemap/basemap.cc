@@ -67,7 +67,7 @@ Response Describe(const Basemap& basemap, const Request& request) {
 Result<Response> SendPmtiles(const Basemap& basemap, const Request& request) {
   struct stat status {};
   if (basemap.pmtiles.empty() || stat(basemap.pmtiles.c_str(), &status) != 0) {
-    return Error{ErrorCode::kNotFound, "This server has no basemap of its own (serve --basemap).", ""};
+    return Error{ErrorCode::kNotFound, "This server has no basemap of its own (serve --basemap)."};
   }
   const std::string etag = fmt::format("\"{:x}-{:x}\"", status.st_mtim.tv_sec, status.st_size);
   return SendFile(request, basemap.pmtiles, "application/vnd.pmtiles", etag);
@@ -97,7 +97,7 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
   basemap.attribution = attribution;
   if (text.empty() && !attribution.empty()) {
     return Error{ErrorCode::kInvalidArgument,
-                 "The option --basemap-attribution needs --basemap, whose makers it names.", ""};
+                 "The option --basemap-attribution needs --basemap, whose makers it names."};
   }
   if (text.empty()) return basemap;
   basemap.offers_public = false;
@@ -114,7 +114,7 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
       if (text.find(part) == std::string::npos || text.find_first_of(" \"<>;'") != std::string::npos) {
         return Error{
             ErrorCode::kInvalidArgument,
-            "Give --basemap tiles as https://host/path/{z}/{x}/{y}.png, or the path of a PMTiles file.", ""};
+            "Give --basemap tiles as https://host/path/{z}/{x}/{y}.png, or the path of a PMTiles file."};
       }
     }
     basemap.tiles = text;
@@ -126,8 +126,7 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
         ErrorCode::kNotFound,
         fmt::format("The basemap file {} does not exist. Check the path given with --basemap, or say one of "
                     "these names: {}.",
-                    text, fmt::join(BasemapNames(), ", ")),
-        ""};
+                    text, fmt::join(BasemapNames(), ", "))};
   }
   basemap.pmtiles = std::filesystem::absolute(text);
   return basemap;

@@ -191,8 +191,7 @@ Result<Rgb> ParseColour(std::string_view text, std::string_view name) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("The parameter \"{}\" must be six hexadecimal digits, red, green and blue "
                              "(0xFFCC00), or the name of a colour in CSS.",
-                             name),
-                 ""};
+                             name)};
   }
   return RgbOf(number);
 }

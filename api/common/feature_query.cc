@@ -70,7 +70,7 @@ std::optional<WrittenTime> Read(std::string_view text) {
   return time;
 }
 
-Error BadQuery(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message), ""}; }
+Error BadQuery(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
 Result<std::optional<Instant>> EndOfSpan(std::string_view text) {
   if (text.empty() || text == "..") return std::optional<Instant>();

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kUsualRamp = "rdylgn";
 
-Error BadLook(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message), ""}; }
+Error BadLook(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
 std::string NamesOfIndices() {
   std::vector<std::string_view> names;

@@ -25,7 +25,7 @@ Result<std::string> ReadStoredList(Service& service, const std::string& flight_i
                                    const std::string& stored_name) {
   SKYQUILT_TRY_ASSIGN(const storage::LocalBlob blob, service.store.Fetch(flight_id, stored_name));
   if (!service.read_control)
-    return Error{ErrorCode::kUnavailable, "This server reads no control points.", ""};
+    return Error{ErrorCode::kUnavailable, "This server reads no control points."};
   return service.read_control(blob.path);
 }
 
@@ -57,15 +57,15 @@ Result<void> CheckAllWereRead(const std::string& given, const std::string& json)
   if (read.is_object() && read.contains("warnings") && !read["warnings"].empty() &&
       read["warnings"].front().is_string())
     words = read["warnings"].front().get<std::string>();
-  return Error{ErrorCode::kUnprocessable, "The control points cannot be kept: " + words, ""};
+  return Error{ErrorCode::kUnprocessable, "The control points cannot be kept: " + words};
 }
 
 // The reader speaks of files; here the user's fields are meant.
 Error AsRefusal(const Error& error) {
   if (error.code == ErrorCode::kUnsupportedFormat)
-    return {ErrorCode::kUnprocessable, "The reference system is not known: " + error.message, ""};
+    return {ErrorCode::kUnprocessable, "The reference system is not known: " + error.message};
   if (error.code == ErrorCode::kCorrupt)
-    return {ErrorCode::kUnprocessable, "None of the points lies in the area of the reference system.", ""};
+    return {ErrorCode::kUnprocessable, "None of the points lies in the area of the reference system."};
   return error;
 }
 

@@ -27,7 +27,7 @@ constexpr const char* kUsualSystem = "EPSG:4326";
 // The format counts from the corner of the first pixel, the API from its middle.
 constexpr double kMiddleOfPixel = 0.5;
 
-Error RefuseControl(std::string message) { return {ErrorCode::kUnprocessable, std::move(message), ""}; }
+Error RefuseControl(std::string message) { return {ErrorCode::kUnprocessable, std::move(message)}; }
 
 bool IsPlainLine(const std::string& text, std::size_t max_length) {
   return !text.empty() && text.size() <= max_length && text.front() != ' ' && text.back() != ' ' &&
@@ -133,7 +133,7 @@ Result<std::string> ControlListText(std::string_view json) {
   SKYQUILT_TRY(CheckJsonText(json, kMaxControlBytes));
   const Value document = ParseOrderedJson(json);
   if (document.is_discarded())
-    return Error{ErrorCode::kInvalidArgument, "The control points are not JSON.", ""};
+    return Error{ErrorCode::kInvalidArgument, "The control points are not JSON."};
   if (!document.is_object()) return RefuseControl("The control points must be a JSON object.");
   for (const auto& [field, value] : document.items()) {
     if (field != "reference_system" && field != "points" && field != "warnings")

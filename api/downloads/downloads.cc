@@ -102,7 +102,7 @@ Result<Response> SendAll(Service& service, const Request& request) {
     SKYQUILT_TRY_ASSIGN(storage::OpenStreamed streamed, OpenStreamedProduct(service, map.prefix, name));
     entries.push_back({name, "", {}, std::move(streamed)});
   }
-  if (entries.empty()) return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again.", ""};
+  if (entries.empty()) return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again."};
   SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));
   const auto layout = std::make_shared<const ZipLayout>(std::move(planned));
   Result<Response> sent =

@@ -156,7 +156,7 @@ Result<Response> SendParts(const Request& request, std::uint64_t size, const std
     range = ParseRange(request.headers.Find("Range"), size);
   }
   if (range.kind == RangeKind::kUnsatisfiable) {
-    return Error{ErrorCode::kRangeNotSatisfiable, fmt::format("bytes */{}", size), ""};
+    return Error{ErrorCode::kRangeNotSatisfiable, fmt::format("bytes */{}", size)};
   }
   if (range.kind == RangeKind::kPart) {
     response.status = 206;
@@ -172,7 +172,7 @@ Result<Response> SendParts(const Request& request, std::uint64_t size, const std
 Response Downloaded(Result<Response> sent, const Request& request) {
   if (sent || sent.error().code != ErrorCode::kRangeNotSatisfiable) return Answered(std::move(sent), request);
   Response response =
-      Problem({ErrorCode::kRangeNotSatisfiable, "The range lies outside the file.", ""}, request);
+      Problem({ErrorCode::kRangeNotSatisfiable, "The range lies outside the file."}, request);
   response.headers.Add("Content-Range", sent.error().message);
   return response;
 }

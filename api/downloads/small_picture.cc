@@ -69,14 +69,13 @@ Result<int> SizeAsked(const Request& request) {
     if (*text == std::to_string(size_px)) return size_px;
   }
   return Error{ErrorCode::kInvalidArgument,
-               "The parameter \"size\", the picture's longer side in pixels, must be 160, 320, 512 or 1024.",
-               ""};
+               "The parameter \"size\", the picture's longer side in pixels, must be 160, 320, 512 or 1024."};
 }
 
 Result<std::string> MakePoster(Service& service, const std::string& flight_id, const ShownMap& map) {
   SKYQUILT_TRY_ASSIGN(const auto tileset, service.tilesets.Get(flight_id));
   if (tileset->revision.revision != map.revision)
-    return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again.", ""};
+    return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again."};
   return DrawMapPoster(*tileset);
 }
 

@@ -41,7 +41,7 @@ class EventStream final : public LiveSource {
 
   Result<std::string> Next() override {
     if (!IsStillGood(service_, owner_)) {
-      return Error{ErrorCode::kUnauthorized, "The token of this stream was revoked or has ended.", ""};
+      return Error{ErrorCode::kUnauthorized, "The token of this stream was revoked or has ended."};
     }
     std::string text;
     if (is_first_) text = "retry: 2000\n\n";
@@ -105,7 +105,7 @@ std::optional<std::int64_t> SeqFrom(std::string_view text) {
 }
 
 Error NothingToFollow() {
-  return {ErrorCode::kNotFound, "This token opens one flight, and this is none of its events.", ""};
+  return {ErrorCode::kNotFound, "This token opens one flight, and this is none of its events."};
 }
 
 Result<Response> Follow(Service& service, const Request& request) {
@@ -114,7 +114,7 @@ Result<Response> Follow(Service& service, const Request& request) {
   if (const auto job = request.Query("job")) filter.job_id = *job;
   for (const auto& id : {filter.flight_id, filter.job_id}) {
     if (!id || storage::IsId(*id)) continue;
-    return Error{ErrorCode::kInvalidArgument, "\"flight\" and \"job\" are ids as the server gave them.", ""};
+    return Error{ErrorCode::kInvalidArgument, "\"flight\" and \"job\" are ids as the server gave them."};
   }
   if (!request.only_flight.empty()) {
     if (filter.flight_id.value_or(request.only_flight) != request.only_flight) return NothingToFollow();
@@ -129,7 +129,7 @@ Result<Response> Follow(Service& service, const Request& request) {
   if (from.empty()) from = request.Query("after").value_or("");
   std::optional<std::int64_t> after = SeqFrom(from);
   if (!from.empty() && !after) {
-    return Error{ErrorCode::kInvalidArgument, "Last-Event-ID is the number of an event.", ""};
+    return Error{ErrorCode::kInvalidArgument, "Last-Event-ID is the number of an event."};
   }
   if (!after) {
     SKYQUILT_TRY_ASSIGN(const std::int64_t latest, service.events.Latest());
@@ -137,11 +137,11 @@ Result<Response> Follow(Service& service, const Request& request) {
   }
   SKYQUILT_TRY_ASSIGN(const EventHub::Seat seat, service.event_hub.Join(request.client, filter));
   if (seat.joined == EventHub::Joined::kFull) {
-    return Error{ErrorCode::kUnavailable, "Too many are following events. Try again later.", ""};
+    return Error{ErrorCode::kUnavailable, "Too many are following events. Try again later."};
   }
   if (seat.joined == EventHub::Joined::kClientFull) {
     return Error{ErrorCode::kRateLimited,
-                 "As many as may are following events from your address already. Close some of them.", ""};
+                 "As many as may are following events from your address already. Close some of them."};
   }
   Response response;
   response.headers.Add("Content-Type", "text/event-stream");

@@ -172,8 +172,7 @@ Result<Response> DownloadExport(Service& service, const Request& request) {
   if (found.state != ExportState::kSuccessful || !format)
     return Error{ErrorCode::kConflict,
                  found.HasEnded() ? "This export failed: " + found.error_message
-                                  : "This export is not made yet. Ask its address for its state.",
-                 ""};
+                                  : "This export is not made yet. Ask its address for its state."};
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(found.flight_id));
   SKYQUILT_TRY_ASSIGN(Response sent,
                       SendBlob(request, service.store.blobs(), storage::ExportKey(found),

@@ -39,7 +39,7 @@ Result<Response> ListFlights(Service& service, const Request& request) {
   if (const auto given = request.Query("tag")) {
     const auto checked = storage::CheckedTags({std::string(*given)});
     if (!checked) {
-      return Error{ErrorCode::kInvalidArgument, "The parameter \"tag\": " + checked.error().message, ""};
+      return Error{ErrorCode::kInvalidArgument, "The parameter \"tag\": " + checked.error().message};
     }
     tag = checked->front();
   }
@@ -88,7 +88,7 @@ Result<Response> Verdict(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
   SKYQUILT_TRY_ASSIGN(const FlightView view, ViewFlight(service, id));
   if (!service.inspect) {
-    return Error{ErrorCode::kUnavailable, "This server gives no verdicts.", ""};
+    return Error{ErrorCode::kUnavailable, "This server gives no verdicts."};
   }
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> stored, service.catalogue.ListFiles(id));
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::LocalBlob> fetched, service.store.FetchAll(id, stored));

@@ -23,8 +23,7 @@ using HeightsJson = nlohmann::ordered_json;
 Error NoLine(const std::string& why) {
   return {ErrorCode::kUnprocessable,
           "The line cannot be used: " + why +
-              " Give a GeoJSON LineString with longitudes and latitudes of WGS 84 in degrees.",
-          ""};
+              " Give a GeoJSON LineString with longitudes and latitudes of WGS 84 in degrees."};
 }
 
 Result<geo::LatLon> PlaceOf(const HeightsJson& position) {
@@ -49,7 +48,7 @@ Result<std::string> ProfileJson(Service& service, const std::string& flight_id, 
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Revision> revision,
                       service.catalogue.ActiveRevision(flight_id));
   SKYQUILT_TRY_ASSIGN(const pipeline::LocatedMap map, ReadLocatedMap(service, flight_id));
-  if (!revision) return Error{ErrorCode::kNotFound, "This flight has no map yet.", ""};
+  if (!revision) return Error{ErrorCode::kNotFound, "This flight has no map yet."};
   SKYQUILT_TRY_ASSIGN(const pipeline::GroundProfile profile,
                       pipeline::ProfileGround(map, revision->bounds, line));
   HeightsJson json;
@@ -89,7 +88,7 @@ Result<std::string> ProfileJson(Service& service, const std::string& flight_id, 
 Result<std::vector<geo::LatLon>> ParseLine(std::string_view json) {
   SKYQUILT_TRY(CheckJsonText(json));
   const HeightsJson parsed = ParseOrderedJson(json);
-  if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The body is not JSON.", ""};
+  if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The body is not JSON."};
   const auto member = [](const HeightsJson& object, const char* name) {
     const auto found = object.find(name);
     return found == object.end() ? HeightsJson() : *found;

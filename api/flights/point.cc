@@ -147,7 +147,7 @@ Result<std::string> AnswerPoint(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const std::optional<IndexLook> look, LookIn(request));
   const std::string_view ground = request.Query("ground").value_or("true");
   if (ground != "true" && ground != "false")
-    return Error{ErrorCode::kInvalidArgument, "The parameter \"ground\" is true or false.", ""};
+    return Error{ErrorCode::kInvalidArgument, "The parameter \"ground\" is true or false."};
   SKYQUILT_TRY_ASSIGN(const MapPoint point,
                       LookAt(service, request.Parameter("flight"), position, look, ground == "true"));
   PointValue json = AsJson(point);

@@ -88,7 +88,7 @@ class StatisticsCounter {
     SKYQUILT_TRY_ASSIGN(const std::string bytes, tileset_.reader->Load(*std::move(found)));
     SKYQUILT_TRY_ASSIGN(const image::RgbaImage picture, image::DecodePicture(bytes));
     if (picture.width_px != side_px_ || picture.height_px != side_px_)
-      return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says.", ""};
+      return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says."};
     const double top_m = tile.BoundsInMerc().max.y();
     for (int row = 0; row < side_px_; ++row) {
       std::int64_t in_row = 0;
@@ -184,9 +184,9 @@ Result<double> PixelsWanted(const Request& request) {
   if (!text) return kMaxPixels;
   SKYQUILT_TRY_ASSIGN(const double wanted, NumberParameter(request, "max_pixels"));
   if (wanted >= kMinPixels && wanted <= kMaxPixels) return wanted;
-  return Error{ErrorCode::kInvalidArgument,
-               fmt::format("The parameter \"max_pixels\" is a number from {} to {}.", kMinPixels, kMaxPixels),
-               ""};
+  return Error{
+      ErrorCode::kInvalidArgument,
+      fmt::format("The parameter \"max_pixels\" is a number from {} to {}.", kMinPixels, kMaxPixels)};
 }
 
 // `polygon`: GeoJSON (storage/exports/custom/boundary). JSON text.

@@ -111,8 +111,7 @@ Result<void> TrashIdleFlights(Service& service, const std::function<void(const s
   storage::IdleFlights idle_flights(service.db);
   if (service.keep_days == 0) return idle_flights.Forget();
   if (service.trash_days == 0) {
-    return Error{ErrorCode::kUnprocessable, "This server keeps no trash for flights that nobody changes.",
-                 ""};
+    return Error{ErrorCode::kUnprocessable, "This server keeps no trash for flights that nobody changes."};
   }
   const std::chrono::days keep(service.keep_days);
   const storage::Time age = service.db.ages().Now();

@@ -25,8 +25,7 @@ void AddGeoJsonRoute(Router& router, std::string_view pattern, std::string what,
               return Error{ErrorCode::kUnsupportedFormat,
                            fmt::format("Send the {} as GeoJSON: curl -H 'Content-Type: "
                                        "application/geo+json' -d @FILE.geojson ...",
-                                       what),
-                           ""};
+                                       what)};
             }
             SKYQUILT_TRY_ASSIGN(GeoJsonAnswer prepared, prepare(request));
             return CollectBody(

@@ -18,7 +18,7 @@ struct HeaderValue {
 };
 
 Error Refuse(std::string_view why, ErrorCode code = ErrorCode::kInvalidArgument) {
-  return {code, fmt::format("The form cannot be read: {}.", why), ""};
+  return {code, fmt::format("The form cannot be read: {}.", why)};
 }
 
 std::string PercentDecoded(std::string_view text) {
@@ -150,8 +150,7 @@ Result<std::string> MultipartBoundary(std::string_view content_type) {
     return Error{
         ErrorCode::kUnsupportedFormat,
         "Send files as multipart/form-data (curl -F \"photo=@PHOTO.JPG\") or one at a time by PUT (curl -T "
-        "PHOTO.JPG .../files/), and JSON with its header (-H 'Content-Type: application/json').",
-        ""};
+        "PHOTO.JPG .../files/), and JSON with its header (-H 'Content-Type: application/json')."};
   }
   for (const auto& [name, boundary] : parsed.parameters) {
     if (name != "boundary") continue;

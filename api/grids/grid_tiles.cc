@@ -19,10 +19,10 @@ Result<void> CheckOnMap(const storage::Tileset& tileset, const GridTileRequest& 
   const std::vector<GridMatrix> matrices = MatricesOf(wanted.grid, tileset.revision, TileSizePx(tileset));
   const auto found = std::find_if(matrices.begin(), matrices.end(),
                                   [&](const GridMatrix& matrix) { return matrix.level == wanted.level; });
-  if (found == matrices.end()) return Error{ErrorCode::kNotFound, "The map has no tiles of this level.", ""};
+  if (found == matrices.end()) return Error{ErrorCode::kNotFound, "The map has no tiles of this level."};
   if (wanted.column < found->min_column || wanted.column > found->max_column || wanted.row < found->min_row ||
       wanted.row > found->max_row) {
-    return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
+    return Error{ErrorCode::kNotFound, "This tile lies outside the map."};
   }
   return {};
 }
@@ -64,16 +64,14 @@ Result<std::string> MakeGridTile(Service& service, const storage::Tileset& tiles
 Result<void> CheckInGrid(const MapGrid& grid, std::int64_t level, std::int64_t column, std::int64_t row) {
   if (level < grid.first_level() || level > grid.last_level()) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} has levels {} to {}.", grid.name(), grid.first_level(), grid.last_level()),
-                 ""};
+                 fmt::format("{} has levels {} to {}.", grid.name(), grid.first_level(), grid.last_level())};
   }
   const std::int64_t columns = grid.Columns(static_cast<int>(level)),
                      rows = grid.Rows(static_cast<int>(level));
   if (column < 0 || column >= columns || row < 0 || row >= rows) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("Level {} of {} has columns 0 to {} and rows 0 to {}.", level, grid.name(),
-                             columns - 1, rows - 1),
-                 ""};
+                             columns - 1, rows - 1)};
   }
   return {};
 }
@@ -105,7 +103,7 @@ Result<geo::LatLon> PositionInGrid(const MapGrid& grid, std::int64_t level, std:
   const double cell = grid.CellSize(static_cast<int>(level));
   const std::optional<geo::LatLon> position =
       crs.LatLonOf({box.min.x() + (pixel.x() + 0.5) * cell, box.max.y() - (pixel.y() + 0.5) * cell});
-  if (!position) return Error{ErrorCode::kNotFound, "This pixel shows no place on Earth.", ""};
+  if (!position) return Error{ErrorCode::kNotFound, "This pixel shows no place on Earth."};
   return *position;
 }
 

@@ -27,7 +27,7 @@ Response Replay(const storage::IdempotentAnswer& answer) {
 Result<storage::IdempotencyKey> KeyOf(const Request& request) {
   std::string key(request.headers.Find("Idempotency-Key"));
   if (key.empty() || key.size() > kLongestKey) {
-    return Error{ErrorCode::kInvalidArgument, "Idempotency-Key must be 1 to 255 characters.", ""};
+    return Error{ErrorCode::kInvalidArgument, "Idempotency-Key must be 1 to 255 characters."};
   }
   return storage::IdempotencyKey{request.owner, std::move(key), RouteOf(request)};
 }
@@ -46,7 +46,7 @@ Response OnceBy(Service& service, const Request& request, const std::string& fin
   if (*known && (*known)->fingerprint != fingerprint) {
     return Problem(
         {ErrorCode::kUnprocessable,
-         "This Idempotency-Key was used for another request. Send this one under a key of its own.", ""},
+         "This Idempotency-Key was used for another request. Send this one under a key of its own."},
         request);
   }
   if (*known) return Replay(**known);

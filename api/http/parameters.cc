@@ -42,7 +42,7 @@ std::optional<std::string> Parameter(const Request& request, std::string_view na
 
 Result<double> NumberParameter(const Request& request, const char* name) {
   if (const auto number = ParseFiniteNumber(request.Query(name).value_or(""))) return *number;
-  return Error{ErrorCode::kInvalidArgument, fmt::format("The parameter \"{}\" must be a number.", name), ""};
+  return Error{ErrorCode::kInvalidArgument, fmt::format("The parameter \"{}\" must be a number.", name)};
 }
 
 Result<int> PageSizeOf(const Request& request, int usual, int most) {
@@ -51,13 +51,13 @@ Result<int> PageSizeOf(const Request& request, int usual, int most) {
   const std::optional<int> limit = ParseNumber<int>(*text);
   if (limit && *limit >= 1 && *limit <= most) return *limit;
   return Error{ErrorCode::kInvalidArgument,
-               fmt::format("The parameter \"limit\" must be a whole number from 1 to {}.", most), ""};
+               fmt::format("The parameter \"limit\" must be a whole number from 1 to {}.", most)};
 }
 
 Result<std::optional<std::string>> ParseCursor(std::optional<std::string_view> text) {
   if (!text) return std::optional<std::string>();
   if (storage::IsId(*text)) return std::optional<std::string>(*text);
-  return Error{ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""};
+  return Error{ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave."};
 }
 
 }  // namespace skyquilt::api

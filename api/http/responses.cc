@@ -44,8 +44,7 @@ class Collector final : public BodySink {
       : request_(std::move(request)), answer_(std::move(answer)), max_bytes_(max_bytes) {}
   Result<void> Write(std::span<const std::uint8_t> bytes) override {
     if (body_.size() + bytes.size() > max_bytes_) {
-      return Error{ErrorCode::kTooLarge, fmt::format("The body is longer than {} KiB.", max_bytes_ >> 10),
-                   ""};
+      return Error{ErrorCode::kTooLarge, fmt::format("The body is longer than {} KiB.", max_bytes_ >> 10)};
     }
     body_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     return {};
@@ -220,7 +219,7 @@ std::unique_ptr<BodySink> CollectBody(const Request& request, BodyHandler answer
 }
 
 Result<void> CheckId(const std::string& id, const char* what) {
-  if (!storage::IsId(id)) return Error{ErrorCode::kNotFound, fmt::format("There is no such {}.", what), ""};
+  if (!storage::IsId(id)) return Error{ErrorCode::kNotFound, fmt::format("There is no such {}.", what)};
   return {};
 }
 

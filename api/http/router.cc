@@ -95,7 +95,7 @@ Route& Router::AddBody(Method method, std::string_view pattern, BodyHandler hand
       method, pattern,
       [handler = std::move(handler), unless_json, max_bytes](const Request& request) -> UploadBegun {
         if (unless_json != nullptr && !IsJson(request))
-          return Error{ErrorCode::kUnsupportedFormat, unless_json, ""};
+          return Error{ErrorCode::kUnsupportedFormat, unless_json};
         return CollectBody(request, handler, max_bytes);
       });
 }

@@ -13,7 +13,7 @@ constexpr std::size_t kMaxSegments = 32;
 constexpr std::size_t kMaxQueryItems = 64;
 
 Error Refuse(const char* why) {
-  return {ErrorCode::kInvalidArgument, fmt::format("Bad request target: {}.", why), ""};
+  return {ErrorCode::kInvalidArgument, fmt::format("Bad request target: {}.", why)};
 }
 
 bool IsUnreservedOrSub(char c) {

@@ -36,7 +36,7 @@ struct ZoneRequest {
   storage::OutlineFormat format = storage::OutlineFormat::kGeoJson;
 };
 
-Error BadZones(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message), ""}; }
+Error BadZones(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
 Result<ZoneRequest> ParseZones(const Request& request) {
   SKYQUILT_TRY_ASSIGN(IndexLook look, LookRequiredIn(request));
@@ -146,8 +146,7 @@ Result<Response> AnswerZones(Service& service, const Request& request) {
     if (values.alphas[i] >= kSolidMapAlpha) known.push_back(values.values[i]);
   }
   if (known.empty())
-    return Error{ErrorCode::kUnprocessable, "This index has no value anywhere on the map. Choose another.",
-                 ""};
+    return Error{ErrorCode::kUnprocessable, "This index has no value anywhere on the map. Choose another."};
   const std::vector<double> breaks = indices::QuantileBreaks(std::move(known), wanted.classes);
   storage::ClassGrid zones = Classified(values, grid, breaks);
   SKYQUILT_TRY(storage::SieveClasses(zones, kMinPatchCells));

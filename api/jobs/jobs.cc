@@ -90,15 +90,14 @@ Result<Response> Cancel(Service& service, const Request& request) {
 Result<Response> Retry(Service& service, const Request& request) {
   SKYQUILT_TRY(CheckId(request.Parameter("job"), "job"));
   SKYQUILT_TRY_ASSIGN(const storage::Job ended, service.queue.Get(request.Parameter("job")));
-  if (!ended.finished) return Error{ErrorCode::kConflict, "This job has not ended yet.", ""};
+  if (!ended.finished) return Error{ErrorCode::kConflict, "This job has not ended yet."};
   const Result<pipeline::MosaicOptions> options = ParseJobOptions(ended.options);
   if (options && options->placing && !options->placing->is_by_lists &&
       ended.state == storage::JobState::kSuccessful) {
     return Error{
         ErrorCode::kConflict,
         "This job has placed the map already; once more it would move it again. Start a job with new "
-        "pairs to place it anew.",
-        ""};
+        "pairs to place it anew."};
   }
   const storage::Time now = storage::Now();
   const int priority = request.is_admin ? ended.priority : std::min(ended.priority, 0);
@@ -117,7 +116,7 @@ Result<storage::Job> QueueJob(Service& service, const Request& request, const st
   SKYQUILT_TRY(CheckMayChange(service, request, flight_id));
   SKYQUILT_TRY_ASSIGN(const JobRequest wish, ParseJobRequest(body));
   if (wish.priority > 0 && !request.is_admin) {
-    return Error{ErrorCode::kForbidden, "A priority above 0 asks for a token of scope admin.", ""};
+    return Error{ErrorCode::kForbidden, "A priority above 0 asks for a token of scope admin."};
   }
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
   if (flight.file_count == 0) {

@@ -180,8 +180,8 @@ Result<void> SetOne(const std::string& field, const nlohmann::json& value, pipel
 Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
   SKYQUILT_TRY(CheckJsonText(text));
   const nlohmann::json parsed = ParseJson(text);
-  if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The options are not JSON.", ""};
-  if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The options must be a JSON object.", ""};
+  if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The options are not JSON."};
+  if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The options must be a JSON object."};
   pipeline::MosaicOptions options;
   for (const auto& [field, value] : parsed.items()) {
     SKYQUILT_TRY(SetOne(field, value, &options));

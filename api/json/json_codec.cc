@@ -76,20 +76,20 @@ Result<ordered_json> ParseObject(std::string_view body) {
   if (body.find_first_not_of(" \t\r\n") == std::string_view::npos) return ordered_json::object();
   SKYQUILT_TRY(CheckJsonText(body));
   ordered_json parsed = ParseOrderedJson(body);
-  if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The body is not JSON.", ""};
-  if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The body must be a JSON object.", ""};
+  if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The body is not JSON."};
+  if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The body must be a JSON object."};
   return parsed;
 }
 
 Error UnknownField(const std::string& field) {
-  return {ErrorCode::kUnprocessable, fmt::format("The field \"{}\" is not known.", field), ""};
+  return {ErrorCode::kUnprocessable, fmt::format("The field \"{}\" is not known.", field)};
 }
 
 Result<std::string> CheckedName(const ordered_json& value) {
-  if (!value.is_string()) return Error{ErrorCode::kUnprocessable, "The field \"name\" must be a text.", ""};
+  if (!value.is_string()) return Error{ErrorCode::kUnprocessable, "The field \"name\" must be a text."};
   const auto name = value.get<std::string>();
   if (name.empty() || name.size() > 200) {
-    return Error{ErrorCode::kUnprocessable, "The field \"name\" must be 1 to 200 bytes long.", ""};
+    return Error{ErrorCode::kUnprocessable, "The field \"name\" must be 1 to 200 bytes long."};
   }
   return name;
 }
@@ -105,8 +105,7 @@ Result<std::string> CheckedFlightOptions(const ordered_json& value) {
   if (value.is_object() && value.contains("place")) {
     return Error{ErrorCode::kUnprocessable,
                  "The option \"place\" moves the map that there is, once: give it to a job "
-                 "(POST /api/v1/flights/{flight}/jobs), not to the flight.",
-                 ""};
+                 "(POST /api/v1/flights/{flight}/jobs), not to the flight."};
   }
   return CheckedOptions(value);
 }
@@ -114,7 +113,7 @@ Result<std::string> CheckedFlightOptions(const ordered_json& value) {
 Result<std::vector<std::string>> CheckedTagList(const ordered_json& value) {
   if (!value.is_array() ||
       !std::all_of(value.begin(), value.end(), [](const ordered_json& tag) { return tag.is_string(); })) {
-    return Error{ErrorCode::kUnprocessable, "The field \"tags\" must be a list of texts.", ""};
+    return Error{ErrorCode::kUnprocessable, "The field \"tags\" must be a list of texts."};
   }
   return storage::CheckedTags(value.get<std::vector<std::string>>());
 }
@@ -124,8 +123,7 @@ Result<int> CheckedPriority(const ordered_json& value) {
   if (!value.is_number_integer() || value < -kMaxPriority || value > kMaxPriority) {
     return Error{ErrorCode::kUnprocessable,
                  fmt::format("The field \"priority\" must be a whole number from {} to {}.", -kMaxPriority,
-                             kMaxPriority),
-                 ""};
+                             kMaxPriority)};
   }
   return value.get<int>();
 }
@@ -264,7 +262,7 @@ Result<storage::FlightChange> ParseFlightFields(std::string_view body) {
       SKYQUILT_TRY_ASSIGN(fields.tags, CheckedTagList(value));
     } else if (field == "keep") {
       if (!value.is_boolean())
-        return Error{ErrorCode::kUnprocessable, "The field \"keep\" must be true or false.", ""};
+        return Error{ErrorCode::kUnprocessable, "The field \"keep\" must be true or false."};
       fields.is_kept = value.get<bool>();
     } else {
       return UnknownField(field);

@@ -6,8 +6,7 @@ namespace skyquilt::api {
 
 Result<void> CheckJsonText(std::string_view text, std::size_t max_bytes) {
   if (text.size() > max_bytes)
-    return Error{ErrorCode::kTooLarge, fmt::format("The JSON body is longer than {} KiB.", max_bytes >> 10),
-                 ""};
+    return Error{ErrorCode::kTooLarge, fmt::format("The JSON body is longer than {} KiB.", max_bytes >> 10)};
   int depth = 0;
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -19,7 +18,7 @@ Result<void> CheckJsonText(std::string_view text, std::size_t max_bytes) {
       in_string = true;
     } else if (c == '[' || c == '{') {
       if (++depth > kMaxJsonDepth)
-        return Error{ErrorCode::kInvalidArgument, "The JSON body is nested too deep.", ""};
+        return Error{ErrorCode::kInvalidArgument, "The JSON body is nested too deep."};
     } else if (c == ']' || c == '}') {
       --depth;
     }

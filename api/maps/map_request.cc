@@ -29,7 +29,7 @@ struct GivenPlace {
 constexpr double kMaxDeg = 400.0, kMaxUnits = 1e9;
 
 Error BadParameter(std::string_view name, std::string_view what) {
-  return {ErrorCode::kInvalidArgument, fmt::format("The parameter \"{}\" must be {}.", name, what), ""};
+  return {ErrorCode::kInvalidArgument, fmt::format("The parameter \"{}\" must be {}.", name, what)};
 }
 
 // Without the parameter CRS84.
@@ -140,7 +140,7 @@ Result<std::optional<int>> PixelsIn(const Request& request, const char* name) {
   if (*number != std::floor(*number)) return BadParameter(name, "a whole number of pixels");
   if (*number > kMaxWmsSidePx) {
     return Error{ErrorCode::kTooLarge,
-                 fmt::format("The parameter \"{}\" must not be above {} pixels.", name, kMaxWmsSidePx), ""};
+                 fmt::format("The parameter \"{}\" must not be above {} pixels.", name, kMaxWmsSidePx)};
   }
   return std::optional(static_cast<int>(*number));
 }
@@ -159,7 +159,7 @@ Result<std::optional<GivenBox>> BoxGivenIn(const Request& request, const geo::La
   const auto bbox = request.Query("bbox");
   const bool has_subset = request.Query("subset").has_value();
   if (bbox && has_subset) {
-    return Error{ErrorCode::kInvalidArgument, "Say where by \"bbox\" or by \"subset\", not by both.", ""};
+    return Error{ErrorCode::kInvalidArgument, "Say where by \"bbox\" or by \"subset\", not by both."};
   }
   if (!bbox && !has_subset) return std::optional<GivenBox>();
   SKYQUILT_TRY_ASSIGN(GivenBox given, bbox ? BoxOfBbox(request, *bbox) : BoxOfSubset(request, whole));
@@ -201,8 +201,7 @@ Result<GivenSize> SizeIn(const Request& request) {
 Error TooManyPixels() {
   return {ErrorCode::kTooLarge,
           "The picture would have more than 4096 pixels on a side, or more than 8 million. Ask for fewer by "
-          "\"width\" and \"height\", for a larger \"scale-denominator\", or for a smaller box.",
-          ""};
+          "\"width\" and \"height\", for a larger \"scale-denominator\", or for a smaller box."};
 }
 
 // Pixels on a side of so many metres.
@@ -255,8 +254,7 @@ Result<Picture> PictureAround(const MapCrs& crs, const Eigen::Vector2d& place, i
   const std::optional<Eigen::Vector2d> metres = crs.MetresPerUnit(place);
   if (!metres) {
     return Error{ErrorCode::kInvalidArgument,
-                 "The map's coordinate system has no scale there. Ask by \"bbox\", or in another \"crs\".",
-                 ""};
+                 "The map's coordinate system has no scale there. Ask by \"bbox\", or in another \"crs\"."};
   }
   const Eigen::Vector2d half = Eigen::Vector2d(width_px, height_px).cwiseQuotient(*metres) * (ground_m / 2);
   Picture picture{{}, width_px, height_px};
@@ -298,14 +296,14 @@ Result<Picture> PictureIn(const Request& request, const MapCrs& crs, const Whole
   SKYQUILT_TRY_ASSIGN(const GivenSize size, SizeIn(request));
   const auto beyond = [](const char* what) {
     return Error{ErrorCode::kInvalidArgument,
-                 std::string("The coordinate system of \"crs\" does not reach ") + what + ".", ""};
+                 std::string("The coordinate system of \"crs\" does not reach ") + what + "."};
   };
   if (given) {
     if (center)
-      return Error{ErrorCode::kInvalidArgument, "Say where by a box or by \"center\", not by both.", ""};
+      return Error{ErrorCode::kInvalidArgument, "Say where by a box or by \"center\", not by both."};
     if (size.ground_m && size.has_side()) {
       return Error{ErrorCode::kInvalidArgument,
-                   "Of a box say \"scale-denominator\", or \"width\" and \"height\", not both.", ""};
+                   "Of a box say \"scale-denominator\", or \"width\" and \"height\", not both."};
     }
     const std::optional<geo::Bounds2> box = BoxIn(crs, given->box, given->crs);
     if (!box) return beyond("the box");
@@ -349,7 +347,7 @@ Result<MapRequest> ParseMapRequest(const Request& request, const WholeMap& map) 
   if (picture.width_px * picture.height_px > kMaxWmsPixels) return TooManyPixels();
   if (!(picture.box.Width() > 0.0) || !(picture.box.Height() > 0.0) || !picture.box.min.allFinite() ||
       !picture.box.max.allFinite()) {
-    return Error{ErrorCode::kInvalidArgument, "The box has no area in the coordinate system of \"crs\".", ""};
+    return Error{ErrorCode::kInvalidArgument, "The box has no area in the coordinate system of \"crs\"."};
   }
   return MapRequest{std::move(crs), picture.box, picture.width_px, picture.height_px, background};
 }

@@ -204,7 +204,7 @@ Result<Response> Archive(Service& service, const Request& request, const storage
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   const bool is_done = job && job->state == storage::JobState::kSuccessful;
-  if (!flight.active_revision || !is_done) return Error{ErrorCode::kNotFound, "Asset not ready", ""};
+  if (!flight.active_revision || !is_done) return Error{ErrorCode::kNotFound, "Asset not ready"};
   std::vector<storage::LocalBlob> files_in_use;  // until the archive has opened them
   SKYQUILT_TRY_ASSIGN(
       std::vector<ZipEntry> entries,

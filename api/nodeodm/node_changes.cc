@@ -33,7 +33,7 @@ Result<TaskRequest> ParseTaskRequest(const Request& request, const std::string& 
   wanted.owner = request.owner;
   wanted.uuid = NodeField(fields, "uuid");
   if (const std::string options = NodeField(fields, "options"); !options.empty()) wanted.options = options;
-  if (wanted.uuid.empty()) return Error{ErrorCode::kInvalidArgument, "uuid param missing.", ""};
+  if (wanted.uuid.empty()) return Error{ErrorCode::kInvalidArgument, "uuid param missing."};
   return wanted;
 }
 
@@ -71,7 +71,7 @@ Result<std::optional<storage::Job>> LatestJobAtRest(Service& service, const stor
 Result<void> RestartTask(Service& service, const storage::NodeTask& task, const TaskRequest& wanted) {
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, LatestJobAtRest(service, task));
   if (!job || !job->finished) {
-    return Error{ErrorCode::kConflict, "Cannot be restarted: the task has not ended. Cancel it or wait.", ""};
+    return Error{ErrorCode::kConflict, "Cannot be restarted: the task has not ended. Cancel it or wait."};
   }
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
   NodeChoice choice{flight.options, task.options, {}};

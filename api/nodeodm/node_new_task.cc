@@ -54,7 +54,7 @@ Result<NodeFields> FromMultipart(std::string_view content_type, const std::strin
 Result<NodeFields> FromJson(const std::string& body) {
   SKYQUILT_TRY(CheckJsonText(body));
   const auto parsed = ParseOrderedJson(body);
-  if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "The body is not a JSON object.", ""};
+  if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "The body is not a JSON object."};
   NodeFields fields;
   for (const auto& [name, value] : parsed.items()) {
     if (value.is_null()) continue;
@@ -105,7 +105,7 @@ Result<void> SetOutputs(const std::string& text, NewTask& task) {
   for (const auto& path : list) is_good = is_good && path.is_string();
   if (!is_good) {
     return Error{ErrorCode::kInvalidArgument,
-                 "Invalid outputs: give a JSON list of paths as all.zip has them.", ""};
+                 "Invalid outputs: give a JSON list of paths as all.zip has them."};
   }
   task.outputs = JsonText(list);
   return {};
@@ -162,16 +162,15 @@ Result<NewTask> NewTaskFrom(Service& service, const Request& request, const Node
   if (!wanted.empty()) {
     const std::optional<std::string> uuid = NodeUuid(wanted);
     if (!uuid)
-      return Error{ErrorCode::kInvalidArgument, "Invalid uuid: set-uuid must be a UUID of version 1 to 7.",
-                   ""};
+      return Error{ErrorCode::kInvalidArgument, "Invalid uuid: set-uuid must be a UUID of version 1 to 7."};
     const Result<storage::NodeTask> taken = service.node_tasks.Find(*uuid);
-    if (taken) return Error{ErrorCode::kConflict, "Invalid uuid: it is in use.", ""};
+    if (taken) return Error{ErrorCode::kConflict, "Invalid uuid: it is in use."};
     if (taken.error().code != ErrorCode::kNotFound) return taken.error();
     task.uuid = *uuid;
   }
   if (NodeField(fields, "zipurl") != "") {
     return Error{ErrorCode::kUnprocessable,
-                 "This node fetches nothing by itself (zipurl). Upload the photos.", ""};
+                 "This node fetches nothing by itself (zipurl). Upload the photos."};
   }
   SKYQUILT_TRY_ASSIGN(const NodeChoice choice, ParseNodeOptions(NodeField(fields, "options")));
   task.choice = choice;

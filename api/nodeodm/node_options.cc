@@ -186,7 +186,7 @@ std::optional<double> NumberFrom(const Value& value) {
 }
 
 Error MustBe(const char* what) {
-  return {ErrorCode::kUnprocessable, fmt::format("The value must be {}.", what), ""};
+  return {ErrorCode::kUnprocessable, fmt::format("The value must be {}.", what)};
 }
 
 // The value in its option's own type: clients send texts for numbers and truths as well.
@@ -266,14 +266,14 @@ Result<NodeChoice> ParseNodeOptions(std::string_view text) {
   SKYQUILT_TRY(CheckJsonText(text));
   const Value list = ParseOrderedJson(text);
   if (!list.is_array()) {
-    return Error{ErrorCode::kInvalidArgument, "Invalid options: give a JSON list of {name, value}.", ""};
+    return Error{ErrorCode::kInvalidArgument, "Invalid options: give a JSON list of {name, value}."};
   }
   Value job_options = Value::object();
   Value shown = Value::array();
   Value errors = Value::array();
   for (const Value& item : list) {
     if (!item.is_object() || !item.contains("name") || !item["name"].is_string() || !item.contains("value")) {
-      return Error{ErrorCode::kInvalidArgument, "Invalid options: every item needs a name and a value.", ""};
+      return Error{ErrorCode::kInvalidArgument, "Invalid options: every item needs a name and a value."};
     }
     const auto& name = item["name"].get_ref<const std::string&>();
     const NodeOption* option = FindNodeOption(name);
@@ -297,7 +297,7 @@ Result<NodeChoice> ParseNodeOptions(std::string_view text) {
     shown.push_back({{"name", name}, {"value", *value}});
   }
   if (!errors.empty()) {
-    return Error{ErrorCode::kUnprocessable, JsonText(errors), ""};
+    return Error{ErrorCode::kUnprocessable, JsonText(errors)};
   }
   choice.job_options = JsonText(job_options);
   choice.shown = JsonText(shown);

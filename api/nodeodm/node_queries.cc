@@ -167,7 +167,7 @@ bool IsNodeEngine(std::string_view name) {
 }
 
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) {
-  const Error unknown{ErrorCode::kNotFound, fmt::format("{} not found", text), ""};
+  const Error unknown{ErrorCode::kNotFound, fmt::format("{} not found", text)};
   const std::optional<std::string> uuid = NodeUuid(text);
   if (!uuid) return unknown;
   Result<storage::NodeTask> task = service.node_tasks.Find(*uuid);
@@ -193,7 +193,7 @@ Result<std::vector<std::string>> NodeOutput(Service& service, const storage::Nod
 Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, const std::string& job_id) {
   SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindNodeTask(service, uuid));
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
-  if (!job || job->id != job_id) return Error{ErrorCode::kNotFound, "The task was started again.", ""};
+  if (!job || job->id != job_id) return Error{ErrorCode::kNotFound, "The task was started again."};
   SKYQUILT_TRY_ASSIGN(Value body, DescribeTask(service, task));
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
                       service.catalogue.ListFiles(task.flight_id));

@@ -175,7 +175,7 @@ UploadBegun BeginInit(Service& service, const Request& request) {
   return std::make_unique<InitForm>(service, request, *boundary, "");
 }
 
-Error InvalidUuid() { return {ErrorCode::kNotFound, "Invalid uuid (not found)", ""}; }
+Error InvalidUuid() { return {ErrorCode::kNotFound, "Invalid uuid (not found)"}; }
 
 // Committed or not.
 Result<storage::NodeTask> FindAnyTask(Service& service, const Request& request) {

@@ -27,7 +27,7 @@ constexpr double kMaxLatDeg = 90.0;
 constexpr std::size_t kMinOfLine = 2;
 constexpr std::size_t kMinOfRing = 4;  // its first position is its last as well
 
-Error RefuseNote(std::string message) { return {ErrorCode::kUnprocessable, std::move(message), ""}; }
+Error RefuseNote(std::string message) { return {ErrorCode::kUnprocessable, std::move(message)}; }
 
 Result<void> KnowsFields(const Value& object, std::initializer_list<std::string_view> known,
                          const std::string& of) {
@@ -169,7 +169,7 @@ NotesText NoNotes() { return TextOfNotes(Value::array()); }
 Result<NotesText> ReadNotes(std::string_view json) {
   SKYQUILT_TRY(CheckJsonText(json, kMaxNotesBytes));
   const Value document = ParseOrderedJson(json);
-  if (document.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The notes are not JSON.", ""};
+  if (document.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The notes are not JSON."};
   const std::string* type = document.is_object() ? TextAt(document, "type") : nullptr;
   if (type == nullptr || *type != "FeatureCollection")
     return RefuseNote("The notes must be a GeoJSON FeatureCollection.");
@@ -187,7 +187,7 @@ Result<NotesText> ReadNotes(std::string_view json) {
   // Numbers may be longer as they are kept than as they came.
   if (text.json.size() > kMaxNotesBytes) {
     return Error{ErrorCode::kTooLarge,
-                 fmt::format("The notes are longer than {} KiB.", kMaxNotesBytes >> 10U), ""};
+                 fmt::format("The notes are longer than {} KiB.", kMaxNotesBytes >> 10U)};
   }
   return text;
 }

@@ -26,8 +26,7 @@ Result<NotesText> ReadStoredNotes(Service& service, const std::string& flight_id
   const auto unreadable = [&](const std::string& why) {
     return Error{ErrorCode::kUnprocessable,
                  "The file " + file.name + " of this flight holds no notes that can be read: " + why +
-                     " Remove it from the flight's files, or put one in its place that holds some.",
-                 ""};
+                     " Remove it from the flight's files, or put one in its place that holds some."};
   };
   if (file.bytes > static_cast<std::int64_t>(kMaxNotesBytes)) return unreadable("It is too large.");
   SKYQUILT_TRY_ASSIGN(const storage::LocalBlob blob, service.store.Fetch(flight_id, file.stored_name));
@@ -61,8 +60,7 @@ Result<WantedDocument> WantedNotes(Service& service, const Request& request,
     if (!kept || kept->count > 0) {
       return Error{ErrorCode::kPreconditionFailed,
                    "This flight has notes already. Read them, add yours, and send them with the header "
-                   "If-Match: their ETag, so that none is lost.",
-                   ""};
+                   "If-Match: their ETag, so that none is lost."};
     }
   }
   wanted.stored_name = known ? known->stored_name : std::string();
@@ -99,7 +97,7 @@ void AddNotesRoutes(Router& router, Service& service) {
       Method::kPut, "/api/v1/flights/{flight}/notes", [&](const Request& request) -> UploadBegun {
         if (!IsGeoJson(request))
           return Error{ErrorCode::kUnsupportedFormat,
-                       "Send the notes as GeoJSON with its header, Content-Type: application/geo+json.", ""};
+                       "Send the notes as GeoJSON with its header, Content-Type: application/geo+json."};
         return CollectBody(
             request,
             [&service](const Request& of, const std::string& body) {

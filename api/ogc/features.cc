@@ -44,15 +44,14 @@ Result<void> CheckFeatureParameters(const Request& request) {
     if (std::find(std::begin(kKnown), std::end(kKnown), name) == std::end(kKnown)) {
       return Error{ErrorCode::kInvalidArgument,
                    "There is no parameter \"" + name.substr(0, 40) +
-                       "\" here. Features are listed by bbox, datetime, limit and offset.",
-                   ""};
+                       "\" here. Features are listed by bbox, datetime, limit and offset."};
     }
   }
   for (const char* name : {"bbox-crs", "crs"}) {
     const auto crs = request.Query(name);
     if (crs && *crs != kFeatureCrs)
       return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("The parameter \"{}\" can only be {}.", name, kFeatureCrs), ""};
+                   fmt::format("The parameter \"{}\" can only be {}.", name, kFeatureCrs)};
   }
   return {};
 }
@@ -71,7 +70,7 @@ Result<FeatureQuery> ParseFeatureQuery(const Request& request) {
   if (const auto text = request.Query("offset")) {
     const auto offset = ParseNumber<std::size_t>(*text);
     if (!offset)
-      return Error{ErrorCode::kInvalidArgument, "\"offset\" must be a whole number from 0 on.", ""};
+      return Error{ErrorCode::kInvalidArgument, "\"offset\" must be a whole number from 0 on."};
     query.offset = *offset;
   }
   return query;
@@ -169,8 +168,7 @@ Result<AskedPhotos> PhotosOfCollection(Service& service, const Request& request)
   if (!kind) {
     return Error{ErrorCode::kNotFound,
                  "This collection has no items. Those with items are named FLIGHT.photos and "
-                 "FLIGHT.footprints.",
-                 ""};
+                 "FLIGHT.footprints."};
   }
   SKYQUILT_TRY_ASSIGN(FeatureJson photos, ReadPhotos(service, name.substr(0, name.find('.'))));
   return AskedPhotos{*kind, std::move(photos)};
@@ -219,7 +217,7 @@ Result<Response> Item(Service& service, const Request& request) {
          FeatureLink(request, path, "collection", "application/json")});
     return NoCacheJson(feature, kFeatureType);
   }
-  return Error{ErrorCode::kNotFound, "There is no such photo in this collection.", ""};
+  return Error{ErrorCode::kNotFound, "There is no such photo in this collection."};
 }
 
 // What is read may have been damaged on the disk: then the answer is that, not a crash.

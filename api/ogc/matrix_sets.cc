@@ -192,7 +192,7 @@ Result<Response> MatrixSetDocument(const Request& request) {
   const std::string& id = request.Parameter("set");
   if (const std::optional<int> side_px = MercatorSideOf(id)) return NoCacheJson(MercatorSet(id, *side_px));
   const std::optional<MapGrid> grid = MapGrid::Named(id);
-  if (!grid) return Error{ErrorCode::kNotFound, "There is no such tile matrix set.", ""};
+  if (!grid) return Error{ErrorCode::kNotFound, "There is no such tile matrix set."};
   SKYQUILT_TRY_ASSIGN(const MapCrs crs, grid->Crs());
   return NoCacheJson(GridSet(*grid, crs));
 }

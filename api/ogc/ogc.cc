@@ -132,7 +132,7 @@ Result<Response> DescribeCollection(Service& service, const Request& request) {
                         service.surfaces.Of(shown.flight_id, shown.revision.revision));
     return NoCacheJson(Collection(request, shown, surfaces));
   }
-  if (FeaturesOf(shown).empty()) return Error{ErrorCode::kNotFound, "This map was not made of photos.", ""};
+  if (FeaturesOf(shown).empty()) return Error{ErrorCode::kNotFound, "This map was not made of photos."};
   return NoCacheJson(PhotoCollection(request, shown, *kind));
 }
 

@@ -56,7 +56,7 @@ Result<void> CheckTakesJson(const Request& request) {
     return {};
   }
   return Error{ErrorCode::kNotAcceptable,
-               "This document is there as JSON: ask for f=json or with \"Accept: application/json\".", ""};
+               "This document is there as JSON: ask for f=json or with \"Accept: application/json\"."};
 }
 
 Result<void> CheckTakesGeoJson(const Request& request) {
@@ -72,7 +72,7 @@ Result<void> CheckTakesGeoJson(const Request& request) {
     }
   }
   return Error{ErrorCode::kNotAcceptable,
-               "Features are there as GeoJSON: ask for f=json or with \"Accept: application/geo+json\".", ""};
+               "Features are there as GeoJSON: ask for f=json or with \"Accept: application/geo+json\"."};
 }
 
 Result<PictureFormat> PictureFormatFor(const Request& request) {
@@ -81,7 +81,7 @@ Result<PictureFormat> PictureFormatFor(const Request& request) {
     if (format) return *format;
     return Error{
         ErrorCode::kNotAcceptable,
-        "Pictures are there with " + image::ListedFormats(&image::PictureFormatRow::name, "f=") + ".", ""};
+        "Pictures are there with " + image::ListedFormats(&image::PictureFormatRow::name, "f=") + "."};
   }
   const std::string_view accept = request.headers.Find("Accept");
   std::optional<PictureFormat> best;
@@ -93,8 +93,7 @@ Result<PictureFormat> PictureFormatFor(const Request& request) {
   }
   if (best) return *best;
   return Error{ErrorCode::kNotAcceptable,
-               "Pictures are there as " + image::ListedFormats(&image::PictureFormatRow::content_type) + ".",
-               ""};
+               "Pictures are there as " + image::ListedFormats(&image::PictureFormatRow::content_type) + "."};
 }
 
 Result<std::optional<PictureFormat>> TileFormatFor(const Request& request, const storage::Tileset& tileset) {

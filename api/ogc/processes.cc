@@ -117,7 +117,7 @@ Result<Execution> ParseExecution(const std::string& body) {
   const bool has_flight = parsed.is_object() && parsed.contains("inputs") && parsed["inputs"].is_object() &&
                           parsed["inputs"].contains("flight") && parsed["inputs"]["flight"].is_string();
   if (!has_flight) {
-    return Error{ErrorCode::kInvalidArgument, "Send {\"inputs\": {\"flight\": \"the flight's id\"}}.", ""};
+    return Error{ErrorCode::kInvalidArgument, "Send {\"inputs\": {\"flight\": \"the flight's id\"}}."};
   }
   Execution execution;
   execution.flight_id = parsed["inputs"]["flight"].get<std::string>();
@@ -181,7 +181,7 @@ Result<Response> Results(Service& service, const Request& request) {
   const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
   if (!job) return NoJob(job.error(), request);
   if (job->state == storage::JobState::kFailed) {
-    return Error{ErrorCode::kUnprocessable, job->error ? job->error->message : "The job failed.", ""};
+    return Error{ErrorCode::kUnprocessable, job->error ? job->error->message : "The job failed."};
   }
   if (job->state != storage::JobState::kSuccessful) {
     return Exception(404, "result-not-ready", "Result not ready", "This job has no results (yet).", request);

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t kMinFreeBytes = std::uint64_t{64} << 20;
 
 Result<Response> Ready(Service& service) {
-  const auto refuse = [](const char* why) { return Error{ErrorCode::kUnavailable, why, ""}; };
+  const auto refuse = [](const char* why) { return Error{ErrorCode::kUnavailable, why}; };
   if (service.is_draining) return refuse("The server is shutting down.");
   SKYQUILT_TRY(service.storage_in_place());
   if (!service.tilesets.CheckCatalogue()) return refuse("The catalogue cannot be read.");

@@ -30,11 +30,11 @@ Result<std::optional<int>> ParseDays(const std::string& body) {
   if (body.find_first_not_of(" \t\r\n") == std::string::npos) return std::optional<int>(kUsualDays);
   SKYQUILT_TRY(CheckJsonText(body));
   const auto parsed = ParseJson(body);
-  if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"expires_in_days\": 30}.", ""};
+  if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"expires_in_days\": 30}."};
   std::optional<int> days = kUsualDays;
   for (const auto& [field, value] : parsed.items()) {
     if (field != "expires_in_days") {
-      return Error{ErrorCode::kUnprocessable, fmt::format("The field \"{}\" is not known.", field), ""};
+      return Error{ErrorCode::kUnprocessable, fmt::format("The field \"{}\" is not known.", field)};
     }
     const bool is_fit = value.is_null() || (value.is_number_integer() && value >= 1 && value <= kMaxDays);
     if (!is_fit) {
@@ -43,8 +43,7 @@ Result<std::optional<int>> ParseDays(const std::string& body) {
           fmt::format(
               "The field \"expires_in_days\" must be a whole number from 1 to {}, or null for a share "
               "that never ends.",
-              kMaxDays),
-          ""};
+              kMaxDays)};
     }
     days = value.is_null() ? std::nullopt : std::optional(value.get<int>());
   }
@@ -94,7 +93,7 @@ Result<void> MakeRoom(Service& service, const storage::TokenSet& set, const std:
                       storage::Time now) {
   if (SharesOf(set, flight_id, now).size() >= kMaxShares) {
     return Error{ErrorCode::kConflict,
-                 fmt::format("This flight has {} shares already. Revoke one first.", kMaxShares), ""};
+                 fmt::format("This flight has {} shares already. Revoke one first.", kMaxShares)};
   }
   for (const storage::Token& token : set.tokens) {
     if (token.flight_id != flight_id || !token.HasEnded(now)) continue;
@@ -137,11 +136,10 @@ Result<Response> RemoveShare(Service& service, const Request& request) {
 Result<Response> OpenNetwork(Service& service, const Request& request) {
   if (!request.is_from_this_machine) {
     return Error{ErrorCode::kForbidden,
-                 "Whether this network sees the server is decided at its own machine: open the page there.",
-                 ""};
+                 "Whether this network sees the server is decided at its own machine: open the page there."};
   }
   if (!service.open_network) {
-    return Error{ErrorCode::kConflict, "How others reach this server was said when it was started.", ""};
+    return Error{ErrorCode::kConflict, "How others reach this server was said when it was started."};
   }
   SKYQUILT_TRY(service.open_network());
   return JsonOf(200, {{"addresses", service.addresses_for_others()}});

@@ -214,14 +214,13 @@ Result<Response> AnswerItem(Service& service, const Request& request, const std:
     SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
     SKYQUILT_TRY_ASSIGN(const std::optional<storage::Revision> revision,
                         service.catalogue.ActiveRevision(flight_id));
-    if (!revision) return Error{ErrorCode::kNotFound, "This flight has no map yet.", ""};
+    if (!revision) return Error{ErrorCode::kNotFound, "This flight has no map yet."};
     return storage::ShownFlight{flight_id, flight.name, *revision};
   }();
   if (!shown) return shown.error();
   if (!item_id.empty() && item_id != StacItemId(*shown)) {
     return Error{ErrorCode::kNotFound,
-                 "This item is no more: the flight shows another map now. It is " + StacItemId(*shown) + ".",
-                 ""};
+                 "This item is no more: the flight shows another map now. It is " + StacItemId(*shown) + "."};
   }
   SKYQUILT_TRY_ASSIGN(const StacJson item, ItemOf(service, request, *shown));
   return NoCacheJson(item, kGeoJsonType);

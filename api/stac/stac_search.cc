@@ -22,7 +22,7 @@ using SearchJson = nlohmann::json;
 constexpr int kMaxFound = 200;
 constexpr std::size_t kMaxNames = 1000;
 
-Error BadParameter(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message), ""}; }
+Error BadParameter(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
 Result<std::optional<std::vector<std::string>>> NamesOf(const SearchJson& body, const char* name) {
   std::optional<std::vector<std::string>> names;

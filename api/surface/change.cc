@@ -125,8 +125,7 @@ Result<Earlier> RequiredEarlier(const Request& request) {
   SKYQUILT_TRY_ASSIGN(std::optional<Earlier> earlier, EarlierIn(request));
   if (earlier) return *std::move(earlier);
   return Error{ErrorCode::kInvalidArgument,
-               "Since which flight? Name one of the same ground: since=ID, as /api/v1/flights lists them.",
-               ""};
+               "Since which flight? Name one of the same ground: since=ID, as /api/v1/flights lists them."};
 }
 
 // Where both maps are known: the address names their revisions, so that the bytes never change.
@@ -190,8 +189,7 @@ Error CannotCompare(surface::ShiftFault fault) {
       return {
           ErrorCode::kUnprocessable,
           "The two flights measured too little of the same ground to tell how their maps lie to each other. "
-          "If both lie where they belong (by RTK or points on the ground), ask with align=none.",
-          ""};
+          "If both lie where they belong (by RTK or points on the ground), ask with align=none."};
     case surface::ShiftFault::kTooFar:
       break;
   }
@@ -199,8 +197,7 @@ Error CannotCompare(surface::ShiftFault fault) {
           fmt::format(
               "The two maps lie more than {:.0f} m apart sideways. Move one of them to its place first, by "
               "points on the ground or on the map.",
-              surface::kMaxSidewaysM),
-          ""};
+              surface::kMaxSidewaysM)};
 }
 
 }  // namespace
@@ -212,15 +209,15 @@ Result<std::optional<Earlier>> EarlierIn(const Request& request) {
   SKYQUILT_TRY(CheckId(earlier.flight_id, "flight"));
   if (!request.only_flight.empty() && earlier.flight_id != request.only_flight)
     return Error{ErrorCode::kNotFound,
-                 "This token opens one flight: its heights cannot be compared with another's.", ""};
+                 "This token opens one flight: its heights cannot be compared with another's."};
   if (earlier.flight_id == request.Parameter("flight"))
     return Error{ErrorCode::kInvalidArgument,
-                 "The parameter \"since\" names another flight of the same ground.", ""};
+                 "The parameter \"since\" names another flight of the same ground."};
   const std::string_view align = request.Query("align").value_or("auto");
   if (align != "auto" && align != "none")
     return Error{
         ErrorCode::kInvalidArgument,
-        "The parameter \"align\" is auto (what the two maps lie off each other is taken out) or none.", ""};
+        "The parameter \"align\" is auto (what the two maps lie off each other is taken out) or none."};
   earlier.is_aligned = align == "auto";
   return std::optional(std::move(earlier));
 }
@@ -252,8 +249,7 @@ Result<HeightChange> ChangeSince(Service& service, const storage::Tileset& shown
         ErrorCode::kNotFound,
         fmt::format("The other flight, \"{}\", has no heights of this kind. Start a job of that flight with "
                     "\"heights\": \"{}\".",
-                    flight.name, NameOf(surface)),
-        ""};
+                    flight.name, NameOf(surface))};
   }
   if (!theirs) return theirs.error();
   change.then = *std::move(theirs);

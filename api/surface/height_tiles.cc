@@ -39,7 +39,7 @@ storage::MercGrid HeightTileGrid(const geo::TileId& tile) {
 Result<void> CheckHeightZoom(const storage::HeightRaster& heights, const storage::Revision& revision,
                              const geo::TileId& tile) {
   if (tile.z() <= MaxHeightZoom(heights, revision)) return {};
-  return Error{ErrorCode::kNotFound, "There are no tiles of this zoom: the heights have larger cells.", ""};
+  return Error{ErrorCode::kNotFound, "There are no tiles of this zoom: the heights have larger cells."};
 }
 
 Result<Response> AnswerHeightTile(Service& service, const Request& request, const std::string& variant,
@@ -48,7 +48,7 @@ Result<Response> AnswerHeightTile(Service& service, const Request& request, cons
                       ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y")));
   if (path.is_double || path.format.value_or(image::PictureFormat::kPng) != image::PictureFormat::kPng)
     return Error{ErrorCode::kInvalidArgument,
-                 "These tiles are there as .png of one size: their colours are numbers.", ""};
+                 "These tiles are there as .png of one size: their colours are numbers."};
   SKYQUILT_TRY_ASSIGN(const Surface surface, SurfaceIn(request));
   const std::string& flight_id = request.Parameter("flight");
   SKYQUILT_TRY(CheckId(flight_id, "flight"));

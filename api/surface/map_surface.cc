@@ -24,7 +24,7 @@ Result<Surface> SurfaceIn(const Request& request) {
   for (const Surface surface : {Surface::kPhotos, Surface::kGround}) {
     if (name == NameOf(surface)) return surface;
   }
-  return Error{ErrorCode::kInvalidArgument, "The parameter \"of\" is dsm (what the photos show) or dtm.", ""};
+  return Error{ErrorCode::kInvalidArgument, "The parameter \"of\" is dsm (what the photos show) or dtm."};
 }
 
 Result<std::vector<Surface>> MapSurfaces::Of(const std::string& flight_id, std::int64_t revision) {
@@ -59,8 +59,7 @@ Result<std::shared_ptr<storage::HeightRaster>> MapSurfaces::Open(const std::stri
   return Error{ErrorCode::kNotFound,
                fmt::format("This map was made without heights of this kind. Start a job with \"heights\": "
                            "\"{}\".",
-                           files.name),
-               ""};
+                           files.name)};
 }
 
 }  // namespace skyquilt::api

@@ -55,22 +55,21 @@ Result<Base> BaseIn(const Request& request) {
   SKYQUILT_TRY_ASSIGN(const std::optional<Earlier> since, EarlierIn(request));
   if (since && request.Query("base"))
     return Error{ErrorCode::kInvalidArgument,
-                 "The base is either the heights of the flight of \"since\" or what \"base\" says.", ""};
+                 "The base is either the heights of the flight of \"since\" or what \"base\" says."};
   if (since) return Base{.since = since};
   const std::string_view text = request.Query("base").value_or("lowest");
   if (text == "lowest") return Base{surface::VolumeBase::kLowest};
   if (text == "plane") return Base{surface::VolumeBase::kPlane};
   SKYQUILT_TRY_ASSIGN(const double given_m, NumberParameter(request, "base"));
   if (std::abs(given_m) <= kMaxHeightM) return Base{surface::VolumeBase::kGiven, given_m};
-  return Error{ErrorCode::kInvalidArgument, "The parameter \"base\" is lowest, plane or a height in metres.",
-               ""};
+  return Error{ErrorCode::kInvalidArgument, "The parameter \"base\" is lowest, plane or a height in metres."};
 }
 
 // To the litre and the millimetre.
 double RoundedTo3(double value) { return std::round(value * 1e3) / 1e3; }
 
 Error UnusableArea(const char* why) {
-  return {ErrorCode::kUnprocessable, fmt::format("No volume can be computed: {}", why), ""};
+  return {ErrorCode::kUnprocessable, fmt::format("No volume can be computed: {}", why)};
 }
 
 // Cubic metres of a map that is as large as a guess would be believed.

@@ -210,7 +210,7 @@ Result<Response> TileIndex(Service& service, const Request& request) {
 // The router knows whole segments only: "{name}.json" is taken apart here.
 Result<std::string> BeforeJson(std::string_view segment) {
   if (!segment.ends_with(".json"))
-    return Error{ErrorCode::kNotFound, "There is nothing here. Did you mean .json?", ""};
+    return Error{ErrorCode::kNotFound, "There is nothing here. Did you mean .json?"};
   segment.remove_suffix(5);
   return std::string(segment);
 }

@@ -149,7 +149,7 @@ Result<image::RgbaImage> StoredPicture(const storage::Tileset& tileset, const ge
   SKYQUILT_TRY_ASSIGN(const std::string bytes, tileset.reader->Load(*std::move(found)));
   SKYQUILT_TRY_ASSIGN(image::RgbaImage picture, image::DecodePicture(bytes));
   if (picture.width_px != side_px || picture.height_px != side_px)
-    return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says.", ""};
+    return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says."};
   return picture;
 }
 
@@ -208,7 +208,7 @@ Result<IndexValues> ValuesOfWindow(MapBands& map_bands, const storage::Tileset& 
   }
   if (window.merc_of) {
     const std::optional<storage::MercGrid> around = GridAround(window);
-    if (!around) return Error{ErrorCode::kNotFound, "This window lies nowhere on Earth.", ""};
+    if (!around) return Error{ErrorCode::kNotFound, "This window lies nowhere on Earth."};
     SKYQUILT_TRY_ASSIGN(const IndexValues equal, ValuesOfRaster(*raster, expression, *around));
     return WarpedFrom(equal, window, *around);
   }

@@ -23,8 +23,7 @@ Error UnknownCrs(std::string_view text) {
       ErrorCode::kInvalidArgument,
       fmt::format("\"{}\" is no coordinate system that is known here. Name one as [OGC:CRS84], [EPSG:3857], "
                   "[EPSG:4326] or [EPSG:n], or by its URI, {}EPSG/0/n.",
-                  text.substr(0, 100), kOgcCrs),
-      ""};
+                  text.substr(0, 100), kOgcCrs)};
 }
 
 bool TakePrefix(std::string_view& text, std::string_view prefix) {

@@ -165,7 +165,7 @@ Result<const image::RgbaImage*> ZoomPicture::TileAt(std::int64_t x, std::int64_t
     SKYQUILT_TRY_ASSIGN(const std::string bytes, reader_.Load(*std::move(stored)));
     SKYQUILT_TRY_ASSIGN(pixels, image::DecodePicture(bytes));
     if (pixels.width_px != side_px_ || pixels.height_px != side_px_)
-      return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says.", ""};
+      return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says."};
   }
   const std::size_t cost = pixels.rgba.size() + kBesideTileBytes;
   if (bytes_ > budget_bytes_ || cost > budget_bytes_ - bytes_) {

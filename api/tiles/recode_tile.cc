@@ -57,7 +57,7 @@ Result<std::string> CutTile(std::string_view stored_bytes, const TileCut& cut, i
   }
   SKYQUILT_TRY_ASSIGN(const image::RgbaImage stored, image::DecodePicture(stored_bytes));
   if (stored.width_px < cut.left_px + cut.side_px || stored.height_px < cut.top_px + cut.side_px) {
-    return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says.", ""};
+    return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says."};
   }
   image::RgbaImage piece = image::RgbaImage::Transparent(cut.side_px, cut.side_px);
   bool is_seen = false;

@@ -22,7 +22,7 @@ Result<EmptyTile> ParseEmptyTile(const Request& request, EmptyTile otherwise) {
   if (*wanted == "blank") return EmptyTile::kBlank;
   if (*wanted == "204") return EmptyTile::kNoContent;
   if (*wanted == "404") return EmptyTile::kNotFound;
-  return Error{ErrorCode::kInvalidArgument, "The parameter \"empty\" must be blank, 204 or 404.", ""};
+  return Error{ErrorCode::kInvalidArgument, "The parameter \"empty\" must be blank, 204 or 404."};
 }
 
 // Made once for each size that occurs (256 and 512 as a rule). Null: it is still to be made, but not here.
@@ -70,7 +70,7 @@ Response TaggedHead(const Request& request, const char* cache_control, std::stri
 Result<Response> BlankAnswer(const Request& request, EmptyTile otherwise, int side_px,
                              const char* cache_control) {
   SKYQUILT_TRY_ASSIGN(const EmptyTile empty, ParseEmptyTile(request, otherwise));
-  if (empty == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
+  if (empty == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here."};
   if (empty == EmptyTile::kNoContent) {
     Response response = NoContent();
     response.headers.Add("Cache-Control", cache_control);

@@ -28,8 +28,7 @@ Result<TileNumbers> ParseTileNumbers(std::string_view z, std::string_view x,
     if (!numbers.format) {
       return Error{ErrorCode::kInvalidArgument,
                    "A tile is asked for without extension, or with one of " +
-                       image::ListedFormats(&image::PictureFormatRow::extension, ".") + ".",
-                   ""};
+                       image::ListedFormats(&image::PictureFormatRow::extension, ".") + "."};
     }
   }
   std::string_view y = y_and_extension.substr(0, dot);
@@ -40,8 +39,7 @@ Result<TileNumbers> ParseTileNumbers(std::string_view z, std::string_view x,
   const std::optional<std::int64_t> column = ParseTileNumber(x);
   const std::optional<std::int64_t> row = ParseTileNumber(y);
   if (!zoom || !column || !row) {
-    return Error{ErrorCode::kInvalidArgument, "A tile's address is three plain numbers: zoom/column/row.",
-                 ""};
+    return Error{ErrorCode::kInvalidArgument, "A tile's address is three plain numbers: zoom/column/row."};
   }
   numbers.z = *zoom;
   numbers.x = *column;

@@ -38,8 +38,7 @@ Result<std::string> MakeDoubleTile(const storage::Tileset& tileset, const geo::T
 }
 
 Error TooLargeToDouble() {
-  return {ErrorCode::kNotFound, "The tiles of this map are so large that there are none of twice the size.",
-          ""};
+  return {ErrorCode::kNotFound, "The tiles of this map are so large that there are none of twice the size."};
 }
 
 Result<Response> DoubleTile(Service& service, const Request& request, const storage::Tileset& tileset,
@@ -148,7 +147,7 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
     if (wanted.is_of_world && stored_zoom < shown.zooms->first) {
       return BlankAnswer(request, wanted.empty, side_px, shown.cache_control);
     }
-    return Error{ErrorCode::kNotFound, fmt::format("The {} has no tiles of this zoom.", shown.name), ""};
+    return Error{ErrorCode::kNotFound, fmt::format("The {} has no tiles of this zoom.", shown.name)};
   }
   const TileCut cut = CutOf(wanted.tile, shown.depth, shown.side_px);
   if (request.work < Work::kRead && !shown.source.IsAtHand(cut.stored)) return DeferTo(Work::kRead);
@@ -161,7 +160,7 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
   }
   if (!found) {
     if (shown.tileset != nullptr && !wanted.is_of_world && !Touches(wanted.tile, shown.tileset->revision)) {
-      return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
+      return Error{ErrorCode::kNotFound, "This tile lies outside the map."};
     }
     return BlankAnswer(request, wanted.empty, side_px, shown.cache_control);
   }
@@ -180,8 +179,7 @@ Result<Response> AnswerOfSize(ShownTiles shown, Service& service, const Request&
   if (!depth) {
     return Error{ErrorCode::kNotFound,
                  fmt::format("The tiles of this map have {} pixels, and those of {} cannot be cut from them.",
-                             shown.side_px, *wanted.side_px),
-                 ""};
+                             shown.side_px, *wanted.side_px)};
   }
   shown.depth = *depth;
   TileRequest part = wanted;
@@ -195,7 +193,7 @@ Result<Response> LayerTile(Service& service, const Request& request, const stora
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MapTiles> reader, FindLayer(tileset, *wanted.layer));
   if (wanted.is_double || wanted.format.value_or(image::PictureFormat::kPng) != image::PictureFormat::kPng) {
     return Error{ErrorCode::kInvalidArgument,
-                 "Layers are there as .png of one size: their colours are codes.", ""};
+                 "Layers are there as .png of one size: their colours are codes."};
   }
   TileRequest as_stored = wanted;
   as_stored.format.reset();
@@ -217,7 +215,7 @@ Result<Response> PreviewTile(Service& service, const Request& request, const Til
     return open.error();
   }
   if (wanted.look) {
-    return Error{ErrorCode::kNotFound, "A preview has no indices. Wait for the map to be finished.", ""};
+    return Error{ErrorCode::kNotFound, "A preview has no indices. Wait for the map to be finished."};
   }
   const storage::Preview& preview = (*open)->preview;
   return AnswerFrom({*(*open)->tiles, "preview", kPreviewTileSizePx,
@@ -289,14 +287,13 @@ Result<std::shared_ptr<storage::MapTiles>> FindLayer(const storage::Tileset& til
   return Error{
       ErrorCode::kNotFound,
       fmt::format("The map was made without the layer \"{0}\". Start a job with \"layers\": [\"{0}\"].",
-                  render::NameOf(layer)),
-      ""};
+                  render::NameOf(layer))};
 }
 
 Result<render::MapLayer> ParseLayer(std::string_view name) {
   const std::optional<render::MapLayer> layer = render::MapLayerNamed(name);
   if (layer) return *layer;
-  return Error{ErrorCode::kNotFound, "There is no such layer; there are photo, error and height.", ""};
+  return Error{ErrorCode::kNotFound, "There is no such layer; there are photo, error and height."};
 }
 
 void AddTileRoutes(Router& router, Service& service) {

@@ -81,7 +81,7 @@ Result<Response> TileMap(Service& service, const Request& request, const std::st
     if (size.empty() || size == std::to_string(side_px)) return Xml(TileMapText(map, side_px));
   }
   return Error{ErrorCode::kNotFound,
-               "This map has no tiles of this size. See " + request.base_url + "/tms/1.0.0.", ""};
+               "This map has no tiles of this size. See " + request.base_url + "/tms/1.0.0."};
 }
 
 // "512" and its kin: the sides that tiles may have. Absent: any other text.
@@ -101,7 +101,7 @@ Result<Response> TmsTile(Service& service, const Request& request, const std::st
   wanted.side_px = size.empty() ? kUsualTilePx : ParseTileSide(size);
   if (!wanted.side_px) {
     return Error{ErrorCode::kNotFound,
-                 "There are no tiles of this size. See " + request.base_url + "/tms/1.0.0.", ""};
+                 "There are no tiles of this size. See " + request.base_url + "/tms/1.0.0."};
   }
   wanted.flight_id = request.Parameter("flight");
   wanted.tile = tile;

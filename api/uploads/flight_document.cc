@@ -56,7 +56,7 @@ Result<WantedDocument> CheckIfMatch(const Request& request, const std::optional<
   const std::string_view if_match = request.headers.Find("If-Match");
   if (if_match.empty()) return WantedDocument{};
   if (!EtagListMatches(if_match, EtagOfDocument(known)))
-    return Error{ErrorCode::kPreconditionFailed, refusal, ""};
+    return Error{ErrorCode::kPreconditionFailed, refusal};
   return WantedDocument{known ? known->stored_name : std::string()};
 }
 

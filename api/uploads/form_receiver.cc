@@ -40,13 +40,11 @@ Result<void> FormReceiver::BeginPart(const PartHeader& header) {
         ErrorCode::kUnprocessable,
         fmt::format("The form field \"{0}\" is not known; known are {1} and files. To send a file, put an "
                     "@ before its name: curl -F \"{0}=@PHOTO.JPG\" ...",
-                    header.field, fmt::join(rules_.text_fields, ", ")),
-        ""};
+                    header.field, fmt::join(rules_.text_fields, ", "))};
   }
   const auto [text, is_new] = texts_.try_emplace(header.field);
   if (!is_new) {
-    return Error{ErrorCode::kUnprocessable, fmt::format("The form field \"{}\" comes twice.", header.field),
-                 ""};
+    return Error{ErrorCode::kUnprocessable, fmt::format("The form field \"{}\" comes twice.", header.field)};
   }
   text_ = &text->second;
   return {};
@@ -55,7 +53,7 @@ Result<void> FormReceiver::BeginPart(const PartHeader& header) {
 Result<void> FormReceiver::BeginFile(const std::string& name) {
   file_name_ = name;
   if (flight_id_.empty()) {
-    return Skip({ErrorCode::kUnprocessable, "No files can be sent with this form.", ""});
+    return Skip({ErrorCode::kUnprocessable, "No files can be sent with this form."});
   }
   // A form whose file box was left empty sends a part without a name; its bytes, if any, are refused at its
   // end.
@@ -78,7 +76,7 @@ Result<void> FormReceiver::PartBytes(std::span<const std::uint8_t> bytes) {
   }
   if (text_ == nullptr) return {};
   if (text_->size() + bytes.size() > kMaxJsonBytes) {
-    return Error{ErrorCode::kTooLarge, "A text field of the form is longer than 64 KiB.", ""};
+    return Error{ErrorCode::kTooLarge, "A text field of the form is longer than 64 KiB."};
   }
   text_->append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return {};

@@ -78,11 +78,10 @@ Result<void> FormDigest::EndPart() {
 
 Error NothingUsable(const std::vector<FileOutcome>& files) {
   if (files.empty())
-    return {ErrorCode::kUnprocessable, "The form has no files. Add photos and send it again.", ""};
+    return {ErrorCode::kUnprocessable, "The form has no files. Add photos and send it again."};
   return {ErrorCode::kUnprocessable,
           "None of the files could be taken. The first, \"" + files.front().name +
-              "\": " + files.front().error->message,
-          ""};
+              "\": " + files.front().error->message};
 }
 
 // Files into a flight that is there.
@@ -183,7 +182,7 @@ class FormAgain final : public BodySink {
     if (!whole) return Problem(whole.error(), request_);
     return OnceBy(service_, request_, digest_.Finish(), [] {
       return Error{ErrorCode::kUnavailable,
-                   "The first answer under this key is no longer kept. Send it again.", ""};
+                   "The first answer under this key is no longer kept. Send it again."};
     });
   }
 
@@ -227,7 +226,7 @@ UploadBegun BeginFiles(Service& service, const Request& request) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY_ASSIGN(const std::string boundary, MultipartBoundary(request.headers.Find("Content-Type")));
   SKYQUILT_TRY_ASSIGN(const bool is_known, service.catalogue.HasFlight(flight_id));
-  if (!is_known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
+  if (!is_known) return Error{ErrorCode::kNotFound, "There is no such flight."};
   return std::make_unique<AddFiles>(service, request, boundary);
 }
 

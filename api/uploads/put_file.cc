@@ -29,8 +29,7 @@ Error AnotherIsThere(const StoredFile& known) {
               "This flight has another file \"{0}\" already, of {1} bytes. To keep both, send this one "
               "under another name, with its folder's in front, say: .../files/101MEDIA_{0}. To put it in the "
               "other's place, send the header If-Match: * with it.",
-              known.name, known.bytes),
-          ""};
+              known.name, known.bytes)};
 }
 
 bool MayReplace(const Request& request) { return !request.headers.Find("If-Match").empty(); }
@@ -105,7 +104,7 @@ class PutFile final : public BodySink {
     const std::int64_t bytes = upload_.bytes();
     if (sha256_ && digest_.Finish() != *sha256_) {
       return Problem({ErrorCode::kDigestMismatch,
-                      "The bytes are not those that Content-Digest says. Send them again.", ""},
+                      "The bytes are not those that Content-Digest says. Send them again."},
                      request_);
     }
     Result<std::string> stored = upload_.Finish();
@@ -155,16 +154,14 @@ Result<void> CheckIsWholeFile(const Request& request) {
     return Error{
         ErrorCode::kInvalidArgument,
         "A part of a file cannot be put. Send the whole file, or in parts by tus, at /api/v1/uploads, "
-        "as \"skyquilt upload\" and the page do.",
-        ""};
+        "as \"skyquilt upload\" and the page do."};
   }
   const std::string_view encoding = request.headers.Find("Content-Encoding");
   if (encoding.empty() || EqualsIgnoringCase(encoding, "identity")) return {};
   return Error{
       ErrorCode::kUnsupportedFormat,
       "The body is encoded (Content-Encoding). Send the file as it is; archives (.zip, .tar, .tar.gz) are "
-      "unpacked.",
-      ""};
+      "unpacked."};
 }
 
 UploadBegun BeginPut(Service& service, const Request& request) {
@@ -173,7 +170,7 @@ UploadBegun BeginPut(Service& service, const Request& request) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(storage::CheckFileName(request.Parameter("name")));
   SKYQUILT_TRY_ASSIGN(const bool is_known, service.catalogue.HasFlight(flight_id));
-  if (!is_known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
+  if (!is_known) return Error{ErrorCode::kNotFound, "There is no such flight."};
   if (!storage::IsArchiveName(request.Parameter("name"))) {
     SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> there, FindInItsPlace(service, request));
     // Told before the bytes are sent where their number tells.
@@ -191,7 +188,7 @@ UploadBegun BeginPut(Service& service, const Request& request) {
   if (request.headers.Has("Content-Digest")) {
     sha256 = Sha256OfContentDigest(request.headers.Find("Content-Digest"));
     if (!sha256)
-      return Error{ErrorCode::kInvalidArgument, "Content-Digest has no sha-256 that can be read.", ""};
+      return Error{ErrorCode::kInvalidArgument, "Content-Digest has no sha-256 that can be read."};
   }
   return std::make_unique<PutFile>(service, request, std::move(upload), std::move(incoming),
                                    std::move(sha256));

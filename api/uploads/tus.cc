@@ -17,7 +17,7 @@ namespace {
 
 using storage::SpooledUpload;
 
-Error BadCreation(const char* why) { return {ErrorCode::kInvalidArgument, why, ""}; }
+Error BadCreation(const char* why) { return {ErrorCode::kInvalidArgument, why}; }
 
 // Absent without Upload-Concat.
 Result<std::optional<TusConcat>> ConcatOf(const Request& request) {
@@ -71,8 +71,7 @@ Result<SpooledUpload> RequestedUpload(const Request& request, const std::optiona
     wanted.length = ParseTusNumber(request.headers.Find("Upload-Length"));
     if (!wanted.length) return BadCreation("Upload-Length is not a number.");
     if (*wanted.length == 0) {
-      return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?",
-                   ""};
+      return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?"};
     }
   }
   return wanted;

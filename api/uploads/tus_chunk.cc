@@ -84,9 +84,9 @@ Result<std::optional<TusChecksum>> ChecksumOf(const Request& request) {
   if (!request.headers.Has("Upload-Checksum")) return std::optional<TusChecksum>();
   std::optional<TusChecksum> checksum = ParseTusChecksum(request.headers.Find("Upload-Checksum"));
   if (!checksum) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "Upload-Checksum (the extension checksum) must be sha1 or sha256 with its digest in base64.",
-                 ""};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "Upload-Checksum (the extension checksum) must be sha1 or sha256 with its digest in base64."};
   }
   return checksum;
 }

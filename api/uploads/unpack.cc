@@ -90,8 +90,7 @@ Result<std::vector<FileOutcome>> UnpackOnly(Service& service, const std::string&
   return Error{ErrorCode::kUnprocessable,
                fmt::format("None of the {} in \"{}\" was taken. The first, \"{}\": {}",
                            Counted(outcomes.size(), "file"), file.name, outcomes.front().name,
-                           outcomes.front().error->message),
-               ""};
+                           outcomes.front().error->message)};
 }
 
 }  // namespace skyquilt::api

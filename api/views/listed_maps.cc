@@ -64,7 +64,7 @@ bool AsksForCapabilities(std::string_view operation) {
 }
 
 Result<std::string> FlightOfLayer(const Request& request, std::string_view layer) {
-  const auto missing = [](std::string why) { return Error{ErrorCode::kNotFound, std::move(why), ""}; };
+  const auto missing = [](std::string why) { return Error{ErrorCode::kNotFound, std::move(why)}; };
   if (const std::string* flight_id = FlightInAddress(request)) {
     if (layer == kOnlyLayer) return *flight_id;
     return missing("The only layer is \"map\".");

@@ -36,7 +36,7 @@ Result<MapSet> MapView::SetNamed(std::string_view matrix_set) const {
     if (known == matrix_set) return set;
     names += (names.empty() ? "" : ", ") + known;
   }
-  return Error{ErrorCode::kNotFound, "The tile matrix sets of this map: " + names + ".", ""};
+  return Error{ErrorCode::kNotFound, "The tile matrix sets of this map: " + names + "."};
 }
 
 std::string MapView::Link(std::string_view path) const { return WithToken(base_url, path, token); }

@@ -28,18 +28,18 @@ struct NewWebhook {
 Result<NewWebhook> ParseNewWebhook(const std::string& body) {
   SKYQUILT_TRY(CheckJsonText(body));
   const auto parsed = ParseJson(body);
-  if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"url\": \"https://...\"}.", ""};
+  if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"url\": \"https://...\"}."};
   NewWebhook wanted;
   for (const auto& [field, value] : parsed.items()) {
     if ((field != "url" && field != "secret") || !value.is_string()) {
       return Error{ErrorCode::kUnprocessable,
-                   "A webhook has a \"url\" and may have a \"secret\", both texts.", ""};
+                   "A webhook has a \"url\" and may have a \"secret\", both texts."};
     }
     (field == "url" ? wanted.url : wanted.secret) = value.get<std::string>();
   }
   SKYQUILT_TRY(CheckWebhookUrl(wanted.url));
   if (!wanted.secret.empty() && wanted.secret.size() < kShortestSecret) {
-    return Error{ErrorCode::kUnprocessable, "The \"secret\" must have 16 characters or more.", ""};
+    return Error{ErrorCode::kUnprocessable, "The \"secret\" must have 16 characters or more."};
   }
   if (wanted.secret.empty()) wanted.secret = NewTokenText();
   return wanted;
@@ -56,7 +56,7 @@ nlohmann::ordered_json Described(const storage::Webhook& webhook, bool with_secr
 Result<Response> AddWebhook(Service& service, const Request&, const std::string& body) {
   if (!service.sends_webhooks) {
     return Error{ErrorCode::kForbidden,
-                 "This server speaks to nobody by itself; serve --webhooks changes that.", ""};
+                 "This server speaks to nobody by itself; serve --webhooks changes that."};
   }
   SKYQUILT_TRY_ASSIGN(const NewWebhook wanted, ParseNewWebhook(body));
   SKYQUILT_TRY(service.check_receiver(wanted.url));
@@ -83,10 +83,10 @@ Result<void> CheckWebhookUrl(std::string_view url) {
   const bool is_http = url.starts_with("http://") || url.starts_with("https://");
   for (const char c : url) {
     if (c <= ' ' || c == 0x7f || c == '@')
-      return Error{ErrorCode::kUnprocessable, "This address cannot be used.", ""};
+      return Error{ErrorCode::kUnprocessable, "This address cannot be used."};
   }
   if (!is_http || url.size() > kLongestUrl)
-    return Error{ErrorCode::kUnprocessable, "The \"url\" must be an http or https address.", ""};
+    return Error{ErrorCode::kUnprocessable, "The \"url\" must be an http or https address."};
   return {};
 }
 

@@ -23,8 +23,8 @@ struct Remark;  // core/flight/remarks/remark.h
 
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
-  std::string message;  // for the user: what is wrong and what to do
-  std::string detail;   // for the log
+  std::string message;      // for the user: what is wrong and what to do
+  std::string detail = {};  // for the log
   // The same as the message, as a code with its values (core/flight/remarks/because.h); null: it has none.
   std::shared_ptr<const flight::Remark> reason = nullptr;
 };

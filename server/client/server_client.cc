@@ -70,13 +70,13 @@ Error Refusal(const ClientAnswer& answer) {
                                .value_or(fmt::format("The server answered {}.", answer.status));
   switch (answer.status) {
     case 401:
-      return {ErrorCode::kUnauthorized, said + " Give it with --token or in SKYQUILT_TOKEN.", ""};
+      return {ErrorCode::kUnauthorized, said + " Give it with --token or in SKYQUILT_TOKEN."};
     case 403:
-      return {ErrorCode::kForbidden, said, ""};
+      return {ErrorCode::kForbidden, said};
     case 404:
-      return {ErrorCode::kNotFound, said, ""};
+      return {ErrorCode::kNotFound, said};
     case 409:
-      return {ErrorCode::kConflict, said, ""};
+      return {ErrorCode::kConflict, said};
     case 408:
     case 423:
     case 429:
@@ -84,9 +84,9 @@ Error Refusal(const ClientAnswer& answer) {
     case 502:
     case 503:
     case 504:
-      return {ErrorCode::kUnavailable, said, ""};
+      return {ErrorCode::kUnavailable, said};
     default:
-      return {ErrorCode::kUnprocessable, said, ""};
+      return {ErrorCode::kUnprocessable, said};
   }
 }
 
@@ -128,7 +128,7 @@ Result<ClientAnswer> ServerClient::SendOnce(const ClientRequest& request) {
   const bool is_whole = request.path.starts_with("http://") || request.path.starts_with("https://");
   // Nothing is sent anywhere but to the server that was named.
   if (is_whole && !request.path.starts_with(state_->settings.url + "/"))
-    return Error{ErrorCode::kUnprocessable, "The server sent us elsewhere: " + request.path + ".", ""};
+    return Error{ErrorCode::kUnprocessable, "The server sent us elsewhere: " + request.path + "."};
   const std::string address = is_whole ? request.path : AddressOf(state_->settings.url, request.path);
   auto given = request.headers;
   if (!state_->settings.token.empty())
@@ -152,7 +152,7 @@ Result<ClientAnswer> ServerClient::SendOnce(const ClientRequest& request) {
   if (!request.file.empty()) {
     upload.file.reset(std::fopen(request.file.c_str(), "rb"));
     if (upload.file == nullptr || fseeko(upload.file.get(), static_cast<off_t>(request.from), SEEK_SET) != 0)
-      return Error{ErrorCode::kIo, request.file.string() + " cannot be read.", ""};
+      return Error{ErrorCode::kIo, request.file.string() + " cannot be read."};
     upload.left = request.length;
     upload.on_sent = &request.on_sent;
     SetOption(transfer, CURLOPT_UPLOAD, 1L);
@@ -167,17 +167,17 @@ Result<ClientAnswer> ServerClient::SendOnce(const ClientRequest& request) {
   }
   const CURLcode sent = curl_easy_perform(transfer);
   curl_easy_getinfo(transfer, CURLINFO_RESPONSE_CODE, &answer.status);
-  if (state_->progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled.", ""};
+  if (state_->progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled."};
   if (sent == CURLE_ABORTED_BY_CALLBACK)
-    return Error{ErrorCode::kIo, request.file.string() + " changed while it was sent.", ""};
+    return Error{ErrorCode::kIo, request.file.string() + " changed while it was sent."};
   if (sent == CURLE_URL_MALFORMAT || sent == CURLE_UNSUPPORTED_PROTOCOL)
     return Error{ErrorCode::kInvalidArgument,
-                 address + " is no address of a server; one looks like http://127.0.0.1:8080.", ""};
+                 address + " is no address of a server; one looks like http://127.0.0.1:8080."};
   // A refusal may come before all was sent.
   if (answer.status >= 400) return Refusal(answer);
   if (sent != CURLE_OK) {
     const std::string why = storage::CurlWordsOf(said, sent);
-    return Error{ErrorCode::kUnavailable, state_->settings.url + " does not answer (" + why + ").", ""};
+    return Error{ErrorCode::kUnavailable, state_->settings.url + " does not answer (" + why + ")."};
   }
   return answer;
 }
@@ -191,7 +191,7 @@ Result<void> ServerClient::WaitAfter(const Error& failure) {
   if (left <= std::chrono::seconds(0)) return failure;
   state_->waits(fmt::format("{} Trying again for {} s.", failure.message, left.count()));
   for (std::chrono::milliseconds slept{0}; slept < state_->pause; slept += kStep) {
-    if (state_->progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled.", ""};
+    if (state_->progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled."};
     std::this_thread::sleep_for(kStep);
   }
   state_->pause = std::min(2 * state_->pause, kLongestPause);

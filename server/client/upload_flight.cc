@@ -66,13 +66,13 @@ class Tally {
 Result<nlohmann::json> Parsed(const ClientAnswer& answer) {
   nlohmann::json value = ParseJson(answer.body);
   if (value.is_object()) return value;
-  return Error{ErrorCode::kUnprocessable, "The server's answer is no JSON; is it a Skyquilt?", ""};
+  return Error{ErrorCode::kUnprocessable, "The server's answer is no JSON; is it a Skyquilt?"};
 }
 
 Result<std::string> TextAt(const nlohmann::json& value, const char* key) {
   if (auto text = TextIn(value, key)) return *std::move(text);
   return Error{ErrorCode::kUnprocessable,
-               fmt::format("The server's answer has no \"{}\"; is it a Skyquilt?", key), ""};
+               fmt::format("The server's answer has no \"{}\"; is it a Skyquilt?", key)};
 }
 
 Result<nlohmann::json> PostJson(ServerClient& client, const std::string& path, const nlohmann::json& value,
@@ -107,7 +107,7 @@ Result<std::uint64_t> OffsetSaid(const ClientAnswer& answer) {
   std::uint64_t offset = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), offset);
   if (failed == std::errc() && !text.empty()) return offset;
-  return Error{ErrorCode::kUnprocessable, "The server does not say how much of the file it has.", ""};
+  return Error{ErrorCode::kUnprocessable, "The server does not say how much of the file it has."};
 }
 
 Result<void> SendFile(ServerClient& client, const std::string& flight_id, const Outgoing& outgoing,
@@ -121,7 +121,7 @@ Result<void> SendFile(ServerClient& client, const std::string& flight_id, const 
                                                    api::EncodeBase64(outgoing.file.name))}};
   SKYQUILT_TRY_ASSIGN(const ClientAnswer begun, client.Send(begin));
   const std::string location = begun.Header("Location");
-  if (location.empty()) return Error{ErrorCode::kUnprocessable, "The server takes no uploads by tus.", ""};
+  if (location.empty()) return Error{ErrorCode::kUnprocessable, "The server takes no uploads by tus."};
   std::uint64_t offset = 0;
   while (offset < outgoing.bytes) {
     ClientRequest part;
@@ -181,7 +181,7 @@ Result<void> WaitForJob(ServerClient& client, const std::string& job_id, Progres
       const nlohmann::json error = job.value("error", nlohmann::json());
       const std::string why = error.is_object() ? error.value("message", std::string()) : std::string();
       return Error{ErrorCode::kUnprocessable,
-                   state == "failed" ? "The map could not be made: " + why : "The job was cancelled.", ""};
+                   state == "failed" ? "The map could not be made: " + why : "The job was cancelled."};
     }
     const std::string stage = job.value("stage", std::string());
     if (!stage.empty() && stage != stage_before) progress.BeginStage(stage);
@@ -189,7 +189,7 @@ Result<void> WaitForJob(ServerClient& client, const std::string& job_id, Progres
     progress.Report(job.value("progress", 0.0), job.value("message", std::string()));
     for (int i = 0; i < 5; ++i) {
       if (progress.IsCancelled())
-        return Error{ErrorCode::kCancelled, "No longer waited for; the server goes on with the map.", ""};
+        return Error{ErrorCode::kCancelled, "No longer waited for; the server goes on with the map."};
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   }
@@ -204,13 +204,13 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   for (const flight::InputFile& file : files) {
     std::error_code failed;
     const std::uint64_t bytes = fs::file_size(file.path, failed);
-    if (failed) return Error{ErrorCode::kIo, file.path.string() + ": " + failed.message() + ".", ""};
+    if (failed) return Error{ErrorCode::kIo, file.path.string() + ": " + failed.message() + "."};
     if (bytes == 0) continue;  // an empty file says nothing
     outgoing.push_back({file, bytes});
     std::string& name = outgoing.back().file.name;
     name = WithFoldersJoined(std::move(name));
   }
-  if (outgoing.empty()) return Error{ErrorCode::kUnprocessable, "There are no files to send.", ""};
+  if (outgoing.empty()) return Error{ErrorCode::kUnprocessable, "There are no files to send."};
   Tally* counting = nullptr;
   ServerClient client(options.server, progress, [&](const std::string& why) {
     if (counting != nullptr) counting->Waits(why);

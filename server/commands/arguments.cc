@@ -28,8 +28,7 @@ geo::Boundary ReadBoundary(const char* command, const fs::path& file) {
   if (fs::file_size(file, error) > storage::kMaxBoundaryBytes && !error) {
     Fail(command, {ErrorCode::kTooLarge,
                    fmt::format("{} has more than {} MiB; simplify the boundary.", file.string(),
-                               storage::kMaxBoundaryBytes >> 20),
-                   ""});
+                               storage::kMaxBoundaryBytes >> 20)});
   }
   const std::string bytes = OrFail(command, storage::ReadWholeFile(file));
   Result<geo::Boundary> boundary = storage::ParseBoundaryFile(bytes);

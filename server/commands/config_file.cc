@@ -22,8 +22,7 @@ Result<std::vector<std::string>> WordsOf(const std::string& path) {
   if (!file)
     return Error{
         ErrorCode::kNotFound,
-        fmt::format("The configuration file {} cannot be opened. Check the path given with --config.", path),
-        ""};
+        fmt::format("The configuration file {} cannot be opened. Check the path given with --config.", path)};
   std::vector<std::string> words;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
@@ -37,8 +36,7 @@ Result<std::vector<std::string>> WordsOf(const std::string& path) {
       return Error{
           ErrorCode::kInvalidArgument,
           fmt::format("{} line {}: it must be \"name = value\", with an option of serve as the name.", path,
-                      number),
-          ""};
+                      number)};
     }
     if (std::getenv(VariableOf(name).c_str()) != nullptr) continue;
     words.push_back(fmt::format("--{}={}", name, Unquoted(flight::Trim(text.substr(equals + 1)))));

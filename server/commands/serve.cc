@@ -70,8 +70,7 @@ std::string HostOf(const std::string& url) {
 Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) {
   const std::string& text = options.listen;
   const std::size_t colon = text.rfind(':');
-  const Error bad{ErrorCode::kInvalidArgument, fmt::format("--listen {}: give it as ADDRESS:PORT.", text),
-                  ""};
+  const Error bad{ErrorCode::kInvalidArgument, fmt::format("--listen {}: give it as ADDRESS:PORT.", text)};
   if (colon == std::string::npos) return bad;
   std::string address = text.substr(0, colon);
   if (address.starts_with('[') && address.ends_with(']')) address = address.substr(1, address.size() - 2);
@@ -86,8 +85,7 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
         fmt::format(
             "{} can be reached by others, who could upload and delete. Make a token with \"skyquilt token "
             "add\", or add --open if that is what you want.",
-            address),
-        ""};
+            address)};
   }
   settings.address = address;
   settings.public_url = options.public_url;
@@ -109,8 +107,7 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
           ErrorCode::kInvalidArgument,
           fmt::format(
               "--trusted-proxy {}: give it as an IP address or a network, such as 127.0.0.1 or 10.0.0.0/8.",
-              proxy),
-          ""};
+              proxy)};
     }
     settings.trusted_proxies.push_back(*range);
   }
@@ -296,7 +293,7 @@ void RunServer(const ServeOptions& options) {
   api::Router router = api::BuildApi(service);
   const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
   if (!page && !options.web_dir.empty()) {
-    Fail("skyquilt serve", {ErrorCode::kNotFound, "--web " + options.web_dir + " has no index.html.", ""});
+    Fail("skyquilt serve", {ErrorCode::kNotFound, "--web " + options.web_dir + " has no index.html."});
   }
   router.SetFallback([page, origin = basemap.Origins()](const api::Request& request) {
     return page ? ServePage(*page, request, origin) : NoPage(request);

@@ -63,7 +63,7 @@ void RequireFlight(storage::CatalogueDb& db, const std::string& id) {
   if (!known) {
     Fail("skyquilt token",
          {ErrorCode::kNotFound,
-          fmt::format("There is no flight {}. Its id stands in its address on the page.", id), ""});
+          fmt::format("There is no flight {}. Its id stands in its address on the page.", id)});
   }
 }
 

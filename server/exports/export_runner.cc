@@ -35,8 +35,7 @@ constexpr std::chrono::seconds kAskEvery{10};
 constexpr double kShareOfPicture = 0.5;  // of the work on a report; printing says nothing of how far it is
 
 Error Replaced() {
-  return {ErrorCode::kConflict, "The map was replaced before its export began. Ask for the export again.",
-          ""};
+  return {ErrorCode::kConflict, "The map was replaced before its export began. Ask for the export again."};
 }
 
 // A second name for a product of the map, so that it stays although the map is replaced meanwhile.
@@ -186,9 +185,9 @@ Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::pa
   const ExportLimits limits;
   SKYQUILT_TRY_ASSIGN(const std::int64_t expected_bytes, ExpectedBytes(map_dir, request));
   if (FreeBytes(staging) < limits.keep_free_bytes + expected_bytes)
-    return Error{ErrorCode::kOutOfSpace,
-                 "The server's disk has no room for this export. Free some space, or ask for a smaller area.",
-                 ""};
+    return Error{
+        ErrorCode::kOutOfSpace,
+        "The server's disk has no room for this export. Free some space, or ask for a smaller area."};
   ExportTask task;
   task.map_dir = map_dir;
   task.work_dir = work_dir;

@@ -30,8 +30,7 @@ constexpr std::int64_t kMinFileBytes = std::int64_t{1} << 20;
 
 Error DiskFull() {
   return {ErrorCode::kOutOfSpace,
-          "The server's disk has no room for this export. Ask for a smaller area or a coarser resolution.",
-          ""};
+          "The server's disk has no room for this export. Ask for a smaller area or a coarser resolution."};
 }
 
 // Stages without a share of their own: cutting and gathering come first, writing is the most of it.
@@ -45,8 +44,7 @@ std::optional<Error> OverLimit(const SandboxedChild& child, const ExportTask& ta
     return Error{
         ErrorCode::kTimeout,
         fmt::format("The export took more than {} minutes. Ask for a smaller area or a coarser resolution.",
-                    limits.wall.count() / 60),
-        ""};
+                    limits.wall.count() / 60)};
   if (const std::int64_t memory = child.MemoryBytes(); memory > limits.memory_bytes)
     return Error{ErrorCode::kUnprocessable,
                  "The export took more memory than the server gives for it. Ask for a smaller area.",
@@ -78,7 +76,7 @@ Result<std::int64_t> ExportSandboxed(ExportTask task, const ExportLimits& limits
   task.file_bytes = room;
   task.memory_bytes = limits.memory_bytes;
   task.cpu_s = limits.wall.count() * std::max(1, task.threads);
-  const Error cancelled{ErrorCode::kCancelled, "The export was cancelled.", ""};
+  const Error cancelled{ErrorCode::kCancelled, "The export was cancelled."};
   double fraction = 0.0;
   bool is_wanted = true;  // `go_on` looks now and then, and need not say no twice
   const auto ask = [&] {

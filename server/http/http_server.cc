@@ -45,14 +45,12 @@ struct Lane {
 skyquilt::Error BindError(const tcp::endpoint& end, const boost::system::error_code& error) {
   const std::string where = fmt::format("{}:{}", end.address().to_string(), end.port());
   if (error == net::error::address_in_use) {
-    return {ErrorCode::kConflict, where + " is in use. Stop the other server, or choose another --listen.",
-            ""};
+    return {ErrorCode::kConflict, where + " is in use. Stop the other server, or choose another --listen."};
   }
   if (error == net::error::access_denied) {
-    return {ErrorCode::kForbidden, "Listening at " + where + " is not permitted. Choose a port above 1023.",
-            ""};
+    return {ErrorCode::kForbidden, "Listening at " + where + " is not permitted. Choose a port above 1023."};
   }
-  return {ErrorCode::kIo, "Listening at " + where + " failed: " + error.message() + ".", ""};
+  return {ErrorCode::kIo, "Listening at " + where + " failed: " + error.message() + "."};
 }
 
 struct Listener {
@@ -100,10 +98,10 @@ struct HttpServer::State {
   // On the first lane, as all that touches listeners once it runs.
   Result<void> OpenNetwork() {
     if (context.service.is_draining)
-      return skyquilt::Error{ErrorCode::kUnavailable, "The server is ending.", ""};
+      return skyquilt::Error{ErrorCode::kUnavailable, "The server is ending."};
     bool is_open = false;
     Result<void> failed = skyquilt::Error{
-        ErrorCode::kConflict, "This computer is in no network. Connect it to one, and try again.", ""};
+        ErrorCode::kConflict, "This computer is in no network. Connect it to one, and try again."};
     for (const std::string& host : NetworkHosts()) {
       const Result<void> listens = PortAt(host) ? Result<void>() : ListenBesides(host);
       is_open = is_open || listens;
@@ -174,7 +172,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Listen(const HttpSettings& setti
   const net::ip::address address = net::ip::make_address(settings.address, error);
   if (error) {
     return skyquilt::Error{ErrorCode::kInvalidArgument,
-                           fmt::format("\"{}\" is not an IP address to listen at.", settings.address), ""};
+                           fmt::format("\"{}\" is not an IP address to listen at.", settings.address)};
   }
   auto state = std::make_unique<State>(settings, router, service);
   const tcp::endpoint endpoint(address, settings.port);
@@ -198,7 +196,7 @@ Result<void> HttpServer::OpenNetwork() {
     if (!asked->is_taken.exchange(true)) asked->answer.set_value(state_->OpenNetwork());
   });
   if (answer.wait_for(kOpenTime) != std::future_status::ready && !asked->is_taken.exchange(true))
-    return skyquilt::Error{ErrorCode::kUnavailable, "The server is ending, or too busy.", ""};
+    return skyquilt::Error{ErrorCode::kUnavailable, "The server is ending, or too busy."};
   return answer.get();
 }
 

@@ -157,7 +157,7 @@ class Session : public std::enable_shared_from_this<Session> {
                   "{} requests from your address are being worked on already. Wait for their answers.",
                   pool.settings().max_of_client)
             : "The server has more such requests than it can work on. Try again in a moment.";
-    return api::Problem({ErrorCode::kRateLimited, message, ""}, request);
+    return api::Problem({ErrorCode::kRateLimited, message}, request);
   }
 
   // Whoever may not, and whatever would change what can no longer be stored.
@@ -180,7 +180,7 @@ class Session : public std::enable_shared_from_this<Session> {
       return call();
     } catch (const std::exception& failure) {
       LogFailure(request.request_id, request.path, failure.what());
-      return api::Problem({ErrorCode::kInternal, "The server failed at this request. Its log says more.", ""},
+      return api::Problem({ErrorCode::kInternal, "The server failed at this request. Its log says more."},
                           request);
     }
   }
@@ -233,7 +233,7 @@ class Session : public std::enable_shared_from_this<Session> {
       const BodySlice slice = co_await connection_->ReadBody(room);
       if (slice.fault == BodySlice::Fault::kTooLarge) {
         *response =
-            api::Problem({ErrorCode::kTooLarge, "The body is larger than the server takes.", ""}, request);
+            api::Problem({ErrorCode::kTooLarge, "The body is larger than the server takes."}, request);
       } else if (slice.fault == BodySlice::Fault::kNotHttp) {
         *response = api::ProblemWithStatus(400, "The body is not HTTP: " + slice.reason + ".", request.path,
                                            request_id_);

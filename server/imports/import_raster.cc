@@ -87,7 +87,7 @@ class RasterTiles {
         AlongHilbert(zoom - order, {raster_.first_column() >> order, raster_.first_row() >> order},
                      {raster_.last_column() >> order, raster_.last_row() >> order});
     for (std::size_t done = 0; done < blocks.size(); ++done) {
-      if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The import was cancelled.", ""};
+      if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The import was cancelled."};
       const TilePlace corner{blocks[done].column << order, blocks[done].row << order};
       SKYQUILT_TRY_ASSIGN(const image::RgbaImage block, raster_.Read(corner.column, corner.row, side, side));
       for (const TilePlace& at :

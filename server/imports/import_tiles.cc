@@ -184,7 +184,7 @@ Result<void> ImportTiles(const flight::InputFile& file, const std::filesystem::p
   auto walk = storage::TileWalk::Of(*db);
   if (!walk) return refusals.Damaged(walk.error().detail);
   for (std::int64_t done = 1;; ++done) {
-    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The import was cancelled.", ""};
+    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The import was cancelled."};
     const Result<bool> more = walk->Next();
     if (!more) return refusals.Damaged(more.error().detail + more.error().message);
     if (!*more) break;

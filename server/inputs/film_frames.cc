@@ -23,8 +23,7 @@ Result<void> CheckIsOurs(const fs::path& folder) {
   return Error{ErrorCode::kConflict,
                folder.string() +
                    " holds other files; frames of the films would go there. Nothing was "
-                   "changed. Choose another folder with -o.",
-               ""};
+                   "changed. Choose another folder with -o."};
 }
 
 Result<void> WriteSources(const fs::path& folder, const std::vector<flight::InputFile>& sources) {
@@ -64,7 +63,7 @@ Result<video::FlightFiles> TakeFilmFrames(const std::vector<flight::InputFile>& 
   fs::create_directories(folder, failed);
   if (failed) {
     return Error{ErrorCode::kIo,
-                 "The folder " + folder.string() + " cannot be made: " + failed.message() + ".", ""};
+                 "The folder " + folder.string() + " cannot be made: " + failed.message() + "."};
   }
   // Before the first frame, so that a run that is killed leaves a folder that the next one knows.
   SKYQUILT_TRY(WriteSources(folder, {}));

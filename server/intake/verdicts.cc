@@ -21,7 +21,7 @@ std::size_t BytesOf(const Result<std::string>& answer) {
 }
 
 Error TooMany() {
-  return {ErrorCode::kUnavailable, "The server is inspecting other flights. Ask again in a few seconds.", ""};
+  return {ErrorCode::kUnavailable, "The server is inspecting other flights. Ask again in a few seconds."};
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ constexpr std::chrono::seconds kBlobPause{2};
 Result<void> WithPatience(const Progress& progress, const std::function<Result<void>()>& act) {
   const auto deadline = std::chrono::steady_clock::now() + kBlobPatience;
   while (true) {
-    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
+    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled."};
     Result<void> done = act();
     const bool may_wait = !done && done.error().code == ErrorCode::kUnavailable;
     if (!may_wait || std::chrono::steady_clock::now() > deadline) return done;

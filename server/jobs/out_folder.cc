@@ -111,8 +111,7 @@ Error Refusal(const fs::path& out_dir, const std::string& what) {
   return {ErrorCode::kConflict,
           fmt::format(
               "{} {} Nothing was changed. Choose another folder with -o, or say --overwrite to replace it.",
-              out_dir.string(), what),
-          ""};
+              out_dir.string(), what)};
 }
 
 }  // namespace
@@ -164,8 +163,7 @@ Result<void> CheckNoInputIsReplaced(const fs::path& out_dir, const std::vector<f
           ErrorCode::kConflict,
           fmt::format("{} is one of the files given and would be replaced by the map's own {}. Nothing "
                       "was changed. Choose another folder with -o.",
-                      file.path.string(), name),
-          ""};
+                      file.path.string(), name)};
     }
   }
   return {};

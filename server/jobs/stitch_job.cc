@@ -42,7 +42,7 @@ Result<void> MakeFolder(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder, failed);
   if (failed) {
     return Error{ErrorCode::kIo,
-                 "The folder " + folder.string() + " cannot be made: " + failed.message() + ".", ""};
+                 "The folder " + folder.string() + " cannot be made: " + failed.message() + "."};
   }
   return {};
 }
@@ -212,8 +212,7 @@ Result<void> TakeOptionsOfMap(const std::filesystem::path& out_dir, const std::s
   const auto dem = facts.asked.find("--dem");
   if (is_unsaid("--dem") && dem != facts.asked.end() && !dem->second.empty()) {
     return Error{ErrorCode::kConflict,
-                 "The map was made over the elevation model " + dem->second + "; give it again with --dem.",
-                 ""};
+                 "The map was made over the elevation model " + dem->second + "; give it again with --dem."};
   }
   if (is_unsaid("--gsd") && facts.appearance && facts.appearance->is_gsd_asked) {
     options.gsd_m = facts.appearance->gsd_m;

@@ -84,7 +84,7 @@ StitchedInSandbox StitchSandboxed(StitchTask task, const JobLimits& limits, Prog
   task.memory_bytes = limits.memory_bytes + kAddressSpaceBeyondBytes;
   task.cpu_s = limits.cpu_s + kCpuBeyondS;
   const auto began = Clock::now();
-  const Error cancelled{ErrorCode::kCancelled, "The job was cancelled.", ""};
+  const Error cancelled{ErrorCode::kCancelled, "The job was cancelled."};
   const auto go_on = [&progress] { return !progress.IsCancelled(); };
   if (!go_on()) return {cancelled};
   Result<std::unique_ptr<SandboxedChild>> started =

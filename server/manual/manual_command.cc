@@ -51,7 +51,7 @@ void WritePage(const std::filesystem::path& folder, const std::string& name, con
     Fail(
         "skyquilt man",
         {ErrorCode::kIo,
-         fmt::format("{} cannot be written. Give --out a folder that you may write to.", path.string()), ""});
+         fmt::format("{} cannot be written. Give --out a folder that you may write to.", path.string())});
   }
 }
 
@@ -65,7 +65,7 @@ const DescribedCommand& CommandToShow(const DescribedCommand& program, const std
   const std::optional<std::string> near = NearWord(name, names);
   Fail("skyquilt man",
        {ErrorCode::kNotFound,
-        fmt::format("There is no command \"{}\".{}", name, near ? " Did you mean " + *near + "?" : ""), ""});
+        fmt::format("There is no command \"{}\".{}", name, near ? " Did you mean " + *near + "?" : "")});
 }
 
 void Man(CLI::App& app, const std::string& version, const ManualOptions& options) {

@@ -35,7 +35,7 @@ constexpr int kOverviewLevels = 9;
 Result<RgbaImage> Decode(std::string_view bytes) {
   SKYQUILT_TRY_ASSIGN(RgbaImage pixels, image::DecodePicture(bytes));
   if (pixels.width_px != kSidePx || pixels.height_px != kSidePx) {
-    return Error{ErrorCode::kCorrupt, "A tile of the preview has another size than the rest.", ""};
+    return Error{ErrorCode::kCorrupt, "A tile of the preview has another size than the rest."};
   }
   for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
     const int alpha = pixels.rgba[i + 3];

@@ -84,7 +84,7 @@ Result<MapPixels> ParseMapPixels(std::string_view bytes) {
       return pixels;
     }
   }
-  return Error{ErrorCode::kCorrupt, "The report's picture of the map is damaged.", ""};
+  return Error{ErrorCode::kCorrupt, "The report's picture of the map is damaged."};
 }
 
 double ScaleBarM(double most_m) {

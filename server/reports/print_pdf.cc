@@ -101,11 +101,10 @@ Result<void> PrintPdf(const fs::path& html, const fs::path& pdf, const fs::path&
                             printer.program, HowItEnded(status), LastWords(program.log));
     fs::remove(pdf, missing);  // the next one may be of more use
   }
-  if (!failures.empty()) return Error{ErrorCode::kInternal, failures, ""};
+  if (!failures.empty()) return Error{ErrorCode::kInternal, failures};
   return Error{ErrorCode::kUnavailable,
                "A PDF is printed by WeasyPrint or Chromium, and neither is installed here. Install one "
-               "(apt install weasyprint), or write report.html and print it from any browser.",
-               ""};
+               "(apt install weasyprint), or write report.html and print it from any browser."};
 }
 
 }  // namespace skyquilt::server

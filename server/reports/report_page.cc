@@ -262,7 +262,7 @@ Result<std::string> ReportPage(std::string_view report_json, const std::optional
                                const std::string& made, const std::string& name) {
   const Json report = ParseJson(report_json);
   if (!report.is_object())
-    return Error{ErrorCode::kCorrupt, "report.json of the map is damaged. Make the map again.", ""};
+    return Error{ErrorCode::kCorrupt, "report.json of the map is damaged. Make the map again."};
   const bool is_placed = !At(report, {"is_placed"}).is_boolean() || At(report, {"is_placed"}).get<bool>();
   std::string title = name.empty() ? TextAt(report, {"title"}) : name;
   if (title.empty()) title = "Map";

@@ -59,7 +59,7 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
     return std::move(routed);
   };
   const auto problem = [&](ErrorCode code, const char* message) {
-    return api::Problem({code, message, ""}, path, request_id);
+    return api::Problem({code, message}, path, request_id);
   };
   const bool requires_token = service.tokens.RequiresToken() || by_network;
   if (!requires_token || settings.always_checks_host) {

@@ -87,7 +87,7 @@ std::optional<std::string> EtagOf(const std::filesystem::path& path) {
 
 Result<api::Response> Find(const std::filesystem::path& folder, const api::Request& request,
                            const std::string& basemap_origins) {
-  const Error missing{ErrorCode::kNotFound, "There is nothing at this address.", ""};
+  const Error missing{ErrorCode::kNotFound, "There is nothing at this address."};
   SKYQUILT_TRY_ASSIGN(api::Target target, api::ParseTarget(request.path));
   std::vector<std::string> segments = std::move(target.segments);
   const bool is_bare_map = IsBareMap(segments);

@@ -14,7 +14,7 @@ void Fail(const char* program, const Error& error) {
 }
 
 void Refuse(const char* program, std::string why) {
-  Fail(program, {ErrorCode::kInvalidArgument, std::move(why), ""});
+  Fail(program, {ErrorCode::kInvalidArgument, std::move(why)});
 }
 
 }  // namespace skyquilt::server

@@ -30,7 +30,7 @@ Result<std::vector<KnownFile>> FilesByContent(const CardFlight& flight, CardFile
   std::set<Digest> seen;
   const std::size_t all = flight.photos.size() + flight.beside.size();
   const auto add = [&](const fs::path& path, bool is_photo) -> Result<void> {
-    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled.", ""};
+    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled."};
     CardFile& file = card.files().at(path);
     if (!file.digest) {
       SKYQUILT_TRY_ASSIGN(const Digest digest, DigestOfFile(path));

@@ -75,8 +75,7 @@ Result<SentLedger> SentLedger::Open(const std::filesystem::path& path) {
   const ssize_t read = ledger.file_.ReadAt(0, head.data(), head.size());
   if (read != static_cast<ssize_t>(head.size()) || head != kLedgerHead)
     return Error{ErrorCode::kCorrupt,
-                 path.string() + " is no list of what was sent. Move it away, or name another with --state.",
-                 ""};
+                 path.string() + " is no list of what was sent. Move it away, or name another with --state."};
   SKYQUILT_TRY(ledger.Refresh());
   return ledger;
 }

@@ -53,12 +53,12 @@ class Watch {
       }
       if (options_.once) {
         if (!card_.roots_away().empty())
-          return Error{ErrorCode::kNotFound, card_.roots_away().front().string() + " is not there.", ""};
+          return Error{ErrorCode::kNotFound, card_.roots_away().front().string() + " is not there."};
         if (is_all_done && !IsAnythingUnread()) return end_;
       }
       Wait();
     }
-    if (options_.once) return Error{ErrorCode::kCancelled, "Ended before all was sent.", ""};
+    if (options_.once) return Error{ErrorCode::kCancelled, "Ended before all was sent."};
     return end_;
   }
 

@@ -33,7 +33,7 @@ fs::path TruePath(const fs::path& path) {
 }  // namespace
 
 Result<void> CheckWatched(const WatchedFolders& watched, const fs::path& data_dir, bool requires_token) {
-  const auto refuse = [](const std::string& why) { return Error{ErrorCode::kInvalidArgument, why, ""}; };
+  const auto refuse = [](const std::string& why) { return Error{ErrorCode::kInvalidArgument, why}; };
   if (!watched.folders.empty() && requires_token && watched.token_file.empty())
     return refuse(
         "--watch: this server asks for a token. Make one with \"skyquilt token add watch --scope upload\", put "

@@ -118,8 +118,7 @@ Result<void> CheckReceiver(const std::string& url) {
       fmt::format(
           "{} leads to a private address, which this server tells nothing. Its operator changes that with "
           "serve --webhooks any.",
-          written),
-      ""};
+          written)};
 }
 
 Result<void> PostMessage(const OutgoingMessage& message) {
@@ -145,14 +144,14 @@ Result<void> PostMessage(const OutgoingMessage& message) {
   curl_easy_getinfo(transfer, CURLINFO_RESPONSE_CODE, &status);
   if (status == 0) {
     if (gate.has_refused)
-      return Error{ErrorCode::kForbidden, fmt::format("{} leads to a private address.", host), ""};
+      return Error{ErrorCode::kForbidden, fmt::format("{} leads to a private address.", host)};
     const std::string why = storage::CurlWordsOf(said, sent);
     if (sent == CURLE_OPERATION_TIMEDOUT)
       return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer in time.", host), why};
     return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer.", host), why};
   }
   if (status < 200 || status > 299)
-    return Error{ErrorCode::kUnavailable, fmt::format("{} answered {}.", host, status), ""};
+    return Error{ErrorCode::kUnavailable, fmt::format("{} answered {}.", host, status)};
   return {};
 }
 

@@ -51,15 +51,14 @@ Held Hold(const DataOptions& options) {
   const Result<std::optional<std::string>> marker = storage::ReadMarker(at);
   if (!marker && marker.error().code == ErrorCode::kCorrupt) {
     Fail("skyquilt data",
-         {ErrorCode::kCorrupt, marker.error().message + " " + storage::RepairAdvice(at), ""});
+         {ErrorCode::kCorrupt, marker.error().message + " " + storage::RepairAdvice(at)});
   }
   if (!marker) Fail("skyquilt data", marker.error());
   if (!*marker && !survey.has_flights && !survey.has_catalogue) {
     Fail("skyquilt data",
          {ErrorCode::kNotFound,
           at.root().string() +
-              " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor a catalogue.",
-          ""});
+              " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor a catalogue."});
   }
   storage::DataDirLock lock = OrFail("skyquilt data", storage::DataDirLock::Take(at));
   return {at, std::move(lock), *marker};
@@ -149,8 +148,7 @@ void Repair(const DataOptions& options) {
              "A catalogue is made anew from photos in the folder, and those of {0} lie at {1}. Copy what is "
              "below {1}flights/ into {0}/flights with any S3 client, remove {2}, and repair then; or put back "
              "a good copy of the catalogue. Nothing was changed.",
-             dir.root().string(), *settled, dir.BlobsMarker().string()),
-         ""});
+             dir.root().string(), *settled, dir.BlobsMarker().string())});
   }
   const storage::RepairReport report =
       OrFail("skyquilt data", storage::RepairData(options.data_dir, storage::Now(), PlaceIn(options)));

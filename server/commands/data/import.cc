@@ -44,8 +44,7 @@ storage::OpenedDataFolder OpenForImport(const fs::path& data_dir) {
     Fail(kImportCommand,
          {ErrorCode::kConflict,
           data_dir.string() + " keeps its maps at " + *elsewhere +
-              ". A map is imported into a folder of its own, which \"skyquilt data move\" brings there.",
-          ""});
+              ". A map is imported into a folder of its own, which \"skyquilt data move\" brings there."});
   return opened;
 }
 

@@ -34,7 +34,7 @@ void Run(const LocateOptions& options) {
   if (!text) {
     Fail("skyquilt locate",
          {ErrorCode::kNotFound,
-          options.map_dir + " has no locate.json. Give the folder that \"stitch\" wrote.", ""});
+          options.map_dir + " has no locate.json. Give the folder that \"stitch\" wrote."});
   }
   const pipeline::LocatedMap map = OrFail("skyquilt locate", pipeline::ParseLocateJson(*text));
   if (!options.pixel.empty()) {

@@ -129,8 +129,7 @@ void Run(const PlaceArguments& arguments) {
     Fail(kCommand,
          {ErrorCode::kNotFound,
           file.path.string() + " is gone; a map is drawn again when it is placed, which needs its photos "
-                               "where they were.",
-          ""});
+                               "where they were."});
   }
   StitchJobOptions options = OptionsOf(arguments);
   options.mosaic.placing = request;

@@ -62,8 +62,7 @@ void Run(const ReportArguments& arguments) {
   if (!report)
     Fail(kReportCommand, {ErrorCode::kNotFound,
                           arguments.map_dir.string() +
-                              " has no report.json. Name the folder that \"skyquilt stitch -o\" wrote.",
-                          ""});
+                              " has no report.json. Name the folder that \"skyquilt stitch -o\" wrote."});
   const WorkFolder work(kReportCommand, HiddenBeside(out));
   const MapPixels pixels = OrFail(kReportCommand, [&] {
     TerminalProgress progress;

@@ -124,7 +124,7 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
     if (std::filesystem::exists(file.path)) continue;
     Fail("skyquilt",
          {ErrorCode::kNotFound,
-          file.path.string() + " is gone; a map can only be added to where its photos still are", ""});
+          file.path.string() + " is gone; a map can only be added to where its photos still are"});
   }
   std::size_t given_again = 0;
   for (flight::InputFile& file : files) {
@@ -137,8 +137,7 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
     if (!was || !is || *was != *is) {
       Fail("skyquilt",
            {ErrorCode::kConflict,
-            file.path.string() + " has the name of a file of the finished map and other content; rename it",
-            ""});
+            file.path.string() + " has the name of a file of the finished map and other content; rename it"});
     }
     ++given_again;
   }
@@ -158,8 +157,7 @@ void CheckTraceCanBeWritten(const std::filesystem::path& trace) {
     Fail("skyquilt",
          {ErrorCode::kIo,
           fmt::format("{} cannot be written ({}); give --trace a file in a folder that is there and yours",
-                      trace.string(), std::generic_category().message(errno)),
-          ""});
+                      trace.string(), std::generic_category().message(errno))});
   }
   close(file);
   unlink(probe.c_str());

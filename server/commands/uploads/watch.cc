@@ -59,7 +59,7 @@ fs::path LedgerOf(const WatchArguments& arguments) {
 std::string TokenIn(const std::string& path) {
   std::string token;
   if (std::ifstream file(path); !std::getline(file, token))
-    Fail(kWatchCommand, {ErrorCode::kIo, "--token-file " + path + ": no token can be read from it.", ""});
+    Fail(kWatchCommand, {ErrorCode::kIo, "--token-file " + path + ": no token can be read from it."});
   while (!token.empty() && (token.back() == '\r' || token.back() == ' ')) token.pop_back();
   return token;
 }
