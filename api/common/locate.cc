@@ -22,14 +22,7 @@ Result<Response> At(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const pipeline::LocatedMap map, ReadLocatedMap(service, request.Parameter("flight")));
   Value photos = Value::array();
   for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(map, position)) {
-    photos.push_back({{"name", sighting.photo},
-                      {"x", sighting.pixel_in_image.x()},
-                      {"y", sighting.pixel_in_image.y()},
-                      {"off_nadir_deg", geo::RadToDeg(sighting.off_nadir_rad)},
-                      {"placement", alignment::PlacementName(sighting.placement)},
-                      {"sigma_m", sighting.sigma_m ? Value(*sighting.sigma_m) : Value()},
-                      {"sharpness", sighting.sharpness ? Value(*sighting.sharpness) : Value()},
-                      {"quality", sighting.quality}});
+    photos.push_back(SightingJson(sighting));
   }
   return JsonOf(200, {{"lon", lon_deg}, {"lat", lat_deg}, {"photos", photos}});
 }
@@ -56,6 +49,17 @@ Result<pipeline::LocatedMap> ReadLocatedMap(Service& service, const std::string&
     return Error{ErrorCode::kNotFound, "This map was made before cameras were kept with it. Stitch it again.",
                  shown.prefix};
   return pipeline::ParseLocateJson(*text);
+}
+
+nlohmann::ordered_json SightingJson(const pipeline::Sighting& sighting) {
+  return {{"name", sighting.photo},
+          {"x", sighting.pixel_in_image.x()},
+          {"y", sighting.pixel_in_image.y()},
+          {"off_nadir_deg", geo::RadToDeg(sighting.off_nadir_rad)},
+          {"placement", alignment::PlacementName(sighting.placement)},
+          {"sigma_m", sighting.sigma_m ? Value(*sighting.sigma_m) : Value()},
+          {"sharpness", sighting.sharpness ? Value(*sighting.sharpness) : Value()},
+          {"quality", sighting.quality}};
 }
 
 void AddLocateRoutes(Router& router, Service& service) {

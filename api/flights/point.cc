@@ -113,16 +113,8 @@ PointValue AsJson(const MapPoint& point) {
   json["height_m"] = point.height_m ? PointValue(*point.height_m) : PointValue();
   json["photo"] = nullptr;
   if (point.photo) {
-    json["photo"] = {
-        {"name", point.photo->photo},
-        {"x", point.photo->pixel_in_image.x()},
-        {"y", point.photo->pixel_in_image.y()},
-        {"off_nadir_deg", geo::RadToDeg(point.photo->off_nadir_rad)},
-        {"placement", alignment::PlacementName(point.photo->placement)},
-        {"sigma_m", point.photo->sigma_m ? PointValue(*point.photo->sigma_m) : PointValue()},
-        {"sharpness", point.photo->sharpness ? PointValue(*point.photo->sharpness) : PointValue()},
-        {"quality", point.photo->quality},
-        {"is_of_pixel", point.is_photo_of_pixel}};
+    json["photo"] = SightingJson(*point.photo);
+    json["photo"]["is_of_pixel"] = point.is_photo_of_pixel;
   }
   return json;
 }
