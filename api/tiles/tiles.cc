@@ -26,7 +26,13 @@ constexpr const char* kGrowing = "no-cache";  // a preview: another edition may 
 constexpr const char* kEnded = "no-store";  // what was asked for is no more, and nothing is to be kept of it
 
 bool Touches(const geo::TileId& tile, const storage::Revision& revision) {
-  return tile.BoundsInMerc().Intersects(geo::MercFromLatLonBounds(revision.bounds));
+  const geo::Bounds2 map = geo::MercFromLatLonBounds(revision.bounds);
+  geo::Bounds2 bounds = tile.BoundsInMerc();
+  if (bounds.Intersects(map)) return true;
+  // East of the antimeridian a map goes on at the other end of the world.
+  bounds.min.x() += 2.0 * geo::kMercHalfWidthM;
+  bounds.max.x() += 2.0 * geo::kMercHalfWidthM;
+  return bounds.Intersects(map);
 }
 
 // Made of the four tiles below it, or enlarged where there are none.

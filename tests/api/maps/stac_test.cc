@@ -178,6 +178,10 @@ TEST_F(StacTest, AcrossTheAntimeridianBoxesAreThoseOfGeoJson) {
   const std::string ogc = "/ogc/collections/" + flight;
   EXPECT_EQ(json::parse(sample_.Get(ogc).body)["extent"]["spatial"]["bbox"],
             json::parse("[[179.75,-18.0,-179.75,-17.5]]"));
+  // Blank, as what a map has nothing of is, at both of its sides.
+  for (const char* tile : {"/2/3/2.png", "/2/0/2.png"})
+    EXPECT_EQ(sample_.Get("/tiles/" + flight + tile).status, 200) << tile;
+  EXPECT_EQ(sample_.Get("/tiles/" + flight + "/2/2/2.png").status, 404);
   // A list of limits has one span of columns, and the tiles lie at both ends.
   for (const char* set : {"/map/tiles/WebMercatorQuad", "/map/tiles/WorldCRS84Quad"}) {
     const json limits = json::parse(sample_.Get(ogc + set).body)["tileMatrixSetLimits"];
