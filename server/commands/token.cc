@@ -95,6 +95,7 @@ void Add(const TokenOptions& options) {
 void List(const TokenOptions& options) {
   const auto db = OpenCatalogue(options);
   const storage::TokenSet set = OrFail("skyquilt token", storage::Tokens(*db).Read());
+  if (set.tokens.empty()) fmt::print(stderr, "There are no tokens. \"skyquilt token add\" makes one.\n");
   for (const storage::Token& token : set.tokens) {
     fmt::print(
         "{:<20} {:<7} made {} {}{}{}{}\n", token.name, storage::ScopeName(token.scope),

@@ -46,7 +46,9 @@ void Run(const LocateOptions& options) {
   }
   const geo::LatLon position =
       OrFail("skyquilt locate", geo::LatLon::Make(options.lon_lat[1], options.lon_lat[0]));
-  for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(map, position)) {
+  const std::vector<pipeline::Sighting> sightings = pipeline::PhotosAtPoint(map, position);
+  if (sightings.empty()) fmt::print(stderr, "No photo of this map shows that place.\n");
+  for (const pipeline::Sighting& sighting : sightings) {
     fmt::print("{} {:.2f},{:.2f} {}, {:.1f} degrees off the vertical{}\n", sighting.photo,
                sighting.pixel_in_image.x(), sighting.pixel_in_image.y(), LocatedWithin(sighting.sigma_m),
                geo::RadToDeg(sighting.off_nadir_rad),
