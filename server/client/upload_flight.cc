@@ -15,6 +15,7 @@
 #include "core/base/text/file_names.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "storage/db/ids.h"
 
 namespace skyquilt::server {
 namespace {
@@ -75,13 +76,14 @@ Result<std::string> TextAt(const nlohmann::json& value, const char* key) {
                fmt::format("The server's answer has no \"{}\"; is it a Skyquilt?", key)};
 }
 
+// Sent again where its answer was lost, it is carried out once all the same.
 Result<nlohmann::json> PostJson(ServerClient& client, const std::string& path, const nlohmann::json& value,
                                 const std::string& once_key) {
   ClientRequest request;
   request.method = "POST";
   request.path = path;
-  request.headers = {{"Content-Type", "application/json"}};
-  if (!once_key.empty()) request.headers.emplace_back("Idempotency-Key", once_key);
+  request.headers = {{"Content-Type", "application/json"},
+                     {"Idempotency-Key", once_key.empty() ? storage::NewId() : once_key}};
   request.body = JsonText(value);
   SKYQUILT_TRY_ASSIGN(const ClientAnswer answer, client.Send(request));
   return Parsed(answer);

@@ -24,7 +24,7 @@ struct UploadOptions {
   std::string job_options = {};
   bool makes_map = true;
   bool waits = true;
-  // By which a flight or a job that is asked for again is known to be the same; empty: it is another.
+  // By which a flight or a job that another call asks for is known to be the same; empty: it is another.
   std::string flight_once_key, job_once_key;
 };
 

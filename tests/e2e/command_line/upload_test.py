@@ -31,9 +31,14 @@ class BreakingProxy:
             threading.Thread(target=self.relay, args=(client, server, True), daemon=True).start()
             threading.Thread(target=self.relay, args=(server, client, False), daemon=True).start()
 
+    def loses(self, answer):
+        return False
+
     def relay(self, source, sink, counts):
         try:
             while data := source.recv(1 << 16):
+                if not counts and self.loses(data):
+                    break
                 sink.sendall(data)
                 self.passed += len(data) if counts else 0
                 if counts and not self.has_broken and self.passed > self.breaks_after:
@@ -47,6 +52,21 @@ class BreakingProxy:
             except OSError:
                 pass
             end.close()  # with what nobody read: else the other end goes on sending, into a full buffer, for a minute
+
+
+class LosingProxy(BreakingProxy):
+    """Loses the first answer that a flight is made (201), and the first that its job is queued (202)."""
+
+    def __init__(self, to_port):
+        self.lost = []
+        super().__init__(to_port, breaks_after=1 << 40)
+
+    def loses(self, answer):
+        status = answer[9:12]
+        if not answer.startswith(b"HTTP/1.1 20") or status not in (b"201", b"202") or status in self.lost:
+            return False
+        self.lost.append(status)
+        return True
 
 
 class Upload(ServerTestCase):
@@ -81,6 +101,14 @@ class Upload(ServerTestCase):
         self.assertEqual(sorted(file["name"] for file in files), sorted(path.name for path in self.card.iterdir()))
         whole = server.request("GET", f"/api/v1/flights/{flight['id']}/files/long.bin")[2]
         self.assertEqual(whole, (self.card / "long.bin").read_bytes())
+
+    def test_what_was_done_is_not_done_again_where_the_answer_was_lost(self):
+        server = self.serve("--workers", "0")
+        proxy = LosingProxy(server.port)
+        self.upload(proxy, "--no-wait")
+        self.assertEqual(proxy.lost, [b"201", b"202"])
+        self.assertEqual(len(server.json("GET", "/api/v1/flights")[1]["flights"]), 1)
+        self.assertEqual(len(server.json("GET", "/api/v1/jobs")[1]["jobs"]), 1)
 
     def test_a_server_that_is_not_there_yet_is_waited_for(self):
         with socket.create_server(("127.0.0.1", 0)) as free:
