@@ -6,7 +6,7 @@
 #include <charconv>
 #include <iterator>
 
-#include "api/http/http_message.h"
+#include "core/base/text/plain_text.h"
 
 namespace skyquilt::api {
 namespace {
@@ -15,7 +15,7 @@ struct NamedColour {
   const char* name;
   std::uint32_t rgb;
 };
-// CSS Color Module Level 4, 6.1.
+// CSS Color Module Level 4, 6.1; of its two spellings "gray".
 constexpr NamedColour kNamedColours[] = {
     {"aliceblue", 0xF0F8FF},
     {"antiquewhite", 0xFAEBD7},
@@ -43,7 +43,6 @@ constexpr NamedColour kNamedColours[] = {
     {"darkgoldenrod", 0xB8860B},
     {"darkgray", 0xA9A9A9},
     {"darkgreen", 0x006400},
-    {"darkgrey", 0xA9A9A9},
     {"darkkhaki", 0xBDB76B},
     {"darkmagenta", 0x8B008B},
     {"darkolivegreen", 0x556B2F},
@@ -54,13 +53,11 @@ constexpr NamedColour kNamedColours[] = {
     {"darkseagreen", 0x8FBC8F},
     {"darkslateblue", 0x483D8B},
     {"darkslategray", 0x2F4F4F},
-    {"darkslategrey", 0x2F4F4F},
     {"darkturquoise", 0x00CED1},
     {"darkviolet", 0x9400D3},
     {"deeppink", 0xFF1493},
     {"deepskyblue", 0x00BFFF},
     {"dimgray", 0x696969},
-    {"dimgrey", 0x696969},
     {"dodgerblue", 0x1E90FF},
     {"firebrick", 0xB22222},
     {"floralwhite", 0xFFFAF0},
@@ -73,7 +70,6 @@ constexpr NamedColour kNamedColours[] = {
     {"gray", 0x808080},
     {"green", 0x008000},
     {"greenyellow", 0xADFF2F},
-    {"grey", 0x808080},
     {"honeydew", 0xF0FFF0},
     {"hotpink", 0xFF69B4},
     {"indianred", 0xCD5C5C},
@@ -90,13 +86,11 @@ constexpr NamedColour kNamedColours[] = {
     {"lightgoldenrodyellow", 0xFAFAD2},
     {"lightgray", 0xD3D3D3},
     {"lightgreen", 0x90EE90},
-    {"lightgrey", 0xD3D3D3},
     {"lightpink", 0xFFB6C1},
     {"lightsalmon", 0xFFA07A},
     {"lightseagreen", 0x20B2AA},
     {"lightskyblue", 0x87CEFA},
     {"lightslategray", 0x778899},
-    {"lightslategrey", 0x778899},
     {"lightsteelblue", 0xB0C4DE},
     {"lightyellow", 0xFFFFE0},
     {"lime", 0x00FF00},
@@ -150,7 +144,6 @@ constexpr NamedColour kNamedColours[] = {
     {"skyblue", 0x87CEEB},
     {"slateblue", 0x6A5ACD},
     {"slategray", 0x708090},
-    {"slategrey", 0x708090},
     {"snow", 0xFFFAFA},
     {"springgreen", 0x00FF7F},
     {"steelblue", 0x4682B4},
@@ -175,9 +168,10 @@ Rgb RgbOf(std::uint32_t number) {
 }  // namespace
 
 Result<Rgb> ParseColour(std::string_view text, std::string_view name) {
-  const auto found =
-      std::find_if(std::begin(kNamedColours), std::end(kNamedColours),
-                   [&](const NamedColour& known) { return EqualsIgnoringCase(text, known.name); });
+  std::string spelt = LowerCase(text);
+  if (spelt.ends_with("grey")) spelt[spelt.size() - 2] = 'a';
+  const auto found = std::find_if(std::begin(kNamedColours), std::end(kNamedColours),
+                                  [&](const NamedColour& known) { return spelt == known.name; });
   if (found != std::end(kNamedColours)) return RgbOf(found->rgb);
   std::string_view digits = text;
   if (digits.starts_with("0x") || digits.starts_with("0X")) {

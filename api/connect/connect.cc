@@ -86,7 +86,7 @@ std::string Josm(const MapView& map) {
 // The window is the map's own, cut at the coarsest zoom's tiles, so that every zoom is an overview: the whole
 // world at this resolution is beyond GDAL's counters.
 std::string Gdal(const MapView& map) {
-  const std::vector<TileMatrix> matrices = MatricesOf(map);
+  const std::vector<TileMatrix> matrices = MatricesOf(map, map.tile_size_px());
   const TileMatrix& coarse = matrices.front();
   const int finest_zoom = matrices.back().zoom;
   const int overviews = finest_zoom - coarse.zoom;

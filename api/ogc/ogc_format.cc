@@ -1,6 +1,7 @@
 #include "api/ogc/ogc_format.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 
 #include "api/common/accept.h"
@@ -22,6 +23,18 @@ std::optional<PictureFormat> FormatAsked(std::string_view word) {
     }
   }
   return std::nullopt;
+}
+
+// `names`: what "f" may say, and among them the types that Accept may.
+Result<void> CheckTakes(const Request& request, std::initializer_list<std::string_view> names,
+                        const char* refusal) {
+  const auto wanted = request.Query("f");
+  const std::string_view accept = request.headers.Find("Accept");
+  for (const std::string_view name : names) {
+    const bool is_type = name.find('/') != std::string_view::npos;
+    if (wanted ? EqualsIgnoringCase(*wanted, name) : is_type && AcceptedQuality(accept, name) > 0) return {};
+  }
+  return Error{ErrorCode::kNotAcceptable, refusal};
 }
 
 // Maps hold JPEG within and WebP or PNG at their edge, or WebP throughout.
@@ -49,30 +62,14 @@ nlohmann::ordered_json OgcLink(const Request& request, std::string_view path, co
 }
 
 Result<void> CheckTakesJson(const Request& request) {
-  constexpr const char* kJson = "application/json";
-  if (const auto wanted = request.Query("f")) {
-    if (EqualsIgnoringCase(*wanted, "json") || EqualsIgnoringCase(*wanted, kJson)) return {};
-  } else if (AcceptedQuality(request.headers.Find("Accept"), kJson) > 0) {
-    return {};
-  }
-  return Error{ErrorCode::kNotAcceptable,
-               "This document is there as JSON: ask for f=json or with \"Accept: application/json\"."};
+  return CheckTakes(request, {"json", "application/json"},
+                    "This document is there as JSON: ask for f=json or with \"Accept: application/json\".");
 }
 
 Result<void> CheckTakesGeoJson(const Request& request) {
-  constexpr const char* kTypes[] = {"application/geo+json", "application/json"};
-  if (const auto wanted = request.Query("f")) {
-    for (const char* name : {"geojson", "json", kTypes[0], kTypes[1]}) {
-      if (EqualsIgnoringCase(*wanted, name)) return {};
-    }
-  } else {
-    const std::string_view accept = request.headers.Find("Accept");
-    for (const char* type : kTypes) {
-      if (AcceptedQuality(accept, type) > 0) return {};
-    }
-  }
-  return Error{ErrorCode::kNotAcceptable,
-               "Features are there as GeoJSON: ask for f=json or with \"Accept: application/geo+json\"."};
+  return CheckTakes(
+      request, {"geojson", "json", "application/geo+json", "application/json"},
+      "Features are there as GeoJSON: ask for f=json or with \"Accept: application/geo+json\".");
 }
 
 Result<PictureFormat> PictureFormatFor(const Request& request) {

@@ -52,8 +52,6 @@ std::string MatrixSetName(int tile_size_px) {
   return tile_size_px == kUsualTilePx ? "WebMercatorQuad" : fmt::format("WebMercatorQuad{}", tile_size_px);
 }
 
-std::vector<TileMatrix> MatricesOf(const MapView& map) { return MatricesOf(map, map.tile_size_px()); }
-
 std::vector<TileMatrix> MatricesOf(const MapView& map, int tile_size_px) {
   return MatricesOf(map.revision(), map.tile_size_px(), tile_size_px);
 }

@@ -57,7 +57,6 @@ struct TileMatrix {
   // The tiles that the map's bounds touch; across the antimeridian, where they are at both ends, all columns.
   std::uint32_t min_column = 0, max_column = 0, min_row = 0, max_row = 0;
 };
-std::vector<TileMatrix> MatricesOf(const MapView& map);
 std::vector<TileMatrix> MatricesOf(const MapView& map, int tile_size_px);  // one of the map's sizes
 std::vector<TileMatrix> MatricesOf(const storage::Revision& revision, int stored_size_px, int tile_size_px);
 // Of the tiles to be had of a map that has them stored in this size, as MapView::tile_sizes_px.

@@ -281,6 +281,7 @@ TEST_F(OgcMaps, BackgroundsAreAsTheStandardHasThem) {
   EXPECT_EQ(corner("&bgcolor=CC00CC&transparent=FALSE"), (std::array{0xCC, 0, 0xCC, 255}));
   EXPECT_EQ(corner("&bgcolor=%23cc00cc"), (std::array{0xCC, 0, 0xCC, 255}));
   EXPECT_EQ(corner("&bgcolor=NaVy"), (std::array{0, 0, 128, 255}));
+  EXPECT_EQ(corner("&bgcolor=DarkSlateGrey"), (std::array{0x2F, 0x4F, 0x4F, 255}));
   EXPECT_EQ(corner("&bgcolor=CC00CC&transparent=true"), (std::array{0xCC, 0, 0xCC, 0}));
   EXPECT_EQ(corner("&f=webp&bgcolor=NaVy")[3], 255);
   // A format without transparency has the colour, or white.
