@@ -51,7 +51,7 @@ Response OnceBy(Service& service, const Request& request, const std::string& fin
   }
   if (*known) return Replay(**known);
   Response response = Answered(carry_out(), request);
-  // What was not done may be tried again: the server may have room for it by then, or whoever sent it the right.
+  // What was not done may be tried again: by then there may be room for it, or what it lacked.
   if (response.status >= 400) return response;
   const Result<void> kept = answers.Keep(
       *key, {fingerprint, response.status, std::string(response.headers.Find("Location")), response.body},

@@ -1,9 +1,8 @@
 // Once: a request with an Idempotency-Key is carried out once; when it is sent again it gets the first
 // answer, marked with "Idempotency-Replayed: true". One that was refused was not carried out: it may be sent
-// again under its key. Without the header it is simply carried out. Another body under the same key is refused
-// (422); keys of different tokens are independent. Any thread; requests with keys are serialised.
+// again under its key. Without the header it is simply carried out. Another body under the same key is
+// refused (422); keys of different tokens are independent. Any thread; requests with keys are serialised.
 #pragma once
-
 #include <functional>
 #include <optional>
 #include <string>
