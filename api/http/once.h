@@ -3,6 +3,7 @@
 // again under its key. Without the header it is simply carried out. Another body under the same key is
 // refused (422); keys of different tokens are independent. Any thread; requests with keys are serialised.
 #pragma once
+
 #include <functional>
 #include <optional>
 #include <string>
