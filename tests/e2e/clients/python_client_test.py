@@ -1,5 +1,7 @@
 """The Python client (api/clients/python), installed by pip as users install it, against the real server: uploads through a
 kill of the server, downloads that go on, exports, places, errors, the contract and the examples of its README."""
+import errno
+import http.client
 import http.server
 import importlib.util
 import json
@@ -144,9 +146,21 @@ class PythonClient(ServerTestCase):
             (out / "half.tif.part").write_bytes(begun)
             (out / "half.tif.part.etag").write_text(mark)
             self.assertEqual(flight.download("geotiff", out / "half.tif").read_bytes(), whole)
+
+        # The network goes away while it comes: it is waited for.
+        def cut(response, amount=None, read=http.client.HTTPResponse.read):
+            if amount and cuts:
+                raise OSError(cuts.pop(), "Network is unreachable")
+            return read(response, amount)
+
+        cuts = [errno.ENETUNREACH]
+        told.clear()
+        with unittest.mock.patch.object(http.client.HTTPResponse, "read", cut):
+            self.assertEqual(flight.download("geotiff", out / "half.tif", told.append).read_bytes(), whole)
+        self.assertEqual((cuts, told[0].stage), ([], "waiting"))
         self.assertEqual(sorted(path.name for path in out.iterdir()), ["half.tif", "map.tif"])
         for kind in self.skyquilt.DOWNLOADS:
-            if not kind.startswith(("layer", "dsm", "dtm", "contours")):  # which a job is asked for
+            if not kind.startswith(("layer", "dsm", "dtm", "contours", "bands")):  # which not every map has
                 self.assertGreater(flight.download(kind, out).stat().st_size, 0, kind)
         self.assertEqual(json.loads((out / f"{flight.id}_report.json").read_text()), flight.report())
         with self.assertRaisesRegex(self.skyquilt.NotFound, "."):
@@ -212,11 +226,18 @@ class PythonClient(ServerTestCase):
         with self.assertRaises(NoMore):
             client.upload(self.folder, progress=stop)
         self.assertEqual(len(client.flights()), 2)  # and the client goes on
+        going = pathlib.Path(self.data, "going")
+        going.mkdir()
+        for name in ("a.txt", "b.txt"):
+            (going / name).write_bytes(b"x")
+        with self.assertRaisesRegex(self.skyquilt.InputError, "b.txt cannot be read") as gone:
+            client.upload(going, progress=lambda _: (going / "b.txt").unlink(missing_ok=True))
+        self.assertTrue(gone.exception.flight_id)
         port = server.port
         server.stop()
         with self.assertRaisesRegex(self.skyquilt.ServerAway, f"Nothing answers at http://127.0.0.1:{port}"):
             self.client(server, patience_s=0).flights()
-        for url in ("127.0.0.1:8080", "ftp://a/b", "http://"):
+        for url in ("127.0.0.1:8080", "ftp://a/b", "http://", "http://[::1", "http://127.0.0.1:80800"):
             with self.assertRaisesRegex(self.skyquilt.InputError, "address of a server"):
                 self.skyquilt.Client(url)
 
@@ -230,7 +251,7 @@ class PythonClient(ServerTestCase):
         with self.assertRaises(self.skyquilt.Forbidden):
             self.client(server, read).upload(self.folder)
         flight = self.client(server, upload).upload(self.folder).wait()
-        self.assertEqual(self.client(server, upload).access()["scope"], "upload")
+        self.assertEqual(self.client(server, upload + "\n").access()["scope"], "upload")  # as a file has it
         address = flight.tile_url()
         self.assertTrue(address.endswith(f"?token={upload}"))
         self.assertNotIn("token", flight.tile_url(with_token=False))

@@ -1,16 +1,14 @@
 """A file from the server, which goes on where it broke off: in the same call, or in a later one."""
 from __future__ import annotations
 
-import http.client
 import os
 import pathlib
 import re
-import ssl
 from typing import Callable, Mapping
 
 from .errors import Refused, ServerAway
 from .progress import OnProgress, Progress, megabytes
-from .transport import Answer, Patience, Transport
+from .transport import Answer, BrokenOff, Patience, Transport
 
 BLOCK_BYTES = 1 << 18
 Open = Callable[[Mapping[str, str]], Answer]
@@ -35,10 +33,10 @@ def fetch(transport: Transport, open_at: Callable[[Transport], Open], path: path
                 begin = _begin_of(answer, have)
                 length = answer.headers.get("Content-Length", "")
                 total = begin + int(length) if length.isdigit() else 0
-                _remember(mark, answer.headers.get("ETag", ""))
                 with part.open("r+b" if begin else "wb") as file:
                     file.seek(begin)
                     file.truncate()
+                    _remember(mark, answer.headers.get("ETag", ""))
                     done = begin
                     while True:
                         content = answer.read(BLOCK_BYTES)
@@ -50,15 +48,14 @@ def fetch(transport: Transport, open_at: Callable[[Transport], Open], path: path
                         on_progress(last)
                         patience.succeeded()
                 if total and done < total:
-                    raise http.client.IncompleteRead(b"", total - done)
+                    raise BrokenOff(f"{megabytes(total - done)} of it are lacking")
             break
         except Refused as error:
             if error.status != 416 or not have:
                 raise
             mark.unlink()  # nothing is left of what was to come: begin anew
-        except (ConnectionError, TimeoutError, ssl.SSLError, http.client.HTTPException) as error:
-            why = f"The connection to {transport.url} broke: {error or type(error).__name__}."
-            patience.wait(why, ServerAway(why))
+        except BrokenOff as error:
+            patience.wait(str(error), error)
     os.replace(part, path)
     mark.unlink(missing_ok=True)
 

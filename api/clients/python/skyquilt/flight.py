@@ -21,7 +21,7 @@ DOWNLOADS: Dict[str, str] = {
     "report": "report", "footprints": "photos.geojson", "cameras": "cameras.json", "geo.txt": "geo.txt",
     "thumbnail": "thumbnail.png", "layer_photo": "layer_photo.mbtiles", "layer_error": "layer_error.mbtiles",
     "layer_height": "layer_height.mbtiles", "layers": "layers.json", "dsm": "dsm.tif", "dsm_photos": "dsm_photos.tif",
-    "dsm_hillshade": "dsm_hillshade.tif",
+    "dsm_hillshade": "dsm_hillshade.tif", "bands": "bands.tif",
     "dtm": "dtm.tif", "dtm_ground": "dtm_ground.tif", "contours": "contours.gpkg", "contours_geojson": "contours.geojson",
     "contours_dxf": "contours.dxf"}
 _ENDINGS = {"geotiff": "tif", "report": "pdf"}  # those of other formats are their names

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import base64
-import http.client
 import io
 import time
 import urllib.parse
@@ -100,7 +99,7 @@ class Sender:
         return path[len(base.rstrip("/")):] if path.startswith(base.rstrip("/") + "/") else path
 
     def _send_file(self, file: LocalFile) -> None:
-        with file.path.open("rb") as content:
+        with _opened(file) as content:
             place, offset = self._begin(file), 0
             once = self._transport.patient(0.0)
             patience = Patience(self._transport)
@@ -116,7 +115,7 @@ class Sender:
                         offset = _offset_of(answer.headers.get("Upload-Offset"))
                     patience.succeeded()
                     continue
-                except (ServerAway, Refused, OSError, http.client.HTTPException) as error:
+                except (ServerAway, Refused) as error:
                     if isinstance(error, NotFound):
                         break  # finished, and its answer was lost; or forgotten
                     if isinstance(error, Refused) and not isinstance(error, Conflict) and error.status not in RETRIED:
@@ -141,6 +140,13 @@ class Sender:
             if isinstance(error, Refused) and error.status not in RETRIED and error.status != 410:
                 raise
             return None if isinstance(error, Refused) and error.status == 410 else -1
+
+
+def _opened(file: LocalFile) -> BinaryIO:
+    try:
+        return file.path.open("rb")
+    except OSError as error:
+        raise InputError(f"{file.path} cannot be read: {error.strerror}.") from error
 
 
 def _offset_of(said: "str | None") -> int:

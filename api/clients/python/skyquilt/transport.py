@@ -25,6 +25,13 @@ BLOCK_BYTES = 1 << 16
 LARGEST_PROBLEM_BYTES = 1 << 20
 
 
+class BrokenOff(ServerAway):
+    """An answer that ended before all of it was there."""
+
+    def __init__(self, why: str) -> None:
+        super().__init__(f"The connection broke within an answer: {why}.")
+
+
 class Answer:
     """An answer whose body is still to be read; `with` it, or close it."""
 
@@ -34,17 +41,16 @@ class Answer:
         self.headers = response.headers
 
     def read(self, amount: Optional[int] = None) -> bytes:
-        """At most `amount` bytes of the body, or all that is left; b"" at its end. OSError or HTTPException where the
-        connection breaks."""
-        return self._response.read() if amount is None else self._response.read(amount)
-
-    def read_all(self) -> bytes:
-        """The whole body. Raises `ServerAway` where the connection breaks."""
+        """At most `amount` bytes of the body, or all that is left; b"" at its end. Raises `BrokenOff`."""
         try:
-            return self._response.read()
+            return self._response.read(amount)
         except (OSError, http.client.HTTPException) as error:
             self._release(False)
-            raise ServerAway(f"The connection broke within an answer: {error or type(error).__name__}.") from error
+            raise BrokenOff(_in_words(error)) from error
+
+    def read_all(self) -> bytes:
+        """All of the body that is left. Raises `BrokenOff`."""
+        return self.read()
 
     def close(self) -> None:
         """Gives the connection back. One with an unread rest is closed."""
@@ -63,13 +69,17 @@ class Transport:
 
     def __init__(self, url: str, token: Optional[str] = None, *, patience_s: float = 5.0, timeout_s: float = 60.0,
                  context: Optional[ssl.SSLContext] = None) -> None:
-        parts = urllib.parse.urlsplit(url.strip())
-        if parts.scheme not in ("http", "https") or not parts.hostname:
+        try:
+            parts = urllib.parse.urlsplit(url.strip())
+            is_address = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+        except ValueError:  # of a port, or of brackets
+            is_address = False
+        if not is_address:
             raise InputError(f"{url!r} is no address of a server; one looks like http://127.0.0.1:8080.")
         if parts.query or parts.fragment:
             raise InputError(f"{url!r} has more than the address of a server; leave out what follows ? and #.")
         self.url = url.strip().rstrip("/")
-        self.token = token or None
+        self.token = (token or "").strip() or None  # one that was read from a file ends with its line
         self.patience_s = patience_s
         self.on_waiting: Optional[Waiting] = None
         self._parts, self._timeout_s, self._context = parts, timeout_s, context
@@ -107,16 +117,16 @@ class Transport:
             except Refused as error:
                 if error.status not in RETRIED or not isinstance(body, (bytes, type(None))):
                     raise
-                patience.wait(str(error), error, _retry_after_s(error))
+                patience.wait(str(error), error)
 
     def _away(self, error: BaseException) -> str:
         if isinstance(error, ConnectionRefusedError):
             return f"Nothing answers at {self.url}. Does the server run there?"
         if isinstance(error, socket.gaierror):
             return f"There is no computer called {self._parts.hostname}, or the network is away."
-        if isinstance(error, TimeoutError):
+        if isinstance(error, socket.timeout):  # TimeoutError from Python 3.10 on
             return f"{self.url} did not answer within {self._timeout_s:.0f} s."
-        return f"The connection to {self.url} broke: {error or type(error).__name__}."
+        return f"The connection to {self.url} broke: {_in_words(error)}."
 
     def _once(self, method: str, path: str, body: Optional[Body], headers: Mapping[str, str]) -> Answer:
         connection, prefix = self._take()
@@ -158,7 +168,7 @@ class Transport:
         if response.status < 400:
             return answer
         with answer:
-            content = answer.read(LARGEST_PROBLEM_BYTES)
+            content = response.read(LARGEST_PROBLEM_BYTES)
         raise _refusal_of(response, content)
 
     def _take(self) -> Tuple[http.client.HTTPConnection, str]:
@@ -204,9 +214,9 @@ class Patience:
         """The server is there."""
         self._end, self._pause_s = time.monotonic() + self._transport.patience_s, 0.25
 
-    def wait(self, why: str, error: Exception, pause_s: Optional[float] = None) -> None:
-        """A pause; or raises what it was, once the patience is at its end."""
-        pause = pause_s if pause_s is not None else self._pause_s * random.uniform(0.75, 1.25)
+    def wait(self, why: str, error: Exception) -> None:
+        """A pause, as long as the server asks for; or raises what it was, once the patience is at its end."""
+        pause = max(self._pause_s * random.uniform(0.75, 1.25), _retry_after_s(error))
         if time.monotonic() + pause > self._end:
             if isinstance(error, (Refused, ServerAway)):
                 raise error
@@ -221,9 +231,13 @@ def _closing(connection: http.client.HTTPConnection) -> Callable[[bool], None]:
     return lambda _: connection.close()
 
 
-def _retry_after_s(error: Refused) -> Optional[float]:
-    seconds = error.problem.get("retry_after_s")
-    return float(seconds) if isinstance(seconds, (int, float)) else None
+def _in_words(error: BaseException) -> str:
+    return str(error) or type(error).__name__
+
+
+def _retry_after_s(error: Exception) -> float:
+    seconds = error.problem.get("retry_after_s") if isinstance(error, Refused) else None
+    return float(seconds) if isinstance(seconds, (int, float)) else 0.0
 
 
 def _refusal_of(response: http.client.HTTPResponse, content: bytes) -> Refused:
