@@ -140,6 +140,12 @@ class Plugin(MapFileTestCase):
         _, _, body = server.request("GET", "/api/v1/access", headers=bearer(shared))
         flight_id = layer[1].split("/flights/")[1].split("/")[0]
         self.assertEqual({"scope": "read", "flight": flight_id}.items() & json.loads(body).items(), {"scope": "read", "flight": flight_id}.items())
+        # Where no more such can be made, none of the user's own takes its place.
+        json_of = {**bearer(token), "Content-Type": "application/json"}
+        made = [server.request("POST", f"/api/v1/flights/{flight_id}/shares", body=b"{}", headers=json_of)[0] for _ in range(100)]
+        self.assertEqual(made[-1], 409)
+        *_, said = self.session(url, ["token", token, False], ["choose", flight_id], ["ask", "geotiff"], ["said"])
+        self.assertIn("shares already", said[-1])
 
     def test_a_server_that_is_away_is_said(self):
         rows, said = self.session("http://127.0.0.1:9", ["rows"], ["said"])

@@ -6,8 +6,6 @@ from xml.etree import ElementTree
 
 from qgis.core import QgsFillSymbol, QgsLineSymbol, QgsRasterLayer, QgsVectorLayer
 
-from .skyquilt import Conflict
-
 TILES, GEOTIFF, FOOTPRINTS = "tiles", "geotiff", "footprints"
 SURFACE, HILLSHADE, GROUND, CONTOURS = "surface", "hillshade", "ground", "contours"
 # File and name of what a map has whose job was asked for these heights.
@@ -43,10 +41,7 @@ def reading_token(client, flight, known):
     if access["scope"] == "read":
         return client.transport.token
     if flight.id not in known:
-        try:
-            known[flight.id] = client.api.add_share(flight.id, {"expires_in_days": None})["token"]
-        except Conflict:
-            return client.transport.token  # as many as there may be; what stands in an address only reads
+        known[flight.id] = client.api.add_share(flight.id, {"expires_in_days": None})["token"]
     return known[flight.id]
 
 
