@@ -2,7 +2,7 @@
 # Skyquilt in one command: installs what is missing, builds, starts the server, makes a map, prints its address.
 #   ./run.sh               the demo flight (simulated), served until Ctrl-C
 #   ./run.sh PATH...       your own photos and logs (files or folders), served until Ctrl-C
-#   ./run.sh --once [PATH...]   ends after the map has answered
+#   ./run.sh --once [PATH...]   ends when the map is there
 # Settings: SKYQUILT_LISTEN (default 127.0.0.1:8080, or a free port if that is taken), SKYQUILT_DATA_DIR (default ./data)
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '2,6p' "$0" | cut -c3-; exit 0 ;; esac
@@ -54,33 +54,7 @@ for _ in $(seq 100); do
 done
 url=${url%/}
 
-field() { python3 -c 'import json,sys
-value = json.load(sys.stdin)
-for key in sys.argv[1].split("."): value = (value or {}).get(key)
-print("" if value is None else value)' "$1"; }
-encode() { python3 -c 'import sys, urllib.parse; print(urllib.parse.quote(sys.argv[1], safe=""))' "$1"; }
-
-flight=$(curl -fsS -H 'Content-Type: application/json' -d "{\"name\": \"$title\"}" "$url/api/v1/flights" | field id)
-echo "Uploading"
-while IFS= read -r -d '' file; do
-  name=$(basename "$file")
-  curl -fsS -T "$file" "$url/api/v1/flights/$flight/files/$(encode "$name")" >/dev/null
-done < <(find "${inputs[@]}" -type f -not -name '.*' -print0 | sort -z)
-job=$(curl -fsS -H 'Content-Type: application/json' -d '{}' "$url/api/v1/flights/$flight/jobs" | field id)
-before=
-while true; do
-  state=$(curl -fsS "$url/api/v1/jobs/$job")
-  case "$(field state <<<"$state")" in
-    successful) break ;;
-    failed | dismissed) echo "The job failed: $(field error.message <<<"$state")" >&2; exit 1 ;;
-  esac
-  now=$(field stage <<<"$state")
-  if [ "$now" != "$before" ]; then echo "  $now"; before=$now; fi
-  sleep 0.5
-done
-curl -fsS "$url/tiles/$flight.json" >/dev/null
-echo
-echo "The map: $url/#/flights/$flight"
+"$program" upload "${inputs[@]}" --server "$url" --name "$title" --patience 60
 if $once; then exit 0; fi
 echo "Ctrl-C ends the server."
 wait "$server"
