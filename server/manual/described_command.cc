@@ -34,7 +34,7 @@ DescribedOption DescribeOption(CLI::Option& option) {
 }
 
 DescribedCommand DescribeCommand(CLI::App& app, std::vector<std::string> path) {
-  DescribedCommand described{std::move(path), app.get_description(), {}, {}, {}};
+  DescribedCommand described{std::move(path), app.get_description(), app.get_footer(), {}, {}, {}};
   for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
     if (option->get_group().empty()) continue;
     DescribedOption one = DescribeOption(*option);

@@ -30,6 +30,7 @@ struct DescribedOption {
 struct DescribedCommand {
   std::vector<std::string> path;  // {"token", "add"}; empty: the program
   std::string about;
+  std::string footer;  // what help says below the options: sentences, then examples, which are indented
   std::vector<DescribedOption> options;
   std::vector<DescribedOption> arguments;
   std::vector<DescribedCommand> commands;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -113,11 +114,32 @@ std::string ListOfCommands(const DescribedCommand& command) {
   return text;
 }
 
+struct Footer {
+  std::string sentences, examples;
+};
+
+Footer FooterOf(const DescribedCommand& command) {
+  Footer footer;
+  std::string_view rest = command.footer;
+  while (!rest.empty()) {
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+    if (line.starts_with("  ")) {
+      footer.examples += Roff(line.substr(2)) + "\n";
+    } else if (!line.empty() && !line.starts_with("Example")) {
+      footer.sentences += (footer.sentences.empty() ? ".PP\n" : "") + Roff(line) + "\n";
+    }
+  }
+  if (!footer.examples.empty()) footer.examples = ".EX\n" + footer.examples + ".EE\n";
+  return footer;
+}
+
 // `skyquilt token add` stands in the page of `skyquilt token`.
 std::string CommandsBelow(const DescribedCommand& command) {
   std::string text = ".SH COMMANDS\n";
   for (const DescribedCommand& below : command.commands) {
     text += fmt::format(".SS {}\n{}.PP\n{}\n", Roff(below.Words()), SynopsisOf(below), Sentence(below.about));
+    text += FooterOf(below).sentences;
     text += Paragraphs("", below.arguments) + Paragraphs("", below.options);
   }
   return text;
@@ -161,6 +183,9 @@ The command line names a command or option that does not exist.
 .TP
 .B 70
 The machine ran out of something.
+.TP
+.B 104 to 114
+A value or an option does not fit, or one is missing.
 .TP
 .B 130
 It was cancelled.
@@ -212,6 +237,8 @@ std::string ManualPage(const DescribedCommand& command, const DescribedCommand& 
   const std::string about = colon == std::string::npos ? command.about : command.about.substr(colon + 2);
   text += fmt::format(".SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}", Roff(name), Roff(about), SynopsisOf(command));
   text += fmt::format(".SH DESCRIPTION\n{}\n", Sentence(command.about));
+  const Footer footer = FooterOf(command);
+  text += footer.sentences;
   if (is_program) {
     text +=
         "Each command has a page of its own; \\fBskyquilt\\fR \\fICOMMAND\\fR \\fB\\-\\-help\\fR says the same.\n";
@@ -221,6 +248,7 @@ std::string ManualPage(const DescribedCommand& command, const DescribedCommand& 
   }
   text += Paragraphs(".SH ARGUMENTS\n", command.arguments) + Paragraphs(".SH OPTIONS\n", command.options);
   if (is_program) text += kExamples;
+  if (!footer.examples.empty()) text += ".SH EXAMPLES\n" + footer.examples;
   if (command.path == std::vector<std::string>{"serve"}) text += kServeFiles;
   text += kExitStatus;
   return text + SeeAlso(command, program);

@@ -175,6 +175,11 @@ class Pages(unittest.TestCase):
         for variable in re.findall(r"\(Env:(\w+)\)", help_of("serve")):
             self.assertIn(variable, serve)
 
+    def test_what_help_says_below_the_options_is_in_them(self):
+        place, data = (self.pages[(name,)].read_text().replace("\\-", "-") for name in ("place", "data"))
+        self.assertRegex(place, r"(?ms)^\.SH EXAMPLES\n\.EX\n.*^skyquilt place map --gcp gcp_list\.txt$.*^\.EE$")
+        self.assertIn("\nExit codes: 0 all is well, 1 it could not be checked, 2 there are differences.\n", data)
+
     @unittest.skipUnless(shutil.which("mandoc"), "mandoc is not here")
     def test_mandoc_has_nothing_to_say(self):
         for page in self.pages.values():
