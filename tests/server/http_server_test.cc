@@ -10,6 +10,7 @@
 
 #include "tests/server/http_server_fixture.h"
 #include "tests/storage/small_tileset.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::server {
 namespace {
@@ -276,9 +277,7 @@ TEST_F(HttpServerTest, SaysThatAPortIsTaken) {
   Start();
   HttpSettings same = settings_;
   same.port = static_cast<std::uint16_t>(port());
-  const auto second = HttpServer::Listen(same, router_, service_);
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(test::ErrorOf(HttpServer::Listen(same, router_, service_)).code, ErrorCode::kConflict);
   same.address = "nowhere";
   EXPECT_EQ(HttpServer::Listen(same, router_, service_).error().code, ErrorCode::kInvalidArgument);
 }

@@ -15,6 +15,7 @@
 #include "core/flight/lists/file_kinds.h"
 #include "storage/files/publish_file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -252,10 +253,9 @@ TEST_F(GeotiffDemTest, RefusesWhatIsNoModelWithAdvice) {
   EXPECT_EQ(GeotiffDem::Open("/nowhere/model.tif").error().code, ErrorCode::kNotFound);
   Model model;
   model.height = [](double, double) { return 1.0; };
-  const auto placeless = GeotiffDem::Open(Write(model, false));
-  ASSERT_FALSE(placeless.ok());
-  EXPECT_EQ(placeless.error().code, ErrorCode::kUnsupportedFormat);
-  EXPECT_NE(placeless.error().message.find("where on Earth"), std::string::npos);
+  const Error placeless = test::ErrorOf(GeotiffDem::Open(Write(model, false)));
+  EXPECT_EQ(placeless.code, ErrorCode::kUnsupportedFormat);
+  EXPECT_NE(placeless.message.find("where on Earth"), std::string::npos);
   const std::filesystem::path cut = Write(model);
   std::filesystem::resize_file(cut, 60);
   EXPECT_FALSE(GeotiffDem::Open(cut).ok());

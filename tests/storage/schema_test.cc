@@ -10,6 +10,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "tests/storage/data/earlier_versions.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 
@@ -117,12 +118,11 @@ TEST_F(SchemaTest, RefusesOlderAndNewerVersionsAndLeavesThemAsTheyAre) {
   for (const int version : {1, 12, 999}) {
     Make("DROP TABLE IF EXISTS flight; CREATE TABLE flight(id); PRAGMA user_version=" +
          std::to_string(version));
-    const auto opened = CatalogueDb::Open(path());
-    ASSERT_FALSE(opened);
-    EXPECT_EQ(opened.error().code, ErrorCode::kConflict);
-    EXPECT_NE(opened.error().message.find(version == 999 ? "newer Skyquilt" : "skyquilt data repair"),
+    const Error opened = test::ErrorOf(CatalogueDb::Open(path()));
+    EXPECT_EQ(opened.code, ErrorCode::kConflict);
+    EXPECT_NE(opened.message.find(version == 999 ? "newer Skyquilt" : "skyquilt data repair"),
               std::string::npos)
-        << opened.error().message;
+        << opened.message;
     SqliteDb db = Make("");
     EXPECT_EQ(Parts(db), (std::map<std::string, std::string>{{"table flight", "CREATE TABLE flight(id)"}}));
   }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -210,15 +211,11 @@ TEST_F(SqliteDbTest, RollsBackATransactionThatWasNotCommitted) {
 
 TEST_F(SqliteDbTest, SaysWhenAFileIsNotADatabase) {
   std::ofstream(dir_.path() / "a.db") << std::string(5000, 'x');
-  const auto db = Open("a.db", OpenMode::kReadOnlyImmutable);
-  ASSERT_FALSE(db);
-  EXPECT_EQ(db.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(test::ErrorOf(Open("a.db", OpenMode::kReadOnlyImmutable)).code, ErrorCode::kCorrupt);
 }
 
 TEST_F(SqliteDbTest, SaysWhenAFileIsMissing) {
-  const auto db = Open("none.db", OpenMode::kReadOnlyImmutable);
-  ASSERT_FALSE(db);
-  EXPECT_EQ(db.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(test::ErrorOf(Open("none.db", OpenMode::kReadOnlyImmutable)).code, ErrorCode::kNotFound);
 }
 
 TEST_F(SqliteDbTest, OpensImmutableFilesWithOddNames) {
@@ -233,28 +230,22 @@ TEST_F(SqliteDbTest, OpensImmutableFilesWithOddNames) {
 }
 
 TEST_F(SqliteDbTest, NamesThePlaceThatCannotBeWritten) {
-  const auto db = SqliteDb::Open(dir_.path() / "none" / "a.db", OpenMode::kReadWriteCreate);
-  ASSERT_FALSE(db);
-  EXPECT_EQ(db.error().code, ErrorCode::kIo);
-  EXPECT_NE(db.error().message.find((dir_.path() / "none" / "a.db").string()), std::string::npos)
-      << db.error().message;
+  const Error db = test::ErrorOf(SqliteDb::Open(dir_.path() / "none" / "a.db", OpenMode::kReadWriteCreate));
+  EXPECT_EQ(db.code, ErrorCode::kIo);
+  EXPECT_NE(db.message.find((dir_.path() / "none" / "a.db").string()), std::string::npos) << db.message;
 }
 
 TEST_F(SqliteDbTest, ReportsAFullDatabaseAsOutOfSpace) {
   auto db = Open();
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a); PRAGMA max_page_count=4"));
-  const auto full = db->Exec("INSERT INTO t VALUES(zeroblob(100000))");
-  ASSERT_FALSE(full);
-  EXPECT_EQ(full.error().code, ErrorCode::kOutOfSpace);
+  EXPECT_EQ(test::ErrorOf(db->Exec("INSERT INTO t VALUES(zeroblob(100000))")).code, ErrorCode::kOutOfSpace);
 }
 
 TEST_F(SqliteDbTest, ReportsAConstraintAsAConflict) {
   auto db = Open();
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER UNIQUE); INSERT INTO t VALUES(1)"));
   auto insert = db->Prepare("INSERT INTO t VALUES(?)");
-  const auto twice = insert->Bind(1, 1).Run();
-  ASSERT_FALSE(twice);
-  EXPECT_EQ(twice.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(test::ErrorOf(insert->Bind(1, 1).Run()).code, ErrorCode::kConflict);
   EXPECT_TRUE(insert->Bind(1, 2).Run());
 }
 

@@ -12,7 +12,7 @@ namespace skyquilt::test {
 
 template <typename Value>
 Value ValueOf(Result<Value> result) {
-  if (!result) throw std::runtime_error(result.error().message);
+  if (!result) throw std::runtime_error(result.error().message + " " + result.error().detail);
   return *std::move(result);
 }
 

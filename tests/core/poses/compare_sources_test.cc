@@ -13,6 +13,7 @@
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
 #include "tests/core/poses/listed_flight.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -158,11 +159,10 @@ TEST(CompareSources, AsksWhereTwoReadingsStayPossible) {
   Flight flight = FlightAt(kZurich, 18, false);
   flight.logs = {ListOf(kZurich, 18, AsDegrees, "", "pix4d_csv")};
   flight.logs[0].written_order_is_assumed = true;
-  const auto open = CompareSources(flight);
-  ASSERT_FALSE(open.ok());
-  EXPECT_EQ(open.error().code, ErrorCode::kUnprocessable);
-  EXPECT_THAT(open.error().message, HasSubstr("47.4"));
-  EXPECT_THAT(open.error().message, HasSubstr("image,longitude,latitude"));
+  const Error open = test::ErrorOf(CompareSources(flight));
+  EXPECT_EQ(open.code, ErrorCode::kUnprocessable);
+  EXPECT_THAT(open.message, HasSubstr("47.4"));
+  EXPECT_THAT(open.message, HasSubstr("image,longitude,latitude"));
   // A track, or another list, answers it.
   Flight tracked = FlightAt(kZurich, 18, false);
   tracked.logs = flight.logs;

@@ -25,6 +25,7 @@
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::server {
 namespace {
@@ -179,15 +180,13 @@ TEST(ImportForJob, TakesTheQualityThatTheMapsOwnReportStates) {
 TEST(ImportForJob, CallsAFileByItsNameAndNotByWhereItIs) {
   const test::TemporaryFolder in, out;
   const flight::InputFile nowhere = WriteNoise(in.path(), 64, std::nullopt);
-  const auto refused = Import(nowhere, "field.tif", {out.path(), false});
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.error().code, ErrorCode::kUnprocessable);
-  EXPECT_THAT(refused.error().message, HasSubstr("field.tif is not georeferenced"));
-  EXPECT_EQ(flight::WhyOf(refused.error()).code, flight::RemarkCode::kImportNotGeoreferenced);
-  EXPECT_THAT(refused.error().message, Not(HasSubstr(in.path().string())));
-  const auto missing = Import(nowhere, "gone.tif", {out.path(), false});
-  ASSERT_FALSE(missing.ok());
-  EXPECT_THAT(missing.error().message, HasSubstr("no file \"gone.tif\""));
+  const Error refused = test::ErrorOf(Import(nowhere, "field.tif", {out.path(), false}));
+  EXPECT_EQ(refused.code, ErrorCode::kUnprocessable);
+  EXPECT_THAT(refused.message, HasSubstr("field.tif is not georeferenced"));
+  EXPECT_EQ(flight::WhyOf(refused).code, flight::RemarkCode::kImportNotGeoreferenced);
+  EXPECT_THAT(refused.message, Not(HasSubstr(in.path().string())));
+  const Error missing = test::ErrorOf(Import(nowhere, "gone.tif", {out.path(), false}));
+  EXPECT_THAT(missing.message, HasSubstr("no file \"gone.tif\""));
 }
 
 TEST(ImportForJob, SaysByACodeWhyTilesAreNoMap) {

@@ -23,6 +23,7 @@
 #include "storage/blobs/sha256.h"
 #include "storage/db/ids.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -204,9 +205,7 @@ TEST_P(EachBlobStore, RemovesOneOrAllBelowAndNothingBeside) {
 
 TEST_P(EachBlobStore, PutsIfAbsentOnce) {
   ASSERT_TRUE(blobs_->PutIfAbsent("skyquilt-data.json", "first"));
-  const auto second = blobs_->PutIfAbsent("skyquilt-data.json", "second");
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(test::ErrorOf(blobs_->PutIfAbsent("skyquilt-data.json", "second")).code, ErrorCode::kConflict);
   EXPECT_EQ(*blobs_->ReadRange("skyquilt-data.json", 0, 100), "first");
 }
 

@@ -13,6 +13,7 @@
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -77,8 +78,7 @@ TEST_F(MovedBlobs, GoOutAndComeBackTheSame) {
 
 TEST_F(MovedBlobs, GoOnWhereTheyWereCutOff) {
   far_.puts_left = 1;
-  const auto cut_off = Move(near_, far_, true);
-  ASSERT_FALSE(cut_off);
+  EXPECT_FALSE(Move(near_, far_, true));
   EXPECT_FALSE(*SettledAt(dir_));
   EXPECT_TRUE(SettleBlobs(dir_, *db_, near_));  // the server starts as before
   EXPECT_EQ(near_.List(FilesPrefix(flight_))->size(), 1U);
@@ -91,9 +91,7 @@ TEST_F(MovedBlobs, GoOnWhereTheyWereCutOff) {
 
 TEST_F(MovedBlobs, KeepTheOriginalOfACopyThatIsNotTheSame) {
   far_.damages = FilesPrefix(flight_) + photo_;
-  const auto moved = Move(near_, far_, true);
-  ASSERT_FALSE(moved);
-  EXPECT_EQ(moved.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(test::ErrorOf(Move(near_, far_, true)).code, ErrorCode::kCorrupt);
   EXPECT_EQ(*near_.ReadRange(FilesPrefix(flight_) + photo_, 0, 10), "photo");
   EXPECT_FALSE(*SettledAt(dir_));
   far_.damages.clear();  // and what is damaged there is put again
@@ -103,10 +101,9 @@ TEST_F(MovedBlobs, KeepTheOriginalOfACopyThatIsNotTheSame) {
 
 TEST_F(MovedBlobs, SayWhatIsMissingBeforeAnythingIsMoved) {
   ASSERT_TRUE(near_.Remove(FilesPrefix(flight_) + photo_));
-  const auto moved = Move(near_, far_);
-  ASSERT_FALSE(moved);
-  EXPECT_EQ(moved.error().code, ErrorCode::kNotFound);
-  EXPECT_NE(moved.error().message.find("a.jpg"), std::string::npos);
+  const Error moved = test::ErrorOf(Move(near_, far_));
+  EXPECT_EQ(moved.code, ErrorCode::kNotFound);
+  EXPECT_NE(moved.message.find("a.jpg"), std::string::npos);
   EXPECT_TRUE(far_.List("flights/")->empty());
 }
 
@@ -140,10 +137,9 @@ TEST_F(MovedBlobs, AreRemovedWhereTheyWereCopiedAndNothingElseIs) {
   far_.before_list = [&](const std::string&) {
     if (++lists == 2) Put(far_, late, "late");
   };
-  const auto moved = Move(far_, near_, true);
-  ASSERT_FALSE(moved);
-  EXPECT_EQ(moved.error().code, ErrorCode::kConflict);
-  EXPECT_NE(moved.error().message.find(late), std::string::npos);
+  const Error moved = test::ErrorOf(Move(far_, near_, true));
+  EXPECT_EQ(moved.code, ErrorCode::kConflict);
+  EXPECT_NE(moved.message.find(late), std::string::npos);
   EXPECT_EQ(far_.List("flights/")->size(), 4U);
   EXPECT_EQ(**SettledAt(dir_), "s3://far/");
   const auto again = Move(far_, near_, true);

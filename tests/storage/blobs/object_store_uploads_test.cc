@@ -9,6 +9,7 @@
 #include "storage/uploads/upload_spool.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -109,9 +110,8 @@ TEST_F(UploadsOfTwoServers, RefuseOneWhoseFirstBytesLieInAFolder) {
     ASSERT_TRUE((*append)->Write(BytesOf(std::string_view(bytes).substr(0, kMib))));
     ASSERT_EQ((*append)->Commit(now_)->offset, static_cast<std::int64_t>(kMib));
   }
-  const auto rest = Send(a_, upload.id, kMib, std::string_view(bytes).substr(kMib));
-  ASSERT_FALSE(rest);
-  EXPECT_EQ(rest.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(test::ErrorOf(Send(a_, upload.id, kMib, std::string_view(bytes).substr(kMib))).code,
+            ErrorCode::kCorrupt);
   EXPECT_EQ(Stored(), "");
 }
 
@@ -122,9 +122,7 @@ TEST_F(UploadsOfTwoServers, TakeTheBytesOfOneOnly) {
   auto late = *a_.spool.Begin(upload.id, 0, false, now_);
   ASSERT_TRUE(late->Write(BytesOf(Pattern(kMib / 2))));
   ASSERT_TRUE(Send(b_, upload.id, 0, std::string_view(bytes).substr(0, kMib)));
-  const auto committed = late->Commit(now_);
-  ASSERT_FALSE(committed);
-  EXPECT_EQ(committed.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(test::ErrorOf(late->Commit(now_)).code, ErrorCode::kConflict);
   late.reset();
   EXPECT_EQ(Chunks(), 1U);
   ASSERT_TRUE(Send(b_, upload.id, kMib, std::string_view(bytes).substr(kMib))->is_done);

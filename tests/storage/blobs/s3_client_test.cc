@@ -11,6 +11,7 @@
 #include "storage/blobs/sha256.h"
 #include "tests/storage/blobs/scripted_server.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -67,21 +68,19 @@ TEST(S3Client, TriesAgainAfterWhatMayPass) {
 TEST(S3Client, GivesUpInTheEndAndSaysThatItMayComeBack) {
   ASSERT_EQ(S3Settings().attempts, 6);  // whose pauses are seconds
   ScriptedStore store([](int, const std::string&) { return HttpText(503, Refusal("SlowDown")); }, 3);
-  const auto put = store->Put("k", "bytes", {});
-  ASSERT_FALSE(put);
-  EXPECT_EQ(put.error().code, ErrorCode::kUnavailable);
-  EXPECT_NE(put.error().message.find("Try again later"), std::string::npos);
+  const Error put = test::ErrorOf(store->Put("k", "bytes", {}));
+  EXPECT_EQ(put.code, ErrorCode::kUnavailable);
+  EXPECT_NE(put.message.find("Try again later"), std::string::npos);
   EXPECT_EQ(store.requests().size(), 3U);
 }
 
 TEST(S3Client, AsksOnceWhereItIsRefusedAndTellsNoSecret) {
   ScriptedStore store(
       [](int, const std::string&) { return HttpText(403, Refusal("SignatureDoesNotMatch")); });
-  const auto got = store->Get("k", 0, 10);
-  ASSERT_FALSE(got);
-  EXPECT_EQ(got.error().code, ErrorCode::kForbidden);
-  EXPECT_NE(got.error().message.find("AWS_ACCESS_KEY_ID"), std::string::npos);
-  EXPECT_EQ((got.error().message + got.error().detail).find("very secret"), std::string::npos);
+  const Error got = test::ErrorOf(store->Get("k", 0, 10));
+  EXPECT_EQ(got.code, ErrorCode::kForbidden);
+  EXPECT_NE(got.message.find("AWS_ACCESS_KEY_ID"), std::string::npos);
+  EXPECT_EQ((got.message + got.detail).find("very secret"), std::string::npos);
   EXPECT_EQ(store.requests().size(), 1U);
 }
 
@@ -276,9 +275,7 @@ TEST(S3Client, DoesNotAskAgainForWhatAStoreDoesNotKnow) {
 
 TEST(S3Client, SeesAnErrorInsideACompletionThatSays200) {
   ScriptedStore store([](int, const std::string&) { return HttpText(200, Refusal("InternalError")); });
-  const auto completed = store->Complete("k", "u", {{1, "e", 5}}, 5);
-  ASSERT_FALSE(completed);
-  EXPECT_EQ(completed.error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(test::ErrorOf(store->Complete("k", "u", {{1, "e", 5}}, 5)).code, ErrorCode::kUnavailable);
   EXPECT_EQ(store.requests().size(), 2U);
 }
 

@@ -9,6 +9,7 @@
 #include "storage/folder/open_data_folder.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -79,9 +80,7 @@ TEST_F(SettledBlobs, OfAnotherCatalogueGetNoNewOneBesideThem) {
   CataloguePlace place;
   place.files_at = "s3://far/";
   place.files_of = NewId();
-  const auto opened = OpenDataFolder(folder_ / "new", 1, place);
-  ASSERT_FALSE(opened);
-  EXPECT_EQ(opened.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(test::ErrorOf(OpenDataFolder(folder_ / "new", 1, place)).code, ErrorCode::kConflict);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new"));
 }
 

@@ -16,6 +16,7 @@
 #include "storage/folder/sweep.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -117,9 +118,7 @@ TEST_F(MapExportsTest, AFlightHasSoManyAndNoMore) {
   for (int i = 0; i < MapExports::kMaxOfFlight; ++i) Ask(flight, std::to_string(i));
   MapExport wish;
   wish.flight_id = flight;
-  const auto refused = exports_.Add(wish, Now());
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(test::ErrorOf(exports_.Add(wish, Now())).code, ErrorCode::kConflict);
   ASSERT_TRUE(exports_.Remove(exports_.List(flight)->front().id));
   EXPECT_TRUE(exports_.Add(wish, Now()));
   EXPECT_EQ(exports_.List(flight)->size(), static_cast<std::size_t>(MapExports::kMaxOfFlight));
@@ -129,9 +128,7 @@ TEST_F(MapExportsTest, ALinkHasOneThatTakesNoPlaceAndComesLast) {
   const std::string flight = Flight();
   const auto first = AskByLink(flight, "one", "a");
   ASSERT_TRUE(first) << first.error().detail;
-  const auto second = AskByLink(flight, "one", "b");
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(test::ErrorOf(AskByLink(flight, "one", "b")).code, ErrorCode::kConflict);
   EXPECT_EQ(AskByLink(flight, "one", "a")->id, first->id);
   ASSERT_TRUE(AskByLink(flight, "two", "c"));
   for (int i = 0; i < MapExports::kMaxOfFlight; ++i) {

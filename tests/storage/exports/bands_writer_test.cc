@@ -9,6 +9,7 @@
 
 #include "storage/rasters/gdal_steps.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -96,9 +97,7 @@ TEST(BandsWriterTest, WithoutAnyValueThereIsNoFile) {
 TEST(BandsWriterTest, AFolderThatIsNotThereIsSaid) {
   SilentProgress progress;
   BandsWriter writer("/nowhere/at/all/bands.tif", 1, progress);
-  const auto begun = writer.Begin(TwoBlocks());
-  ASSERT_FALSE(begun.ok());
-  EXPECT_EQ(begun.error().code, ErrorCode::kIo);
+  EXPECT_EQ(test::ErrorOf(writer.Begin(TwoBlocks())).code, ErrorCode::kIo);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "tests/storage/exports/heights_raster.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -62,9 +63,7 @@ TEST(Hillshade, IsBrightTowardsTheLightAndEmptyWhereNothingIsKnown) {
 TEST(Hillshade, OfNoFileIsAnErrorAndLeavesNothing) {
   const test::TemporaryFolder folder;
   SilentProgress progress;
-  const Result<void> written = WriteHillshade(folder.path() / "dsm.tif", 1, progress);
-  ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().code, ErrorCode::kIo);
+  EXPECT_EQ(test::ErrorOf(WriteHillshade(folder.path() / "dsm.tif", 1, progress)).code, ErrorCode::kIo);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 

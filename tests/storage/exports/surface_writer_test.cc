@@ -11,6 +11,7 @@
 #include "core/surface/terrain/ground_sketch.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -217,9 +218,7 @@ TEST(SurfaceWriter, SaysThatThereIsNoUtmAtThePoles) {
   SilentProgress progress;
   SurfaceWriter writer(folder.path(), geo::LocalFrame({86.0, 7.0, 0.0}), {86.0, 7.0}, FarGrid(), 6.0, 1,
                        nullptr, progress);
-  const auto begun = writer.Begin();
-  ASSERT_FALSE(begun.ok());
-  EXPECT_EQ(begun.error().code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(test::ErrorOf(writer.Begin()).code, ErrorCode::kUnprocessable);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -140,9 +141,7 @@ TEST_F(WarpTilesTest, PixelsLargerThanThoseOfAnyOverview) {
 TEST_F(WarpTilesTest, AMapWithoutTilesWhereItSaysSoIsRefused) {
   options_.max_zoom = kZoom + 3;
   options_.target.pixel_x = options_.target.pixel_y = 0.01;
-  const auto written = Warp("map.tif");
-  ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(test::ErrorOf(Warp("map.tif")).code, ErrorCode::kCorrupt);
 }
 
 TEST_F(WarpTilesTest, DegreesAreSaidToBeDegrees) {
@@ -166,9 +165,8 @@ TEST_F(WarpTilesTest, OneThatIsCancelledLeavesNothing) {
     void Report(double, std::string_view) override {}
     bool IsCancelled() const override { return true; }
   } cancelled;
-  const auto written = WarpTiles(*tiles_, folder_.path() / "map.tif", options_, cancelled);
-  ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(test::ErrorOf(WarpTiles(*tiles_, folder_.path() / "map.tif", options_, cancelled)).code,
+            ErrorCode::kCancelled);
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
     EXPECT_EQ(entry.path().filename().string().find("map.tif"), std::string::npos) << entry.path();
 }
@@ -219,9 +217,8 @@ TEST(TargetGrid, GoesOnBeyondTheDateLine) {
 
 TEST(TargetGrid, OfTooManyPixelsIsRefused) {
   EXPECT_FALSE(TargetGrid::Cover({-170.0, -80.0, 170.0, 80.0}, 3857, 0.001, 0.001));
-  const auto refused = TargetGrid::Cover({7.0, 46.0, 7.1, 46.1}, 900913, 1.0, 1.0);
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("EPSG:900913"), std::string::npos) << refused.error().message;
+  const Error refused = test::ErrorOf(TargetGrid::Cover({7.0, 46.0, 7.1, 46.1}, 900913, 1.0, 1.0));
+  EXPECT_NE(refused.message.find("EPSG:900913"), std::string::npos) << refused.message;
 }
 
 TEST(ResamplingKernel, WeighsWhatLiesAround) {

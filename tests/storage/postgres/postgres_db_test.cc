@@ -17,6 +17,7 @@
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/data/earlier_versions.h"
 #include "tests/storage/postgres/postgres_fixture.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -60,9 +61,8 @@ TEST_F(PostgresTest, KeepsWhatWasBoundThoughItIsGone) {
 }
 
 TEST_F(PostgresTest, RefusesTextThatItCannotStore) {
-  const auto zero = Catalogue(*db_).AddFlight(std::string("a\0b", 3), "{}", Now());
-  ASSERT_FALSE(zero);
-  EXPECT_EQ(zero.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(test::ErrorOf(Catalogue(*db_).AddFlight(std::string("a\0b", 3), "{}", Now())).code,
+            ErrorCode::kInvalidArgument);
   EXPECT_EQ(Catalogue(*db_).AddFlight("\xff\xfe", "{}", Now()).error().code, ErrorCode::kInvalidArgument);
   EXPECT_TRUE(Catalogue(*db_).AddFlight("a", "{}", Now()));  // the connection goes on
 }
@@ -91,9 +91,7 @@ TEST_F(PostgresTest, ATransactionThatIsCutOffIsUndoneAndSaysSo) {
     ASSERT_TRUE(transaction);
     ASSERT_TRUE(db->Exec("UPDATE flight SET name='half'"));
     CutConnections();
-    const auto more = db->Exec("UPDATE flight SET options='[]'");
-    ASSERT_FALSE(more);
-    EXPECT_EQ(more.error().code, ErrorCode::kUnavailable);
+    EXPECT_EQ(test::ErrorOf(db->Exec("UPDATE flight SET options='[]'")).code, ErrorCode::kUnavailable);
     // Not on a new connection, behind the back of whoever believes in the first half.
     EXPECT_EQ(db->Exec("UPDATE flight SET options='[]'").error().code, ErrorCode::kUnavailable);
     EXPECT_EQ(transaction->Commit().error().code, ErrorCode::kUnavailable);
@@ -162,10 +160,9 @@ TEST_F(PostgresTest, ACommitOfATransactionThatFailedIsNoSuccess) {
 TEST_F(PostgresTest, SaysWhenTheServerCannotBeReachedAndShowsNoPassword) {
   PostgresDb nowhere(*CataloguePlaceFrom("postgresql://me:open-sesame@127.0.0.1:9/none"),
                      PostgresDb::Use::kWrite);
-  const auto failed = nowhere.Exec("SELECT 1");
-  ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().code, ErrorCode::kUnavailable);
-  EXPECT_EQ((failed.error().message + failed.error().detail).find("sesame"), std::string::npos);
+  const Error failed = test::ErrorOf(nowhere.Exec("SELECT 1"));
+  EXPECT_EQ(failed.code, ErrorCode::kUnavailable);
+  EXPECT_EQ((failed.message + failed.detail).find("sesame"), std::string::npos);
   EXPECT_FALSE(nowhere.Exec("SELECT 1"));
 }
 
@@ -209,10 +206,9 @@ TEST_F(PostgresTest, ManyProcessesMayMakeTheTablesAtOnce) {
 
 TEST_F(PostgresTest, ACatalogueOfAnotherVersionIsRefusedAndLeft) {
   ASSERT_TRUE(db_->Lock()->Exec("UPDATE catalogue_version SET version=999"));
-  const auto opened = OpenTestCatalogue(path());
-  ASSERT_FALSE(opened);
-  EXPECT_EQ(opened.error().code, ErrorCode::kConflict);
-  EXPECT_NE(opened.error().message.find("newer Skyquilt"), std::string::npos);
+  const Error opened = test::ErrorOf(OpenTestCatalogue(path()));
+  EXPECT_EQ(opened.code, ErrorCode::kConflict);
+  EXPECT_NE(opened.message.find("newer Skyquilt"), std::string::npos);
   EXPECT_EQ(Number("SELECT version FROM catalogue_version"), 999);
 }
 
