@@ -7,6 +7,7 @@
 #include "api/json/job_options.h"
 #include "core/base/text/json_io.h"
 #include "core/pipeline/mosaic_options.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::api {
 
@@ -121,22 +122,21 @@ TEST(ParseFlightFields, TakesWhatItKnows) {
   EXPECT_FALSE(fields->tags);
   EXPECT_FALSE(fields->is_kept);
   EXPECT_EQ(*fields->name, "Field 3");
-  const auto options = ParseJobOptions(*fields->options);
-  ASSERT_TRUE(options);
-  EXPECT_DOUBLE_EQ(*options->gsd_m, 0.1);
-  EXPECT_FALSE(options->any_gsd);
+  const auto options = test::ValueOf(ParseJobOptions(*fields->options));
+  EXPECT_DOUBLE_EQ(*options.gsd_m, 0.1);
+  EXPECT_FALSE(options.any_gsd);
   EXPECT_TRUE(ParseJobOptions(R"({"any_gsd":true})")->any_gsd);
-  EXPECT_EQ(options->encoding, image::TileEncoding::kWebp);
-  EXPECT_EQ(options->jpeg_quality, 90);
-  EXPECT_DOUBLE_EQ(*options->readout_s, 0.033);
+  EXPECT_EQ(options.encoding, image::TileEncoding::kWebp);
+  EXPECT_EQ(options.jpeg_quality, 90);
+  EXPECT_DOUBLE_EQ(*options.readout_s, 0.033);
 }
 
 TEST(ParseJobOptions, TakesPlacesOfAMapForOneJob) {
-  const auto options = ParseJobOptions(R"({"place":[{"shown":[0.001,-0.002],"is":[46.8,7.1]}]})");
-  ASSERT_TRUE(options);
-  ASSERT_EQ(options->placing->pairs.size(), 1U);
-  EXPECT_DOUBLE_EQ(options->placing->pairs[0].shown.lon_deg, -0.002);
-  EXPECT_DOUBLE_EQ(options->placing->pairs[0].is.lat_deg, 46.8);
+  const auto options =
+      test::ValueOf(ParseJobOptions(R"({"place":[{"shown":[0.001,-0.002],"is":[46.8,7.1]}]})"));
+  ASSERT_EQ(options.placing->pairs.size(), 1U);
+  EXPECT_DOUBLE_EQ(options.placing->pairs[0].shown.lon_deg, -0.002);
+  EXPECT_DOUBLE_EQ(options.placing->pairs[0].is.lat_deg, 46.8);
   for (const char* bad :
        {R"({"place":[]})", R"({"place":{}})", R"({"place":[1]})", R"({"place":[{"shown":[1,2]}]})",
         R"({"place":[{"shown":[1,2],"is":[1]}]})", R"({"place":[{"shown":[1,2],"is":[86,2]}]})",
@@ -147,10 +147,9 @@ TEST(ParseJobOptions, TakesPlacesOfAMapForOneJob) {
 }
 
 TEST(ParseFlightFields, TakesTagsAndTheMarkToBeKept) {
-  const auto fields = ParseFlightFields(R"({"tags":["north","maize","north"],"keep":true})");
-  ASSERT_TRUE(fields);
-  EXPECT_EQ(*fields->tags, (std::vector<std::string>{"maize", "north"}));
-  EXPECT_EQ(fields->is_kept, true);
+  const auto fields = test::ValueOf(ParseFlightFields(R"({"tags":["north","maize","north"],"keep":true})"));
+  EXPECT_EQ(*fields.tags, (std::vector<std::string>{"maize", "north"}));
+  EXPECT_EQ(fields.is_kept, true);
   EXPECT_TRUE(ParseFlightFields(R"({"tags":[],"keep":false})")->tags->empty());
 }
 

@@ -8,6 +8,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::api {
 namespace {
@@ -45,13 +46,12 @@ TEST_F(SmallPictureTest, IsTheWholeMapInTheSizeAskedFor) {
     ASSERT_EQ(response.status, 200) << query;
     EXPECT_EQ(response.headers.Find("Content-Type"), "image/webp");
     EXPECT_EQ(response.headers.Find("Cache-Control"), "no-cache");
-    const auto picture = image::DecodePicture(response.body);
-    ASSERT_TRUE(picture);
-    EXPECT_EQ(picture->width_px, width_px);
-    EXPECT_EQ(picture->height_px, width_px / 2);
-    EXPECT_EQ(picture->Pixel(2, 2)[3], 0);
-    EXPECT_EQ(picture->Pixel(width_px - 3, 2)[3], 255);
-    EXPECT_GT(picture->Pixel(width_px - 3, 2)[0], 240);
+    const auto picture = test::ValueOf(image::DecodePicture(response.body));
+    EXPECT_EQ(picture.width_px, width_px);
+    EXPECT_EQ(picture.height_px, width_px / 2);
+    EXPECT_EQ(picture.Pixel(2, 2)[3], 0);
+    EXPECT_EQ(picture.Pixel(width_px - 3, 2)[3], 255);
+    EXPECT_GT(picture.Pixel(width_px - 3, 2)[0], 240);
   }
 }
 
@@ -96,17 +96,16 @@ TEST_F(SmallPictureTest, AsAPosterReachesExactlyAsFarAsTheBoundsOfTheMap) {
   const Response response = sample_.Get("/api/v1/flights/" + flight + "/thumbnail.webp?size=1024");
   ASSERT_EQ(response.status, 200) << response.body;
   EXPECT_LT(response.body.size(), 110'000u);
-  const auto picture = image::DecodePicture(response.body);
-  ASSERT_TRUE(picture);
-  EXPECT_EQ(picture->width_px, 128) << "not enlarged";
-  EXPECT_EQ(picture->height_px, 192);
+  const auto picture = test::ValueOf(image::DecodePicture(response.body));
+  EXPECT_EQ(picture.width_px, 128) << "not enlarged";
+  EXPECT_EQ(picture.height_px, 192);
   for (const auto& [x, y] : {std::pair{0, 191}, {127, 0}, {127, 191}, {64, 96}}) {
-    EXPECT_GT(picture->Pixel(x, y)[0], 200) << x << " " << y;
-    EXPECT_LT(picture->Pixel(x, y)[2], 60) << x << " " << y;
+    EXPECT_GT(picture.Pixel(x, y)[0], 200) << x << " " << y;
+    EXPECT_LT(picture.Pixel(x, y)[2], 60) << x << " " << y;
   }
-  EXPECT_GT(picture->Pixel(0, 0)[1], 200);
-  EXPECT_LT(picture->Pixel(0, 0)[2], 60);
-  EXPECT_LT(picture->Pixel(24, 8)[1], 60);
+  EXPECT_GT(picture.Pixel(0, 0)[1], 200);
+  EXPECT_LT(picture.Pixel(0, 0)[2], 60);
+  EXPECT_LT(picture.Pixel(24, 8)[1], 60);
 }
 
 TEST_F(SmallPictureTest, RefusesSizesThatThereAreNotAndSaysWhichThereAre) {

@@ -6,6 +6,7 @@
 #include "api/tiles/tile_path.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::api {
 namespace {
@@ -56,10 +57,9 @@ TEST_F(TilesTest, AreConvertedToTheFormatAskedFor) {
     for (const char* tile : {"2/1/1.", "3/2/2."}) {
       const Response response = sample_.Get(Path(std::string(tile) + extension));
       ASSERT_EQ(response.status, 200);
-      const auto format = image::PictureFormatOf(response.body);
-      ASSERT_TRUE(format);
-      EXPECT_STREQ(image::ExtensionOf(*format), extension);
-      EXPECT_EQ(response.headers.Find("Content-Type"), image::ContentTypeOf(*format));
+      const auto format = test::ValueOf(image::PictureFormatOf(response.body));
+      EXPECT_STREQ(image::ExtensionOf(format), extension);
+      EXPECT_EQ(response.headers.Find("Content-Type"), image::ContentTypeOf(format));
       EXPECT_EQ(image::DecodePicture(response.body)->width_px, 256);
     }
   }
@@ -215,10 +215,9 @@ INSTANTIATE_TEST_SUITE_P(
                     "2/1/11111111111111111111111111111111111111111111111111111111111111111111"));
 
 TEST(ParseTilePath, TakesPlainNumbers) {
-  const auto path = ParseTilePath("30", "1073741823", "0.jpeg");
-  ASSERT_TRUE(path);
-  EXPECT_EQ(path->tile, *geo::TileId::Make(30, 1073741823, 0));
-  EXPECT_EQ(path->format, image::PictureFormat::kJpeg);
+  const auto path = test::ValueOf(ParseTilePath("30", "1073741823", "0.jpeg"));
+  EXPECT_EQ(path.tile, *geo::TileId::Make(30, 1073741823, 0));
+  EXPECT_EQ(path.format, image::PictureFormat::kJpeg);
   EXPECT_FALSE(ParseTilePath("0", "0", "0")->format);
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::server {
 namespace {
@@ -41,28 +42,24 @@ TEST(OpenElevationModel, TakesTheFirstThatCanBeReadAndWarnsOfTheOthers) {
   const test::TemporaryFolder folder;
   const flight::InputFile bad = WriteModel(folder.path(), "a.tif", false);
   const flight::InputFile good = WriteModel(folder.path(), "b.tif", true);
-  const auto both = OpenElevationModel("", {bad, good});
-  ASSERT_TRUE(both.ok());
-  ASSERT_NE(both->source, nullptr);
-  EXPECT_NEAR(both->source->GroundHeightM({47.4, 8.5}).value_or(0.0), 300.0, 1e-3);
-  EXPECT_THAT(InWords(both->warnings), ElementsAre(HasSubstr("a.tif is not used")));
+  const auto both = test::ValueOf(OpenElevationModel("", {bad, good}));
+  ASSERT_NE(both.source, nullptr);
+  EXPECT_NEAR(both.source->GroundHeightM({47.4, 8.5}).value_or(0.0), 300.0, 1e-3);
+  EXPECT_THAT(InWords(both.warnings), ElementsAre(HasSubstr("a.tif is not used")));
 
-  const auto none = OpenElevationModel("", {bad});
-  ASSERT_TRUE(none.ok());
-  EXPECT_EQ(none->source, nullptr);
-  EXPECT_THAT(InWords(none->warnings), ElementsAre(HasSubstr("a.tif is not used")));
+  const auto none = test::ValueOf(OpenElevationModel("", {bad}));
+  EXPECT_EQ(none.source, nullptr);
+  EXPECT_THAT(InWords(none.warnings), ElementsAre(HasSubstr("a.tif is not used")));
 }
 
 TEST(OpenElevationModel, SaysThatAnUnknownUnitCountsAsMetres) {
   const test::TemporaryFolder folder;
   const flight::InputFile model = WriteModel(folder.path(), "a.tif", true, "fathom");
-  const auto among = OpenElevationModel("", {model});
-  ASSERT_TRUE(among.ok());
-  EXPECT_THAT(InWords(among->warnings), ElementsAre(HasSubstr("a.tif states its heights in a unit")));
-  EXPECT_THAT(InWords(among->warnings), ElementsAre(HasSubstr("\"fathom\"")));
-  const auto given = OpenElevationModel(model.path.string(), {});
-  ASSERT_TRUE(given.ok());
-  EXPECT_THAT(InWords(given->warnings), ElementsAre(HasSubstr("\"fathom\"")));
+  const auto among = test::ValueOf(OpenElevationModel("", {model}));
+  EXPECT_THAT(InWords(among.warnings), ElementsAre(HasSubstr("a.tif states its heights in a unit")));
+  EXPECT_THAT(InWords(among.warnings), ElementsAre(HasSubstr("\"fathom\"")));
+  const auto given = test::ValueOf(OpenElevationModel(model.path.string(), {}));
+  EXPECT_THAT(InWords(given.warnings), ElementsAre(HasSubstr("\"fathom\"")));
 }
 
 // A block of 256 MiB in a file of a few kB: none of it was ever written.
@@ -81,10 +78,9 @@ TEST(OpenElevationModel, RefusesBlocksThatAreTooLargeToBeRead) {
     file->SetSpatialRef(&system);
   }
   ASSERT_LT(std::filesystem::file_size(path), 100'000U);
-  const auto given = OpenElevationModel("", {{"a.tif", path}});
-  ASSERT_TRUE(given.ok());
-  EXPECT_EQ(given->source, nullptr);
-  EXPECT_THAT(InWords(given->warnings), ElementsAre(HasSubstr("blocks of 256 MiB")));
+  const auto given = test::ValueOf(OpenElevationModel("", {{"a.tif", path}}));
+  EXPECT_EQ(given.source, nullptr);
+  EXPECT_THAT(InWords(given.warnings), ElementsAre(HasSubstr("blocks of 256 MiB")));
 }
 
 TEST(OpenElevationModel, RefusesTheOneThatWasAskedFor) {
@@ -92,9 +88,8 @@ TEST(OpenElevationModel, RefusesTheOneThatWasAskedFor) {
   const flight::InputFile bad = WriteModel(folder.path(), "a.tif", false);
   const flight::InputFile good = WriteModel(folder.path(), "b.tif", true);
   EXPECT_FALSE(OpenElevationModel(bad.path.string(), {good}).ok());
-  const auto named = OpenElevationModel(good.path.string(), {bad});
-  ASSERT_TRUE(named.ok());
-  EXPECT_THAT(InWords(named->warnings), ElementsAre(HasSubstr("a.tif")))
+  const auto named = test::ValueOf(OpenElevationModel(good.path.string(), {bad}));
+  EXPECT_THAT(InWords(named.warnings), ElementsAre(HasSubstr("a.tif")))
       << "it is not used, and that is said";
 }
 

@@ -13,6 +13,7 @@
 #include "server/jobs/child_messages.h"
 #include "server/jobs/job_limits.h"
 #include "server/sandbox/sandboxed_child.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::server {
 namespace {
@@ -119,21 +120,19 @@ TEST(JobMessages, ComeAsTheyWereSent) {
                         .renders = 7,
                         .memory_bytes = 5,
                         .cpu_s = 6};
-  const Result<StitchTask> told = ParseTask(ToText(task));
-  ASSERT_TRUE(told);
-  EXPECT_EQ(told->files[0].path, "/d/f/1");
-  EXPECT_EQ(told->options, task.options);
-  EXPECT_EQ(told->memory_bytes, 5);
-  EXPECT_EQ(told->units_dir, "/d/u");
-  EXPECT_EQ(told->renders, 7);
-  ASSERT_TRUE(told->unit);
-  EXPECT_EQ(told->unit->kind, UnitKind::kRender);
-  EXPECT_EQ(told->unit->number, 2);
-  EXPECT_EQ(told->unit->count, 7);
-  EXPECT_EQ(told->unit->blocks, 900);
-  const auto outcome = ParseJobMessage(ToText(JobMessage(Outcome())));
-  ASSERT_TRUE(outcome);
-  const auto& made = std::get<StitchOutcome>(*outcome);
+  const auto told = test::ValueOf(ParseTask(ToText(task)));
+  EXPECT_EQ(told.files[0].path, "/d/f/1");
+  EXPECT_EQ(told.options, task.options);
+  EXPECT_EQ(told.memory_bytes, 5);
+  EXPECT_EQ(told.units_dir, "/d/u");
+  EXPECT_EQ(told.renders, 7);
+  ASSERT_TRUE(told.unit);
+  EXPECT_EQ(told.unit->kind, UnitKind::kRender);
+  EXPECT_EQ(told.unit->number, 2);
+  EXPECT_EQ(told.unit->count, 7);
+  EXPECT_EQ(told.unit->blocks, 900);
+  const auto outcome = test::ValueOf(ParseJobMessage(ToText(JobMessage(Outcome()))));
+  const auto& made = std::get<StitchOutcome>(outcome);
   EXPECT_EQ(made.figures.bounds, Outcome().figures.bounds);
   EXPECT_EQ(made.figures.photos_aligned, 6);
   EXPECT_EQ(made.figures.first_capture, "2015-10-27T09:31:02-04:00");
@@ -148,10 +147,9 @@ TEST(JobMessages, ComeAsTheyWereSent) {
       {{"photo", "a.jpg"}, {"said", flight::Remark(flight::RemarkCode::kDoubtBlurred)}}};
   const Error because = flight::Because(ErrorCode::kUnprocessable,
                                         {flight::RemarkCode::kFailNoneDrawable, {{"left", left}}}, "all");
-  const auto with_reason = ParseJobMessage(ToText(JobMessage(because)));
-  ASSERT_TRUE(with_reason);
-  EXPECT_EQ(*std::get<Error>(*with_reason).reason, *because.reason);
-  EXPECT_EQ(std::get<Error>(*with_reason).message, because.message);
+  const auto with_reason = test::ValueOf(ParseJobMessage(ToText(JobMessage(because))));
+  EXPECT_EQ(*std::get<Error>(with_reason).reason, *because.reason);
+  EXPECT_EQ(std::get<Error>(with_reason).message, because.message);
   const Error wordy = flight::Because(ErrorCode::kConflict, flight::Remark(std::string(1 << 16, 'a')));
   EXPECT_EQ(std::get<Error>(*ParseJobMessage(ToText(JobMessage(wordy)))).reason, nullptr);
   const auto progress =
@@ -231,16 +229,14 @@ TEST(PreviewMessages, ComeAsTheyWereSentAndNothingElse) {
   preview.bounds = {10.0, 50.0, 10.1, 50.1};
   preview.changed = preview.bounds;
   const PreviewRequest request{{{"a.jpg", id, 0}}, {}, preview};
-  const auto asked = ParseRequest(ToText(request));
-  ASSERT_TRUE(asked);
-  EXPECT_EQ(asked->fresh[0].stored_name, id);
-  EXPECT_EQ(asked->preview->bounds, preview.bounds);
-  const auto drawn = ParsePreviewMessage(ToText(PreviewMessage(PreviewDrawn{preview, {id}})));
+  const auto asked = test::ValueOf(ParseRequest(ToText(request)));
+  EXPECT_EQ(asked.fresh[0].stored_name, id);
+  EXPECT_EQ(asked.preview->bounds, preview.bounds);
+  const Result<bool> drawn = ParsePreviewMessage(ToText(PreviewMessage(PreviewDrawn{preview, {id}})));
   ASSERT_TRUE(drawn) << drawn.error().detail;
   EXPECT_EQ(std::get<PreviewDrawn>(*drawn).preview->photos, 3);
-  const auto begun = ParsePreviewMessage(ToText(PreviewMessage(PhotoBegun{id})));
-  ASSERT_TRUE(begun);
-  EXPECT_EQ(std::get<PhotoBegun>(*begun).stored_name, id);
+  const auto begun = test::ValueOf(ParsePreviewMessage(ToText(PreviewMessage(PhotoBegun{id}))));
+  EXPECT_EQ(std::get<PhotoBegun>(begun).stored_name, id);
   const Json good = Json::parse(ToText(PreviewMessage(PreviewDrawn{preview, {}})));
   const std::pair<const char*, Json> wrong[] = {
       {"/preview/photos", 0},       {"/preview/photos", 1e300},    {"/preview/max_zoom", 99},

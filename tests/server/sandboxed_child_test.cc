@@ -27,6 +27,7 @@
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::server {
 namespace {
@@ -70,10 +71,9 @@ TEST(SandboxedChild, OneThatDoesNotReadItsTaskIsWaitedForOnlyWhileItIsWanted) {
   const std::string more_than_a_pipe_holds(1 << 20, 'x');
   const Clock::time_point began = Clock::now();
   const auto go_on = [began] { return Clock::now() - began < std::chrono::milliseconds(300); };
-  const auto child = SandboxedChild::Start("deaf", more_than_a_pipe_holds, go_on);
-  ASSERT_TRUE(child) << child.error().detail;
+  const auto child = test::ValueOf(SandboxedChild::Start("deaf", more_than_a_pipe_holds, go_on));
   EXPECT_LT(Clock::now() - began, kSoon);
-  EXPECT_EQ((*child)->Kill().wait_status, SIGKILL);
+  EXPECT_EQ(child->Kill().wait_status, SIGKILL);
 }
 
 TEST(SandboxedChild, OneThatDoesNotEndAfterItsLastWordIsWaitedForOnlyWhileItIsWanted) {
@@ -98,8 +98,7 @@ TEST(SandboxedChild, ReadingAndWritingNeverBlock) {
     return found;
   };
   const std::set<int> before = pipes();
-  const auto child = SandboxedChild::Start("lingers", "task", nullptr);
-  ASSERT_TRUE(child) << child.error().detail;
+  const auto child = test::ValueOf(SandboxedChild::Start("lingers", "task", nullptr));
   int own = 0;
   for (const int fd : pipes()) {
     if (before.contains(fd)) continue;
@@ -112,9 +111,8 @@ TEST(SandboxedChild, ReadingAndWritingNeverBlock) {
 
 // Else an export, or the file that is decoded at that moment, failed for the Ctrl-C that stops its server.
 TEST(SandboxedChild, ACtrlCInTheTerminalOfItsParentIsItsParents) {
-  const auto child = SandboxedChild::Start("interrupted", "task", nullptr);
-  ASSERT_TRUE(child) << child.error().detail;
-  EXPECT_EQ((*child)->Listen(std::chrono::seconds(60)), "{}");
+  const auto child = test::ValueOf(SandboxedChild::Start("interrupted", "task", nullptr));
+  EXPECT_EQ(child->Listen(std::chrono::seconds(60)), "{}");
 }
 
 // In a process of its own, in which nothing is begun any more afterwards.
@@ -157,9 +155,8 @@ TEST_F(HungPreview, OneThatBeginsPhotosForEverHasNoTimeForEver) {
   const Result<bool> drawn = drawing.Step();
   unsetenv(kBeginsForEver);
   ASSERT_TRUE(drawn) << drawn.error().detail;
-  const auto again = previews_.Claim(3);
-  ASSERT_TRUE(again);
-  EXPECT_FALSE(*again) << "its photo is passed over";
+  const auto again = test::ValueOf(previews_.Claim(3));
+  EXPECT_FALSE(again) << "its photo is passed over";
 }
 
 TEST_F(HungPreview, AStopEndsItAndItsPhotoWaitsAgain) {

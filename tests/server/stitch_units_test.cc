@@ -66,9 +66,8 @@ class StitchUnits : public testing::Test {
     StitchJobOptions options;
     options.mosaic = Options();
     options.write_cog = options.write_pmtiles = true;
-    const auto whole = StitchToDirectory(files_, options, *folder_ / "whole", progress);
-    ASSERT_TRUE(whole.ok()) << whole.error().message;
-    ASSERT_EQ(whole->photos_aligned, 12);
+    const auto whole = test::ValueOf(StitchToDirectory(files_, options, *folder_ / "whole", progress));
+    ASSERT_EQ(whole.photos_aligned, 12);
   }
   static void TearDownTestSuite() {
     delete folder_;
@@ -126,10 +125,9 @@ class StitchUnits : public testing::Test {
       options.part_dirs.push_back(units.Folder(UnitKind::kRender, number));
     }
     SilentProgress progress;
-    const auto map = StitchToDirectory(files_, options, root / "map", progress);
-    ASSERT_TRUE(map.ok()) << map.error().message;
-    EXPECT_EQ(map->blocks_kept, map->blocks);
-    EXPECT_EQ(map->photos_aligned, 12);
+    const auto map = test::ValueOf(StitchToDirectory(files_, options, root / "map", progress));
+    EXPECT_EQ(map.blocks_kept, map.blocks);
+    EXPECT_EQ(map.photos_aligned, 12);
   }
 
   static test::TemporaryFolder* folder_;
@@ -155,18 +153,16 @@ TEST_F(StitchUnits, AMapCutToABoundaryIsThatOfOneProcess) {
   SilentProgress progress;
   StitchJobOptions options;
   options.mosaic = Options();
-  const auto uncut = pipeline::ParseFacts(*storage::MapKeeper::FactsOf(*folder_ / "whole"));
-  ASSERT_TRUE(uncut.ok());
-  const geo::Wgs84 middle = uncut->flight.frame.origin();
+  const auto uncut = test::ValueOf(pipeline::ParseFacts(*storage::MapKeeper::FactsOf(*folder_ / "whole")));
+  const geo::Wgs84 middle = uncut.flight.frame.origin();
   const double half_deg = 12.0 / 111'320.0;
   boundary_ = geo::Boundary{{{{{middle.lat_deg - half_deg, middle.lon_deg - half_deg},
                                {middle.lat_deg - half_deg, middle.lon_deg + half_deg},
                                {middle.lat_deg + half_deg, middle.lon_deg},
                                {middle.lat_deg - half_deg, middle.lon_deg - half_deg}}}}};
   options.mosaic.boundary = boundary_;
-  const auto cut = StitchToDirectory(files_, options, *folder_ / "whole cut", progress);
-  ASSERT_TRUE(cut.ok()) << cut.error().message;
-  EXPECT_NEAR(cut->area_m2, 0.5 * 24.0 * 24.0 * std::cos(geo::DegToRad(middle.lat_deg)), 3.0);
+  const auto cut = test::ValueOf(StitchToDirectory(files_, options, *folder_ / "whole cut", progress));
+  EXPECT_NEAR(cut.area_m2, 0.5 * 24.0 * 24.0 * std::cos(geo::DegToRad(middle.lat_deg)), 3.0);
   Stitch(*folder_ / "cut", 2, 2);
   boundary_.reset();
   EXPECT_TRUE(TilesOf(*folder_ / "whole cut" / "mosaic.mbtiles") ==
@@ -207,9 +203,8 @@ TEST_F(StitchUnits, DamagedPartsAreToldOrMadeAnew) {
   options.facts_file = units.Facts();
   options.part_dirs = {units.Folder(UnitKind::kRender, 0), units.Folder(UnitKind::kRender, 1)};
   SilentProgress progress;
-  const auto map = StitchToDirectory(files_, options, root / "again", progress);
-  ASSERT_TRUE(map.ok()) << map.error().message;
-  EXPECT_LT(map->blocks_kept, map->blocks);
+  const auto map = test::ValueOf(StitchToDirectory(files_, options, root / "again", progress));
+  EXPECT_LT(map.blocks_kept, map.blocks);
   EXPECT_TRUE(TilesOf(*folder_ / "whole" / "mosaic.mbtiles") == TilesOf(root / "again" / "mosaic.mbtiles"));
 }
 
@@ -235,28 +230,26 @@ TEST_F(StitchUnits, ARangeShowsSomeOfThePhotosAndAllRangesAllOfThem) {
   const fs::path root = *folder_ / "shown";
   Stitch(root, 1, 6);
   const UnitFiles units(root / "units");
-  const auto shown = pipeline::ParseShown(BytesOf(units.Shown()));
-  ASSERT_TRUE(shown.ok());
-  const std::size_t blocks = shown->of_blocks.size();
+  const auto shown = test::ValueOf(pipeline::ParseShown(BytesOf(units.Shown())));
+  const std::size_t blocks = shown.of_blocks.size();
   std::set<std::string> all;
   std::size_t fewest = files_.size();
   for (std::size_t unit = 0; unit < 6; ++unit) {
-    const std::set<std::string> names = shown->NamesIn(pipeline::RangeOf(unit, 6, blocks));
+    const std::set<std::string> names = shown.NamesIn(pipeline::RangeOf(unit, 6, blocks));
     fewest = std::min(fewest, names.size());
     all.insert(names.begin(), names.end());
   }
   EXPECT_EQ(all.size(), files_.size());
   EXPECT_LT(fewest, files_.size());
-  EXPECT_TRUE(shown->NamesIn({blocks, blocks + 9}).empty());
+  EXPECT_TRUE(shown.NamesIn({blocks, blocks + 9}).empty());
 }
 
 TEST_F(StitchUnits, ShownPhotosThatAreDamagedAreRefused) {
   pipeline::ShownPhotos shown{{"a.jpg", "b.jpg"}, {{0, 1}, {}, {1}}};
   const std::string bytes = pipeline::WriteShown(shown);
-  const auto read = pipeline::ParseShown(bytes);
-  ASSERT_TRUE(read.ok());
-  EXPECT_EQ(read->names, shown.names);
-  EXPECT_EQ(read->of_blocks, shown.of_blocks);
+  const auto read = test::ValueOf(pipeline::ParseShown(bytes));
+  EXPECT_EQ(read.names, shown.names);
+  EXPECT_EQ(read.of_blocks, shown.of_blocks);
   for (std::size_t length = 0; length < bytes.size(); ++length)
     EXPECT_EQ(pipeline::ParseShown(bytes.substr(0, length)).error().code, ErrorCode::kCorrupt) << length;
   shown.of_blocks[1] = {2};

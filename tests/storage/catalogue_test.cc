@@ -8,6 +8,7 @@
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/catalogue_fixture.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -18,13 +19,12 @@ TEST_F(CatalogueTest, RemembersAFlightAcrossOpenings) {
   const std::string id = catalogue_.AddFlight("'; DROP TABLE flight; --", "{\"gsd_m\":0.1}", Now())->id;
   ASSERT_TRUE(catalogue_.AddFile(id, {"a.jpg", NewId(), 100}, Now()));
   const auto again = *OpenTestCatalogue(dir_.path() / "catalogue.db");
-  const auto flight = Catalogue(*again).GetFlight(id);
-  ASSERT_TRUE(flight);
-  EXPECT_EQ(flight->name, "'; DROP TABLE flight; --");
-  EXPECT_EQ(flight->options, "{\"gsd_m\":0.1}");
-  EXPECT_EQ(flight->file_count, 1);
-  EXPECT_EQ(flight->bytes, 100);
-  EXPECT_FALSE(flight->active_revision);
+  const auto flight = test::ValueOf(Catalogue(*again).GetFlight(id));
+  EXPECT_EQ(flight.name, "'; DROP TABLE flight; --");
+  EXPECT_EQ(flight.options, "{\"gsd_m\":0.1}");
+  EXPECT_EQ(flight.file_count, 1);
+  EXPECT_EQ(flight.bytes, 100);
+  EXPECT_FALSE(flight.active_revision);
 }
 
 TEST_F(CatalogueTest, PagesThroughAllFlightsOnceNewestFirst) {
@@ -33,10 +33,9 @@ TEST_F(CatalogueTest, PagesThroughAllFlightsOnceNewestFirst) {
   std::vector<std::string> seen;
   std::optional<std::string> cursor;
   do {
-    const auto page = catalogue_.ListFlights(3, cursor);
-    ASSERT_TRUE(page);
-    for (const Flight& flight : page->flights) seen.push_back(flight.id);
-    cursor = page->next_cursor;
+    const auto page = test::ValueOf(catalogue_.ListFlights(3, cursor));
+    for (const Flight& flight : page.flights) seen.push_back(flight.id);
+    cursor = page.next_cursor;
   } while (cursor);
   std::sort(made.rbegin(), made.rend());
   EXPECT_EQ(seen, made);
@@ -89,10 +88,9 @@ TEST_F(CatalogueTest, PagesThroughTheFlightsOfATag) {
   std::vector<std::string> seen;
   std::optional<std::string> cursor;
   do {
-    const auto page = catalogue_.ListFlights(3, cursor, "maize");
-    ASSERT_TRUE(page) << page.error().detail;
-    for (const Flight& flight : page->flights) seen.push_back(flight.id);
-    cursor = page->next_cursor;
+    const auto page = test::ValueOf(catalogue_.ListFlights(3, cursor, "maize"));
+    for (const Flight& flight : page.flights) seen.push_back(flight.id);
+    cursor = page.next_cursor;
   } while (cursor);
   EXPECT_EQ(seen, maize);
   EXPECT_TRUE(catalogue_.ListFlights(3, {}, "%")->flights.empty());
@@ -114,15 +112,14 @@ TEST_F(CatalogueTest, PagesThroughMapsWithWhatTheySay) {
   std::vector<std::string> listed;
   std::optional<std::string> cursor;
   do {
-    const auto page = catalogue_.ListMaps(2, cursor);
-    ASSERT_TRUE(page);
-    for (const ShownFlight& map : page->maps) {
+    const auto page = test::ValueOf(catalogue_.ListMaps(2, cursor));
+    for (const ShownFlight& map : page.maps) {
       listed.push_back(map.flight_id);
       EXPECT_EQ(map.name, "field");
       EXPECT_EQ(map.revision.bounds, (*catalogue_.ActiveRevision(map.flight_id))->bounds);
       EXPECT_EQ(map.revision.first_capture, "2024-06-01T10:00:00+02:00");
     }
-    cursor = page->next_cursor;
+    cursor = page.next_cursor;
   } while (cursor);
   EXPECT_EQ(listed, with_map);
 }

@@ -53,11 +53,10 @@ void ExpectRefusal(const fs::path& root, std::string_view part) {
 
 TEST(FlightBlob, IsTakenApartByItsKey) {
   const std::string id = NewId();
-  const auto sums = FlightBlobOf(RevisionPrefix(id, 7) + "ranges/mosaic.sums");
-  ASSERT_TRUE(sums);
-  EXPECT_EQ(sums->flight_id, id);
-  EXPECT_EQ(RevisionOfFolder(sums->folder), 7);
-  EXPECT_EQ(sums->name, "ranges/mosaic.sums");
+  const auto sums = test::ValueOf(FlightBlobOf(RevisionPrefix(id, 7) + "ranges/mosaic.sums"));
+  EXPECT_EQ(sums.flight_id, id);
+  EXPECT_EQ(RevisionOfFolder(sums.folder), 7);
+  EXPECT_EQ(sums.name, "ranges/mosaic.sums");
   EXPECT_EQ(FlightBlobOf(FilesPrefix(id) + "a")->folder, "files");
   for (const std::string& key : {std::string(), std::string("flights/"), std::string("flights/x/files/a"),
                                  "flights/" + id, FlightPrefix(id) + "flight.jsonl", id + "/files/a"})
@@ -75,9 +74,8 @@ TEST(OpenDataFolder, MakesANewOneForItsOwnerAlone) {
   EXPECT_EQ(status.st_mode & 0777, 0700u);
   ASSERT_EQ(stat((root / "catalogue.db").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0600u);
-  const auto again = OpenDataFolder(root);
-  ASSERT_TRUE(again) << again.error().message;
-  EXPECT_EQ(again->dir.id(), **ReadMarker(again->dir));
+  const auto again = test::ValueOf(OpenDataFolder(root));
+  EXPECT_EQ(again.dir.id(), **ReadMarker(again.dir));
   EXPECT_EQ(OpenDataFolder(root).error().code, ErrorCode::kConflict);
   EXPECT_TRUE(JoinDataFolder(root));
   EXPECT_TRUE(OpenOrJoinDataFolder(root));
@@ -174,17 +172,16 @@ TEST(OpenDataFolder, RefusesACatalogueThatLacksFilesOrMapsOfItsFlights) {
     const fs::path copy = scratch.path().string() + ".copy";
     fs::copy_file(scratch.path() / "catalogue.db", copy);
     {
-      auto opened = OpenDataFolder(scratch.path());
-      ASSERT_TRUE(opened);
-      Catalogue catalogue(*opened->db, FlightRecords(opened->dir));
+      auto opened = test::ValueOf(OpenDataFolder(scratch.path()));
+      Catalogue catalogue(*opened.db, FlightRecords(opened.dir));
       for (const char* name : {"b.jpg", "c.jpg"}) {
         const std::string stored = NewId();
-        std::ofstream(opened->dir.Files(flight) / stored) << "more";
+        std::ofstream(opened.dir.Files(flight) / stored) << "more";
         if (!with_map) {
           ASSERT_TRUE(catalogue.AddFile(flight, {name, stored, 4}, Now()));
         }
       }
-      if (with_map) PublishSmallTileset(opened->dir, *opened->db, flight, {{0, 0, 0, "newer"}});
+      if (with_map) PublishSmallTileset(opened.dir, *opened.db, flight, {{0, 0, 0, "newer"}});
     }
     fs::copy_file(copy, scratch.path() / "catalogue.db", fs::copy_options::overwrite_existing);
     ExpectRefusal(scratch.path(), "is older than what is on disk");
@@ -224,43 +221,39 @@ TEST(OpenDataFolder, AdoptsAFolderOfAVersionWithoutMarkers) {
   fs::remove(scratch.path() / "skyquilt-data.json");
   const fs::path record = DataDir::At(scratch.path()).Flight(flight) / kFlightRecordName;
   fs::remove(record);
-  const auto opened = OpenDataFolder(scratch.path());
-  ASSERT_TRUE(opened) << opened.error().message;
-  EXPECT_EQ(opened->notes.size(), 1u);
+  const auto opened = test::ValueOf(OpenDataFolder(scratch.path()));
+  EXPECT_EQ(opened.notes.size(), 1u);
   EXPECT_TRUE(fs::exists(scratch.path() / "skyquilt-data.json"));
   EXPECT_FALSE(fs::exists(record));  // whoever opened it may still be refused
-  EXPECT_EQ(*WriteMissingRecords(opened->dir, *opened->db), 1);
-  EXPECT_EQ(*WriteMissingRecords(opened->dir, *opened->db), 0);
-  const auto read = *ReadFlightRecord(record.parent_path());
-  ASSERT_TRUE(read);
-  EXPECT_TRUE(read->is_whole);
-  EXPECT_EQ(read->name, "field");
-  EXPECT_EQ(read->files.begin()->second.name, "a.jpg");
+  EXPECT_EQ(*WriteMissingRecords(opened.dir, *opened.db), 1);
+  EXPECT_EQ(*WriteMissingRecords(opened.dir, *opened.db), 0);
+  const auto read = test::ValueOf(*ReadFlightRecord(record.parent_path()));
+  EXPECT_TRUE(read.is_whole);
+  EXPECT_EQ(read.name, "field");
+  EXPECT_EQ(read.files.begin()->second.name, "a.jpg");
 }
 
 TEST(DataDirWatch, SeesAFolderThatGoesIsReplacedAndComesBack) {
   test::TemporaryFolder scratch;
   const fs::path root = scratch.path() / "data", away = scratch.path() / "away";
-  const auto opened = OpenDataFolder(root);
-  ASSERT_TRUE(opened);
-  const auto watch = DataDirWatch::Begin(opened->dir);
-  ASSERT_TRUE(watch) << watch.error().message;
-  EXPECT_TRUE(watch->Check());
+  const auto opened = test::ValueOf(OpenDataFolder(root));
+  const auto watch = test::ValueOf(DataDirWatch::Begin(opened.dir));
+  EXPECT_TRUE(watch.Check());
   fs::rename(root, away);
-  EXPECT_EQ(watch->Check().error().code, ErrorCode::kUnavailable);
-  const PhotoStore store(opened->dir);
+  EXPECT_EQ(watch.Check().error().code, ErrorCode::kUnavailable);
+  const PhotoStore store(opened.dir);
   EXPECT_EQ(store.Begin(NewId(), 0).error().code, ErrorCode::kUnavailable);
   EXPECT_FALSE(fs::exists(root));  // nothing makes it anew
   fs::copy(away, root, fs::copy_options::recursive);
-  EXPECT_EQ(watch->Check().error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(watch.Check().error().code, ErrorCode::kUnavailable);
   fs::remove_all(root);
   fs::rename(away, root);
-  EXPECT_TRUE(watch->Check());
+  EXPECT_TRUE(watch.Check());
   fs::rename(root / "catalogue.db", root / "aside");
-  EXPECT_EQ(watch->Check().error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(watch.Check().error().code, ErrorCode::kUnavailable);
   fs::rename(root / "aside", root / "catalogue.db");
   fs::remove(root / "catalogue.db-wal");
-  EXPECT_EQ(watch->Check().error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(watch.Check().error().code, ErrorCode::kUnavailable);
 }
 
 // A second connection of this process, and one of another that comes and goes: none may take the first one's
@@ -277,17 +270,14 @@ TEST(OpenDataFolder, KeepsItsLocksWhateverElseIsOpened) {
     const bool joined = told && JoinDataFolder(scratch.path()).ok();  // and closed again
     _exit(joined ? 0 : 1);
   }
-  auto opened = OpenDataFolder(scratch.path());
-  ASSERT_TRUE(opened);
-  const auto second = CatalogueDb::OpenExisting(opened->dir.Catalogue());
-  ASSERT_TRUE(second);
-  const auto watch = DataDirWatch::Begin(opened->dir);
-  ASSERT_TRUE(watch);
+  auto opened = test::ValueOf(OpenDataFolder(scratch.path()));
+  const auto second = test::ValueOf(CatalogueDb::OpenExisting(opened.dir.Catalogue()));
+  const auto watch = test::ValueOf(DataDirWatch::Begin(opened.dir));
   ASSERT_EQ(write(begin[1], "g", 1), 1);
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
   EXPECT_EQ(status, 0);
-  EXPECT_TRUE(watch->Check()) << watch->Check().error().message;
+  EXPECT_TRUE(watch.Check()) << watch.Check().error().message;
   close(begin[0]);
   close(begin[1]);
 }

@@ -10,6 +10,7 @@
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/unit_queue.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -37,16 +38,14 @@ TEST(PhotoStore, StoresBytesUnderANameOfItsOwn) {
   test::TemporaryFolder scratch;
   const PhotoStore store(*DataDir::Open(scratch.path()));
   const std::string flight = NewId();
-  auto upload = store.Begin(flight, 0);
-  ASSERT_TRUE(upload);
-  ASSERT_TRUE(upload->Write(Bytes("hello ")));
-  ASSERT_TRUE(upload->Write(Bytes("world")));
-  const auto stored = upload->Finish();
-  ASSERT_TRUE(stored) << stored.error().detail;
-  std::ifstream file(store.PathOf(flight, *stored));
+  auto upload = test::ValueOf(store.Begin(flight, 0));
+  ASSERT_TRUE(upload.Write(Bytes("hello ")));
+  ASSERT_TRUE(upload.Write(Bytes("world")));
+  const auto stored = test::ValueOf(upload.Finish());
+  std::ifstream file(store.PathOf(flight, stored));
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "hello world");
   EXPECT_EQ(CountIn(store.dir().Incoming()), 0);
-  store.Remove(flight, *stored);
+  store.Remove(flight, stored);
   EXPECT_EQ(CountIn(store.dir().Files(flight)), 0);
 }
 
@@ -129,10 +128,9 @@ TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
   std::filesystem::create_directories(units / "look-0");
   std::filesystem::create_directories(dir.Revision(other, 1));
 
-  const auto report = Sweep(dir, catalogue, queue, Previews(*db), Now());
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->removed, 6);
-  EXPECT_EQ(report->moved.size(), strange.size() + 1);
+  const auto report = test::ValueOf(Sweep(dir, catalogue, queue, Previews(*db), Now()));
+  EXPECT_EQ(report.removed, 6);
+  EXPECT_EQ(report.moved.size(), strange.size() + 1);
   ASSERT_EQ(CountIn(dir.Lost()), 1);
   const auto lost = std::filesystem::directory_iterator(dir.Lost())->path();
   for (const auto& path : strange) {
@@ -179,8 +177,7 @@ TEST(DataDirLock, IsHeldByOneAtATime) {
   test::TemporaryFolder scratch;
   const auto dir = *DataDir::Open(scratch.path());
   {
-    const auto first = DataDirLock::Take(dir);
-    ASSERT_TRUE(first);
+    const auto first = test::ValueOf(DataDirLock::Take(dir));
     EXPECT_EQ(DataDirLock::Take(dir).error().code, ErrorCode::kConflict);
   }
   EXPECT_TRUE(DataDirLock::Take(dir));
@@ -190,8 +187,7 @@ TEST(DataDirLock, HoldsWhateverIsRemovedFromTheFolder) {
   test::TemporaryFolder scratch;
   const auto dir = *DataDir::Open(scratch.path());
   std::ofstream(scratch.path() / "server.lock") << "";
-  const auto first = DataDirLock::Take(dir);
-  ASSERT_TRUE(first);
+  const auto first = test::ValueOf(DataDirLock::Take(dir));
   std::filesystem::remove(scratch.path() / "server.lock");
   EXPECT_EQ(DataDirLock::Take(dir).error().code, ErrorCode::kConflict);
 }

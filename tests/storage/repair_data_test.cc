@@ -13,6 +13,7 @@
 #include "storage/uploads/photo_store.h"
 #include "tests/storage/small_tileset.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -61,32 +62,30 @@ FilledFolder Fill(const fs::path& root) {
 }
 
 void ExpectAllBack(const fs::path& root, const FilledFolder& sample) {
-  auto opened = OpenDataFolder(root);
-  ASSERT_TRUE(opened) << opened.error().message;
-  const Catalogue catalogue(*opened->db);
-  const auto mapped = catalogue.GetFlight(sample.mapped);
-  ASSERT_TRUE(mapped);
-  EXPECT_EQ(mapped->name, "mapped");
-  EXPECT_EQ(mapped->options, R"({"gsd_m":0.1})");
-  EXPECT_EQ(mapped->created, FromUs(1'000'000));
-  EXPECT_EQ(mapped->active_revision, 2);
+  auto opened = test::ValueOf(OpenDataFolder(root));
+  const Catalogue catalogue(*opened.db);
+  const auto mapped = test::ValueOf(catalogue.GetFlight(sample.mapped));
+  EXPECT_EQ(mapped.name, "mapped");
+  EXPECT_EQ(mapped.options, R"({"gsd_m":0.1})");
+  EXPECT_EQ(mapped.created, FromUs(1'000'000));
+  EXPECT_EQ(mapped.active_revision, 2);
   const auto files = *catalogue.ListFiles(sample.mapped);
   ASSERT_EQ(files.size(), 2u);
   EXPECT_EQ(files[0].name, "a.jpg");
   EXPECT_EQ(files[1].name, "b.jpg");
   for (const StoredFile& file : files) {
-    EXPECT_EQ(fs::file_size(opened->dir.Files(sample.mapped) / file.stored_name),
+    EXPECT_EQ(fs::file_size(opened.dir.Files(sample.mapped) / file.stored_name),
               static_cast<std::uintmax_t>(file.bytes));
   }
   EXPECT_EQ(catalogue.GetFlight(sample.plain)->name, "renamed");
   EXPECT_EQ(catalogue.GetFlight(sample.plain)->tags,
             (std::vector<std::string>{"maize", "north of the river"}));
   EXPECT_TRUE(catalogue.GetFlight(sample.plain)->is_kept);
-  EXPECT_FALSE(mapped->is_kept);
+  EXPECT_FALSE(mapped.is_kept);
   EXPECT_EQ(catalogue.ListFiles(sample.plain)->at(0).name, "c.jpg");
   EXPECT_FALSE(*catalogue.HasFlight(sample.deleted));
   // The next map gets a number that none on disk has.
-  EXPECT_EQ(PublishSmallTileset(opened->dir, *opened->db, sample.mapped, {{0, 0, 0, "next"}}), 3);
+  EXPECT_EQ(PublishSmallTileset(opened.dir, *opened.db, sample.mapped, {{0, 0, 0, "next"}}), 3);
 }
 
 TEST(RepairData, MakesALostCatalogueAnew) {
@@ -102,16 +101,14 @@ TEST(RepairData, MakesALostCatalogueAnew) {
     test::TemporaryFolder scratch;
     const FilledFolder sample = Fill(scratch.path());
     lose(scratch.path() / "catalogue.db");
-    const auto repaired = RepairData(scratch.path(), Now());
-    ASSERT_TRUE(repaired) << repaired.error().message;
-    EXPECT_EQ(repaired->flights, 2);
-    EXPECT_EQ(repaired->files, 3);
-    EXPECT_EQ(repaired->maps, 1);
+    const auto repaired = test::ValueOf(RepairData(scratch.path(), Now()));
+    EXPECT_EQ(repaired.flights, 2);
+    EXPECT_EQ(repaired.files, 3);
+    EXPECT_EQ(repaired.maps, 1);
     ExpectAllBack(scratch.path(), sample);
-    const auto again = RepairData(scratch.path(), Now());
-    ASSERT_TRUE(again);
-    EXPECT_EQ(again->flights + again->files, 0);
-    EXPECT_FALSE(again->made_catalogue);
+    const auto again = test::ValueOf(RepairData(scratch.path(), Now()));
+    EXPECT_EQ(again.flights + again.files, 0);
+    EXPECT_FALSE(again.made_catalogue);
   }
 }
 
@@ -124,9 +121,8 @@ TEST(RepairData, CompletesACatalogueFromAnOlderBackup) {
   fs::copy_file(copy, scratch.path() / "catalogue.db", fs::copy_options::overwrite_existing);
   fs::remove(copy);
   EXPECT_FALSE(OpenDataFolder(scratch.path()));
-  const auto repaired = RepairData(scratch.path(), Now());
-  ASSERT_TRUE(repaired) << repaired.error().message;
-  EXPECT_FALSE(repaired->made_catalogue);
+  const auto repaired = test::ValueOf(RepairData(scratch.path(), Now()));
+  EXPECT_FALSE(repaired.made_catalogue);
   ExpectAllBack(scratch.path(), sample);
 }
 
@@ -151,14 +147,12 @@ TEST(RepairData, LeavesOutWhatWasRemovedSinceTheBackup) {
   fs::remove(scratch.path() / "catalogue.db-wal");
   fs::copy_file(copy, scratch.path() / "catalogue.db", fs::copy_options::overwrite_existing);
   fs::remove(copy);
-  const auto repaired = RepairData(scratch.path(), Now());
-  ASSERT_TRUE(repaired) << repaired.error().message;
+  ASSERT_TRUE(RepairData(scratch.path(), Now()));
   EXPECT_TRUE(fs::exists(scratch.path() / "flights" / flight / "files" /
                          removed));  // it is never repair that deletes
-  auto opened = OpenDataFolder(scratch.path());
-  ASSERT_TRUE(opened) << opened.error().message;
+  auto opened = test::ValueOf(OpenDataFolder(scratch.path()));
   std::vector<std::string> names;
-  const auto files = *Catalogue(*opened->db).ListFiles(flight);
+  const auto files = *Catalogue(*opened.db).ListFiles(flight);
   for (const StoredFile& file : files) names.push_back(file.name);
   EXPECT_EQ(names, (std::vector<std::string>{"a.jpg", "replaced.jpg"}));
 }
@@ -204,8 +198,7 @@ TEST(RepairData, BringsBackWhatWentToLost) {
       lost.Take(entry.path(), "is here for a test");
   }
   fs::remove(dir.Catalogue());
-  const auto repaired = RepairData(scratch.path(), Now());
-  ASSERT_TRUE(repaired) << repaired.error().message;
+  ASSERT_TRUE(RepairData(scratch.path(), Now()));
   ExpectAllBack(scratch.path(), sample);
 }
 
@@ -216,9 +209,8 @@ TEST(RepairData, RecoversPhotosOfFlightsWithoutARecordUnderTheirStoredNames) {
   fs::remove(dir.Flight(sample.plain) / kFlightRecordName);
   fs::remove(dir.Catalogue());
   ASSERT_TRUE(RepairData(scratch.path(), Now()));
-  const auto opened = OpenDataFolder(scratch.path());
-  ASSERT_TRUE(opened);
-  const auto files = *Catalogue(*opened->db).ListFiles(sample.plain);
+  const auto opened = test::ValueOf(OpenDataFolder(scratch.path()));
+  const auto files = *Catalogue(*opened.db).ListFiles(sample.plain);
   ASSERT_EQ(files.size(), 1u);
   EXPECT_EQ(files[0].name, files[0].stored_name + ".jpg");
   EXPECT_TRUE((*ReadFlightRecord(dir.Flight(sample.plain)))->is_whole);
@@ -236,17 +228,15 @@ TEST(RepairData, RefusesFoldersOfOthersAndThoseInUse) {
 TEST(CheckData, ListsWhatIsMissingAndWhatIsUnknown) {
   test::TemporaryFolder scratch;
   const FilledFolder sample = Fill(scratch.path());
-  auto opened = OpenDataFolder(scratch.path());
-  ASSERT_TRUE(opened);
-  ASSERT_TRUE(
-      Sweep(opened->dir, Catalogue(*opened->db), JobQueue(*opened->db), Previews(*opened->db), Now()));
-  ASSERT_TRUE(PurgeLost(opened->dir));
-  EXPECT_TRUE(CheckData(opened->dir, *opened->db)->IsWell());
-  fs::remove_all(opened->dir.Files(sample.plain));
-  fs::remove_all(opened->dir.Revision(sample.mapped, 2));
-  std::ofstream(opened->dir.Files(sample.mapped) / NewId()) << "x";
-  fs::create_directories(opened->dir.Flights() / "2024");
-  const auto check = *CheckData(opened->dir, *opened->db);
+  auto opened = test::ValueOf(OpenDataFolder(scratch.path()));
+  ASSERT_TRUE(Sweep(opened.dir, Catalogue(*opened.db), JobQueue(*opened.db), Previews(*opened.db), Now()));
+  ASSERT_TRUE(PurgeLost(opened.dir));
+  EXPECT_TRUE(CheckData(opened.dir, *opened.db)->IsWell());
+  fs::remove_all(opened.dir.Files(sample.plain));
+  fs::remove_all(opened.dir.Revision(sample.mapped, 2));
+  std::ofstream(opened.dir.Files(sample.mapped) / NewId()) << "x";
+  fs::create_directories(opened.dir.Flights() / "2024");
+  const auto check = *CheckData(opened.dir, *opened.db);
   EXPECT_EQ(check.missing.size(), 2u);
   EXPECT_EQ(check.unknown.size(), 2u);
   EXPECT_EQ(check.flights, 2);

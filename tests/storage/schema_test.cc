@@ -51,13 +51,11 @@ class SchemaTest : public testing::Test {
     const auto undone = db.Exec(UndoToVersion(version) + "PRAGMA user_version=" + std::to_string(version));
     ASSERT_TRUE(undone) << undone.error().detail;
     ASSERT_NE(Parts(db), parts);
-    const auto opened = CatalogueDb::OpenExisting(path());
-    ASSERT_TRUE(opened) << opened.error().detail;
+    const auto opened = test::ValueOf(CatalogueDb::OpenExisting(path()));
     EXPECT_EQ(Parts(db), parts);
-    const auto flight = Catalogue(**opened).GetFlight(id);
-    ASSERT_TRUE(flight);
-    EXPECT_TRUE(flight->tags.empty());
-    EXPECT_FALSE(flight->is_kept);
+    const auto flight = test::ValueOf(Catalogue(*opened).GetFlight(id));
+    EXPECT_TRUE(flight.tags.empty());
+    EXPECT_FALSE(flight.is_kept);
   }
   std::filesystem::path path() const { return dir_.path() / "catalogue.db"; }
 
@@ -80,15 +78,13 @@ TEST_F(SchemaTest, OpensACatalogueThatTheStepsMadeWithAllThatIsInIt) {
         std::string(kCatalogue13) +
         "INSERT INTO upload(id,flight_id,name,metadata,expires_us) SELECT 'u',id,'a.jpg','m',5 FROM flight;");
   }
-  const auto db = CatalogueDb::OpenExisting(path());
-  ASSERT_TRUE(db) << db.error().message;
-  const auto flights = Catalogue(**db).ListFlights(10, {});
-  ASSERT_TRUE(flights);
-  ASSERT_EQ(flights->flights.size(), 1u);
-  EXPECT_EQ(flights->flights.front().name, "Field");
-  EXPECT_EQ(flights->flights.front().bytes, 100);
+  const auto db = test::ValueOf(CatalogueDb::OpenExisting(path()));
+  const auto flights = test::ValueOf(Catalogue(*db).ListFlights(10, {}));
+  ASSERT_EQ(flights.flights.size(), 1u);
+  EXPECT_EQ(flights.flights.front().name, "Field");
+  EXPECT_EQ(flights.flights.front().bytes, 100);
   auto uploads =
-      *(*db)->Lock()->Prepare("SELECT u.name, u.concat FROM upload u JOIN flight f ON f.id=flight_id");
+      *db->Lock()->Prepare("SELECT u.name, u.concat FROM upload u JOIN flight f ON f.id=flight_id");
   ASSERT_TRUE(*uploads.Step());
   EXPECT_EQ(uploads.ColumnText(0), "a.jpg");
   EXPECT_EQ(uploads.ColumnText(1), "");
@@ -97,13 +93,11 @@ TEST_F(SchemaTest, OpensACatalogueThatTheStepsMadeWithAllThatIsInIt) {
 TEST_F(SchemaTest, OpensItsOwnCatalogueAgain) {
   std::string id;
   {
-    const auto db = CatalogueDb::Open(path());
-    ASSERT_TRUE(db) << db.error().detail;
-    id = Catalogue(**db).AddFlight("f", "{}", Now())->id;
+    const auto db = test::ValueOf(CatalogueDb::Open(path()));
+    id = Catalogue(*db).AddFlight("f", "{}", Now())->id;
   }
-  const auto db = CatalogueDb::OpenExisting(path());
-  ASSERT_TRUE(db) << db.error().detail;
-  EXPECT_TRUE(Catalogue(**db).GetFlight(id));
+  const auto db = test::ValueOf(CatalogueDb::OpenExisting(path()));
+  EXPECT_TRUE(Catalogue(*db).GetFlight(id));
 }
 
 TEST_F(SchemaTest, BringsVersion17ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(17); }

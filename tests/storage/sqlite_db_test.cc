@@ -26,25 +26,22 @@ class SqliteDbTest : public testing::Test {
 };
 
 TEST_F(SqliteDbTest, GivesBackWhatWasBound) {
-  auto db = Open();
-  ASSERT_TRUE(db) << db.error().detail;
-  ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER, b REAL, c TEXT, d BLOB, e)"));
+  auto db = test::ValueOf(Open());
+  ASSERT_TRUE(db.Exec("CREATE TABLE t(a INTEGER, b REAL, c TEXT, d BLOB, e)"));
   const std::vector<std::uint8_t> bytes = {0, 1, 255};
   {
-    auto insert = db->Prepare("INSERT INTO t VALUES(?,?,?,?,?)");
-    ASSERT_TRUE(insert);
-    insert->Bind(1, std::int64_t{1} << 62).Bind(2, 1.5).Bind(3, "a\"'é").Bind(4, bytes).BindNull(5);
-    ASSERT_TRUE(insert->Run());
+    auto insert = test::ValueOf(db.Prepare("INSERT INTO t VALUES(?,?,?,?,?)"));
+    insert.Bind(1, std::int64_t{1} << 62).Bind(2, 1.5).Bind(3, "a\"'é").Bind(4, bytes).BindNull(5);
+    ASSERT_TRUE(insert.Run());
   }
-  auto select = db->Prepare("SELECT a,b,c,d,e FROM t");
-  ASSERT_TRUE(select);
-  ASSERT_TRUE(*select->Step());
-  EXPECT_EQ(select->ColumnInt64(0), std::int64_t{1} << 62);
-  EXPECT_EQ(select->ColumnDouble(1), 1.5);
-  EXPECT_EQ(select->ColumnText(2), "a\"'é");
-  EXPECT_TRUE(std::ranges::equal(select->ColumnBlob(3), bytes));
-  EXPECT_TRUE(select->IsNull(4));
-  EXPECT_FALSE(*select->Step());
+  auto select = test::ValueOf(db.Prepare("SELECT a,b,c,d,e FROM t"));
+  ASSERT_TRUE(*select.Step());
+  EXPECT_EQ(select.ColumnInt64(0), std::int64_t{1} << 62);
+  EXPECT_EQ(select.ColumnDouble(1), 1.5);
+  EXPECT_EQ(select.ColumnText(2), "a\"'é");
+  EXPECT_TRUE(std::ranges::equal(select.ColumnBlob(3), bytes));
+  EXPECT_TRUE(select.IsNull(4));
+  EXPECT_FALSE(*select.Step());
 }
 
 TEST_F(SqliteDbTest, ReadsAndWritesInOneCall) {
@@ -79,20 +76,19 @@ TEST_F(SqliteDbTest, ReadsAndWritesInOneCall) {
 
 TEST_F(SqliteDbTest, KeepsWhatWasBoundThoughItIsGone) {
   auto db = Open();
-  auto query = db->Prepare("SELECT ?1, ?2");
-  ASSERT_TRUE(query);
+  auto query = test::ValueOf(db->Prepare("SELECT ?1, ?2"));
   const std::string text(100, 't');
   const std::vector<std::uint8_t> bytes(100, 7);
   {
     std::string short_lived = text;
     std::vector<std::uint8_t> short_lived_bytes = bytes;
-    query->Bind(1, short_lived).Bind(2, short_lived_bytes);
+    query.Bind(1, short_lived).Bind(2, short_lived_bytes);
     short_lived.assign(100, 'x');  // as whoever is given the memory next would
     short_lived_bytes.assign(100, 9);
   }
-  ASSERT_TRUE(*query->Step());
-  EXPECT_EQ(query->ColumnText(0), text);
-  EXPECT_TRUE(std::ranges::equal(query->ColumnBlob(1), bytes));
+  ASSERT_TRUE(*query.Step());
+  EXPECT_EQ(query.ColumnText(0), text);
+  EXPECT_TRUE(std::ranges::equal(query.ColumnBlob(1), bytes));
 }
 
 // Values of many sizes whose pages lie in pieces: what was removed makes room for others.
@@ -141,20 +137,19 @@ TEST_F(SqliteDbTest, ReadsBlobsWithoutAStatement) {
                  "CREATE TABLE w(id INTEGER PRIMARY KEY, value BLOB) WITHOUT ROWID;"
                  "INSERT INTO w VALUES(1, x'61')"));
   }
-  auto db = Open("a.db", OpenMode::kReadOnlyImmutable);
-  ASSERT_TRUE(db);
-  SqliteBlobs blobs = db->Blobs("t", "value");
+  auto db = test::ValueOf(Open("a.db", OpenMode::kReadOnlyImmutable));
+  SqliteBlobs blobs = db.Blobs("t", "value");
   EXPECT_EQ(blobs.Read(1), "abc");
   EXPECT_EQ(blobs.Read(2), std::string(50'000, '\0'));
   EXPECT_EQ(blobs.Read(3), "");
   EXPECT_EQ(blobs.Read(1), "abc");
   for (const std::int64_t none : {4, 5}) {
-    SqliteBlobs others = db->Blobs("t", "value");
+    SqliteBlobs others = db.Blobs("t", "value");
     EXPECT_EQ(others.Read(none), std::nullopt);
     EXPECT_EQ(others.Read(1), std::nullopt);
   }
-  EXPECT_EQ(db->Blobs("w", "value").Read(1), std::nullopt);
-  EXPECT_EQ(db->Blobs("none", "value").Read(1), std::nullopt);
+  EXPECT_EQ(db.Blobs("w", "value").Read(1), std::nullopt);
+  EXPECT_EQ(db.Blobs("none", "value").Read(1), std::nullopt);
 }
 
 // What this thread has read so far; absent: the system does not say.
@@ -202,8 +197,7 @@ TEST_F(SqliteDbTest, RollsBackATransactionThatWasNotCommitted) {
   auto db = Open();
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER)"));
   {
-    auto transaction = Transaction::Begin(*db);
-    ASSERT_TRUE(transaction);
+    auto transaction = test::ValueOf(Transaction::Begin(*db));
     ASSERT_TRUE(db->Exec("INSERT INTO t VALUES(1)"));
   }
   EXPECT_EQ(*db->Number("SELECT count(*) FROM t"), 0);
@@ -224,9 +218,8 @@ TEST_F(SqliteDbTest, OpensImmutableFilesWithOddNames) {
     auto db = SqliteDb::Open(path, OpenMode::kReadWriteCreate);
     ASSERT_TRUE(db->Exec("CREATE TABLE t(a); INSERT INTO t VALUES(7)"));
   }
-  auto db = SqliteDb::Open(path, OpenMode::kReadOnlyImmutable);
-  ASSERT_TRUE(db) << db.error().detail;
-  EXPECT_EQ(*db->Number("SELECT a FROM t"), 7);
+  auto db = test::ValueOf(SqliteDb::Open(path, OpenMode::kReadOnlyImmutable));
+  EXPECT_EQ(*db.Number("SELECT a FROM t"), 7);
 }
 
 TEST_F(SqliteDbTest, NamesThePlaceThatCannotBeWritten) {
@@ -253,8 +246,7 @@ TEST_F(SqliteDbTest, WaitsForTheDiskAgainAfterUnsyncedCommits) {
   auto db = Open();
   ASSERT_TRUE(db->Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; CREATE TABLE t(a)"));
   {
-    const auto unsynced = UnsyncedCommits::Begin(*db);
-    ASSERT_TRUE(unsynced);
+    const auto unsynced = test::ValueOf(UnsyncedCommits::Begin(*db));
     EXPECT_EQ(*db->Number("PRAGMA synchronous"), 1);  // NORMAL
     EXPECT_EQ(*db->Number("PRAGMA wal_autocheckpoint"), 0);
     auto rolled_back = Transaction::Begin(*db);
@@ -264,8 +256,7 @@ TEST_F(SqliteDbTest, WaitsForTheDiskAgainAfterUnsyncedCommits) {
   EXPECT_EQ(*db->Number("PRAGMA wal_autocheckpoint"), 1000);
   auto other = Open("a.db", OpenMode::kReadWrite);
   {
-    const auto unsynced = UnsyncedCommits::Begin(*db);
-    ASSERT_TRUE(unsynced);
+    const auto unsynced = test::ValueOf(UnsyncedCommits::Begin(*db));
     ASSERT_TRUE(db->Exec("INSERT INTO t VALUES(2)"));
   }
   EXPECT_EQ(*other->Number("SELECT sum(a) FROM t"), 2);

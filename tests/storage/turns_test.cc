@@ -9,6 +9,7 @@
 #include "storage/catalogue/stage_costs.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/catalogue_fixture.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -89,12 +90,11 @@ TEST_F(TurnsTest, WhatJobsTookSaysWhatTheNextWillTake) {
     ASSERT_TRUE(
         costs.Add({"job" + std::to_string(i), 50, {{"align", 0.75 * total_s}, {"render", 0.25 * total_s}}}));
   }
-  const auto expectation = ExpectationFrom(*costs.Latest(20), 100);
-  ASSERT_TRUE(expectation);
-  EXPECT_NEAR(expectation->total_s, 140.0, 1e-6);
-  EXPECT_LT(expectation->low_s, 110.0);
-  EXPECT_GT(expectation->high_s, 165.0);
-  for (const auto& [stage, share] : expectation->shares)
+  const auto expectation = test::ValueOf(ExpectationFrom(*costs.Latest(20), 100));
+  EXPECT_NEAR(expectation.total_s, 140.0, 1e-6);
+  EXPECT_LT(expectation.low_s, 110.0);
+  EXPECT_GT(expectation.high_s, 165.0);
+  for (const auto& [stage, share] : expectation.shares)
     EXPECT_NEAR(share, stage == "align" ? 0.75 : 0.25, 1e-9);
   EXPECT_EQ(costs.Latest(3)->size(), 3u);
 }
@@ -175,8 +175,7 @@ TEST_F(TurnsTest, AreFoundWithoutLookingAtAllWhoWait) {
   constexpr int kMany = 3000;
   {
     const auto db = db_->Lock();
-    auto transaction = Transaction::Begin(*db);
-    ASSERT_TRUE(transaction);
+    auto transaction = test::ValueOf(Transaction::Begin(*db));
     auto flights = *db->Prepare("INSERT INTO flight(id,name,created_us) VALUES(?,'x',0)");
     auto jobs =
         *db->Prepare("INSERT INTO job(id,flight_id,state,created_us,owner) VALUES(?,?,'accepted',0,?)");
@@ -188,7 +187,7 @@ TEST_F(TurnsTest, AreFoundWithoutLookingAtAllWhoWait) {
       ASSERT_TRUE(flights.Bind(1, flight).Run());
       ASSERT_TRUE(jobs.Bind(1, job).Bind(2, flight).Bind(3, owner).Run());
     }
-    ASSERT_TRUE(transaction->Commit());
+    ASSERT_TRUE(transaction.Commit());
   }
   std::vector<std::string> first;
   for (int i = 0; i < 50; ++i) first.push_back(Next().job_id);

@@ -76,12 +76,11 @@ class UnpackArchiveTest : public testing::Test {
 };
 
 TEST_F(UnpackArchiveTest, TakesFilesAsTheyAre) {
-  const auto files = Unpack(StoredZip());
-  ASSERT_TRUE(files) << files.error().message << files.error().detail;
-  ASSERT_EQ(files->size(), 1U);
-  EXPECT_FALSE(files->front().error);
-  EXPECT_EQ(files->front().file.name, "a.jpg");
-  EXPECT_EQ(files->front().file.bytes, 3);
+  const auto files = test::ValueOf(Unpack(StoredZip()));
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_FALSE(files.front().error);
+  EXPECT_EQ(files.front().file.name, "a.jpg");
+  EXPECT_EQ(files.front().file.bytes, 3);
 }
 
 // A zip of Python's, or of Windows: every name with a letter beyond ASCII is marked as UTF-8.
@@ -94,11 +93,10 @@ TEST_F(UnpackArchiveTest, TakesFilesBelowFoldersOfAnyLetters) {
   zip[26] = zip[directory + 28] = static_cast<char>(name.size());
   zip[end + 12] = static_cast<char>(end - directory);
   zip[end + 16] = static_cast<char>(directory);
-  const auto files = Unpack(zip);
-  ASSERT_TRUE(files) << files.error().message << files.error().detail;
-  ASSERT_EQ(files->size(), 1U);
-  EXPECT_FALSE(files->front().error) << files->front().error->message;
-  EXPECT_EQ(files->front().file.name, "a.jpg");
+  const auto files = test::ValueOf(Unpack(zip));
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_FALSE(files.front().error) << files.front().error->message;
+  EXPECT_EQ(files.front().file.name, "a.jpg");
 }
 
 TEST_F(UnpackArchiveTest, KeepsTheFoldersOfFilesOfOneName) {

@@ -9,6 +9,7 @@
 #include "api/grids/map_grid.h"
 #include "tests/api/maps/textured_map.h"
 #include "tests/storage/rasters/band_file.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::api {
 namespace {
@@ -327,13 +328,12 @@ TEST_F(GridAddresses, IndicesAndPlacesAreThoseOfTheGridToo) {
   EXPECT_EQ(sample_.Get("/wmts/" + map_.flight() + "/map/nonsense/" + path).status, 400);
   // The middle of a pixel is where the tests of the tiles have it.
   const MapGrid grid = MapGrid::Utm(32);
-  const auto position = PositionInGrid(grid, 18, 70000, 60000, {10.0, 20.0});
-  ASSERT_TRUE(position);
+  const auto position = test::ValueOf(PositionInGrid(grid, 18, 70000, 60000, {10.0, 20.0}));
   const geo::Bounds2 box = grid.BoundsOf(18, 70000, 60000);
   const geo::LatLon want =
       LatLonOfUtm(32, box.min.x() + 10.5 * grid.CellSize(18), box.max.y() - 20.5 * grid.CellSize(18));
-  EXPECT_NEAR(position->lat_deg, want.lat_deg, 1e-8);
-  EXPECT_NEAR(position->lon_deg, want.lon_deg, 1e-8);
+  EXPECT_NEAR(position.lat_deg, want.lat_deg, 1e-8);
+  EXPECT_NEAR(position.lon_deg, want.lon_deg, 1e-8);
   EXPECT_FALSE(PositionInGrid(grid, 25, 0, 0, {0.0, 0.0}));
 }
 
@@ -353,8 +353,7 @@ TEST_F(GridAddresses, BandsOfARasterLieWhereTheMapDoes) {
   const std::string path = Tile("UTM32WGS84Quad", ".png");
   const Response response = sample_.Get("/wmts/" + map_.flight() + "/map/ndvi/" + path);
   ASSERT_EQ(response.status, 200) << response.body;
-  const auto picture = image::DecodePicture(response.body);
-  ASSERT_TRUE(picture);
+  const auto picture = test::ValueOf(image::DecodePicture(response.body));
   const IndexLook look = **LookOfStyle("ndvi");
   const std::size_t slash = path.rfind('/'), before = path.rfind('/', slash - 1);
   const geo::Bounds2 box = MapGrid::Utm(32).BoundsOf(kLevel, std::stoll(path.substr(slash + 1)),
@@ -369,7 +368,7 @@ TEST_F(GridAddresses, BandsOfARasterLieWhereTheMapDoes) {
       const double value = (nir - 0.1) / (nir + 0.1);
       const auto& want =
           look.ramp.At(indices::ColourRamp::LevelOf(static_cast<float>(value), look.least, look.most));
-      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(picture->Pixel(x, y)[c], want[c], 6) << x << " " << y;
+      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(picture.Pixel(x, y)[c], want[c], 6) << x << " " << y;
       ++compared;
     }
   }

@@ -121,9 +121,8 @@ TEST(FlirTemperatureTest, IsTrueToATenthOfAKelvinInAllWaysToStoreIt) {
 TEST(FlirTemperatureTest, LevelsOfAnotherSizeAreBroughtToThePicturesSize) {
   const Bytes jpeg =
       WithFlirRecord(Jpeg(2 * kThermalWidth, 2 * kThermalHeight), FlirRecordBytes(TruePhoto()));
-  const auto levels = flight::DecodeSampleBytes(jpeg, 2 * kThermalWidth, 2 * kThermalHeight);
-  ASSERT_TRUE(levels.ok());
-  const image::FloatImage kelvins = ValuesOf(*levels, FactsOf(jpeg).radiometry);
+  const auto levels = test::ValueOf(flight::DecodeSampleBytes(jpeg, 2 * kThermalWidth, 2 * kThermalHeight));
+  const image::FloatImage kelvins = ValuesOf(levels, FactsOf(jpeg).radiometry);
   // Between four levels, along a row.
   const float between = kelvins.values[static_cast<std::size_t>(20 * 2 * kThermalWidth + 21)];
   EXPECT_NEAR(

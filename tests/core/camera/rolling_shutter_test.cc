@@ -29,15 +29,14 @@ TEST(RollingShutter, SeesAPointFromWhereTheCameraWasWhileItsRowWasRead) {
   for (double east_m = -20.0; east_m <= 20.0; east_m += 10.0) {
     for (double north_m = -20.0; north_m <= 20.0; north_m += 10.0) {
       const Eigen::Vector3d point(east_m, north_m, 1.5);
-      const auto seen = ProjectRolling(Lens(), Pose(), {motion_m, {}}, point);
-      ASSERT_TRUE(seen);
+      const auto seen = test::ValueOf(ProjectRolling(Lens(), Pose(), {motion_m, {}}, point));
       // The camera at that row's moment, moved by hand.
-      const double share = (seen->y() + 0.5) / 600.0 - 0.5;
+      const double share = (seen.y() + 0.5) / 600.0 - 0.5;
       const geo::Rigid3 there = geo::Rigid3::FromRotationAndTargetOrigin(
           Pose().rotation, Pose().TargetOriginInSource() + share * motion_m);
       const auto from_there = test::ValueOf(Lens().Project(there * point));
-      EXPECT_LT((*seen - from_there).norm(), 1e-3);
-      EXPECT_LT((PoseAtRow(Pose(), {motion_m, {}}, seen->y(), 600).TargetOriginInSource() -
+      EXPECT_LT((seen - from_there).norm(), 1e-3);
+      EXPECT_LT((PoseAtRow(Pose(), {motion_m, {}}, seen.y(), 600).TargetOriginInSource() -
                  there.TargetOriginInSource())
                     .norm(),
                 1e-9);

@@ -73,17 +73,16 @@ TEST(ReferenceSystem, RefusesWhatIsNoneAndStringsThatOpenFiles) {
 }
 
 TEST(ReferenceSystem, KnowsItsUnitsAndItsArea) {
-  const auto feet = ReferenceSystem::Parse("NAD83 / Minnesota North (ftUS)");
-  ASSERT_TRUE(feet.ok());
-  EXPECT_NEAR(feet->metres_per_height_unit(), 1200.0 / 3937.0, 1e-9);
-  EXPECT_TRUE(feet->area().Contains({46.84, -91.99}, 0.0));
-  EXPECT_FALSE(feet->area().Contains({46.84, 8.0}, 1.0));
-  EXPECT_EQ(feet->definition(), "EPSG:26849");
+  const auto feet = test::ValueOf(ReferenceSystem::Parse("NAD83 / Minnesota North (ftUS)"));
+  EXPECT_NEAR(feet.metres_per_height_unit(), 1200.0 / 3937.0, 1e-9);
+  EXPECT_TRUE(feet.area().Contains({46.84, -91.99}, 0.0));
+  EXPECT_FALSE(feet.area().Contains({46.84, 8.0}, 1.0));
+  EXPECT_EQ(feet.definition(), "EPSG:26849");
   const auto metres_up = ReferenceSystem::Parse("EPSG:26849+5703");  // feet east and north, NAVD88 in metres
   ASSERT_TRUE(metres_up.ok());
   EXPECT_DOUBLE_EQ(metres_up->metres_per_height_unit(), 1.0);
   EXPECT_TRUE(metres_up->heights_are_above_sea());
-  EXPECT_FALSE(feet->heights_are_above_sea());
+  EXPECT_FALSE(feet.heights_are_above_sea());
   for (const char* line : {"EPSG::26849,crs:EPSG::5703", "urn:ogc:def:crs,crs:EPSG::26849,crs:EPSG::5703",
                            "urn:ogc:def:crs,crs:EPSG:9.8.5:26849,crs:EPSG:9.8.5:5703",
                            "http://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/EPSG/0/"

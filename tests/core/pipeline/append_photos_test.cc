@@ -17,6 +17,7 @@
 #include "core/pipeline/placing/recall_flight.h"
 #include "tests/core/pipeline/displaced_flight.h"
 #include "tests/support/rendered_once.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -196,9 +197,9 @@ TEST(AppendPhotos, LeaveAMapPlacedThatSomebodyPlacedAndNoneNowhereThatTheyPlace)
   map.known.is_placed = false;
   EXPECT_FALSE(AppendByRecords(map.known, nowhere).poses_report.is_placed);
   SilentProgress progress;
-  const auto grown = AppendPhotos(map.known, Posed(map.truth), {}, flight::FilePhotoSource(), progress);
-  ASSERT_TRUE(grown.ok());
-  EXPECT_FALSE(grown->has_value()) << "better to place the flight as a whole";
+  const auto grown =
+      test::ValueOf(AppendPhotos(map.known, Posed(map.truth), {}, flight::FilePhotoSource(), progress));
+  EXPECT_FALSE(grown.has_value()) << "better to place the flight as a whole";
 }
 
 TEST(AppendPhotos, TellOfAllThatCameLaterTogether) {
@@ -457,12 +458,11 @@ TEST(AppendPhotos, LeaveOutOneThatNothingPlacesForThatReason) {
   const std::string bare = map.TakeOut(5);
   poses::PosedFlight posed = map.UpToMap(1);
   Forget(bare, posed);
-  const auto grown = map.TryToAppend(posed, Without(map.truth, {bare}));
-  ASSERT_TRUE(grown);
-  EXPECT_EQ(grown->flight.photos.size(), 11U) << "the other one came";
-  ASSERT_EQ(grown->flight.left_out.size(), 2U);
-  EXPECT_EQ(grown->flight.left_out[1].name, bare);
-  EXPECT_EQ(grown->flight.left_out[1].reason.code, flight::RemarkCode::kLeftWithoutPosition);
+  const auto grown = test::ValueOf(map.TryToAppend(posed, Without(map.truth, {bare})));
+  EXPECT_EQ(grown.flight.photos.size(), 11U) << "the other one came";
+  ASSERT_EQ(grown.flight.left_out.size(), 2U);
+  EXPECT_EQ(grown.flight.left_out[1].name, bare);
+  EXPECT_EQ(grown.flight.left_out[1].reason.code, flight::RemarkCode::kLeftWithoutPosition);
 }
 
 TEST(AppendPhotos, LeaveSeveralThatNothingPlacesToTheWholeFlight) {

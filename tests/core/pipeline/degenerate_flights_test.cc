@@ -115,12 +115,11 @@ class DegenerateFlights : public testing::Test {
 
   void ExpectMap(int left_out = 0) {
     for (const AlignMethod method : {AlignMethod::kAuto, AlignMethod::kImu}) {
-      const auto built = Build(method);
-      ASSERT_TRUE(built.ok()) << built.error().message;
+      const auto built = test::ValueOf(Build(method));
       EXPECT_GT(map_.tiles.size(), 0U);
-      ExpectEveryPhotoAccountedFor(built->report, count_);
+      ExpectEveryPhotoAccountedFor(built.report, count_);
       if (method == AlignMethod::kImu) {
-        EXPECT_EQ(built->report.photos_left_out, left_out);
+        EXPECT_EQ(built.report.photos_left_out, left_out);
       }
     }
   }

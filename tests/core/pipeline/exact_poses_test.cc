@@ -48,8 +48,7 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
   simulated.noise_counts = 0.0;
   const test::TemporaryFolder folder;
   SilentProgress progress;
-  const auto flight = simulate::SimulateFlight(simulated, folder.path(), progress);
-  ASSERT_TRUE(flight.ok()) << flight.error().message;
+  const auto flight = test::ValueOf(simulate::SimulateFlight(simulated, folder.path(), progress));
   const auto files = test::ValueOf(flight::ListInputFiles({folder / "photos"}));
 
   test::MemorySink map;
@@ -58,7 +57,7 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
   EXPECT_EQ(built.report.photos_pose_only, 6);
   EXPECT_EQ(built.report.photos_left_out, 0);
 
-  const test::MapError error = test::MeasureMapError(map, flight->world, flight->frame);
+  const test::MapError error = test::MeasureMapError(map, flight.world, flight.frame);
   EXPECT_GT(error.patches, 50);
   EXPECT_LT(error.shift_rmse_px, 0.5) << "mean " << error.mean_east_px << " " << error.mean_south_px;
   EXPECT_LT(std::abs(error.mean_east_px), 0.1);

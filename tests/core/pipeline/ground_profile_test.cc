@@ -66,15 +66,14 @@ TEST(ProfileGround, FollowsASlope) {
 TEST(ProfileGround, KnowsNothingBesideTheMapNorBesideTheGrid) {
   const LocatedMap map = MapOf(Slope());
   const std::vector<geo::LatLon> line = {At(map, -300, 0), At(map, 300, 0)};
-  const auto by_grid = ProfileGround(map, Around({47.3, 8.5}, 0.01), line);
-  ASSERT_TRUE(by_grid);
-  for (const ProfileSample& sample : by_grid->samples) {
+  const auto by_grid = test::ValueOf(ProfileGround(map, Around({47.3, 8.5}, 0.01), line));
+  for (const ProfileSample& sample : by_grid.samples) {
     const geo::Wgs84 at{sample.position.lat_deg, sample.position.lon_deg, 450.0};
     const double east_m = map.frame.EnuFromWgs84(at).x();
     if (std::abs(std::abs(east_m) - 100.0) < 0.1) continue;
     EXPECT_EQ(sample.height_m.has_value(), std::abs(east_m) < 100.0) << east_m;
   }
-  EXPECT_NEAR(by_grid->climb_m, 20.0, 0.2);
+  EXPECT_NEAR(by_grid.climb_m, 20.0, 0.2);
   const geo::LatLon east = At(map, 50, 0);
   const auto by_map =
       ProfileGround(map, {8.5, 47.29, east.lon_deg, 47.31}, {At(map, -90, 0), At(map, 90, 0)});
@@ -97,11 +96,11 @@ TEST(ProfileGround, AGapIsNeitherClimbNorDescent) {
 
 TEST(ProfileGround, APlaneIsLevelAndCostsNoMoreThanItsBound) {
   const LocatedMap map = MapOf(ground::GroundSurface::Plane(12.5));
-  const auto profile = ProfileGround(map, Around({47.3, 8.5}, 0.01), {At(map, -100, 0), At(map, 100, 50)});
-  ASSERT_TRUE(profile);
-  EXPECT_LE(profile->samples.size(), kMaxProfileSamples + 2);
-  EXPECT_NEAR(*profile->lowest_m, 462.5, 0.01);
-  EXPECT_NEAR(*profile->highest_m, 462.5, 0.01);
+  const auto profile =
+      test::ValueOf(ProfileGround(map, Around({47.3, 8.5}, 0.01), {At(map, -100, 0), At(map, 100, 50)}));
+  EXPECT_LE(profile.samples.size(), kMaxProfileSamples + 2);
+  EXPECT_NEAR(*profile.lowest_m, 462.5, 0.01);
+  EXPECT_NEAR(*profile.highest_m, 462.5, 0.01);
 }
 
 TEST(ProfileGround, SamplesAreBoundedHoweverFineTheGround) {
@@ -110,20 +109,19 @@ TEST(ProfileGround, SamplesAreBoundedHoweverFineTheGround) {
   std::vector<geo::LatLon> line;
   for (int i = 0; i < static_cast<int>(kMaxProfileCorners); ++i)
     line.push_back(At(map, i % 2 == 0 ? -90 : 90, 0.1 * i));
-  const auto profile = ProfileGround(map, Around({47.3, 8.5}, 0.01), line);
-  ASSERT_TRUE(profile) << profile.error().message;
-  EXPECT_LE(profile->samples.size(), kMaxProfileSamples + 2 * kMaxProfileCorners);
+  const auto profile = test::ValueOf(ProfileGround(map, Around({47.3, 8.5}, 0.01), line));
+  EXPECT_LE(profile.samples.size(), kMaxProfileSamples + 2 * kMaxProfileCorners);
   line.push_back(line.front());
   EXPECT_EQ(ProfileGround(map, Around({47.3, 8.5}, 0.01), line).error().code, ErrorCode::kUnprocessable);
 }
 
 TEST(ProfileGround, OneAndTheSamePlaceTwiceIsALineOfNoLength) {
   const LocatedMap map = MapOf(Slope());
-  const auto profile = ProfileGround(map, Around({47.3, 8.5}, 0.01), {At(map, 0, 0), At(map, 0, 0)});
-  ASSERT_TRUE(profile);
-  EXPECT_EQ(profile->length_m, 0.0);
-  EXPECT_EQ(profile->samples.size(), 2u);
-  EXPECT_EQ(profile->climb_m, 0.0);
+  const auto profile =
+      test::ValueOf(ProfileGround(map, Around({47.3, 8.5}, 0.01), {At(map, 0, 0), At(map, 0, 0)}));
+  EXPECT_EQ(profile.length_m, 0.0);
+  EXPECT_EQ(profile.samples.size(), 2u);
+  EXPECT_EQ(profile.climb_m, 0.0);
 }
 
 TEST(ProfileGround, RefusesWhatIsNoLineAndWhatIsTooLong) {

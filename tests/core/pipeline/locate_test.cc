@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/support/value_of.h"
+
 namespace skyquilt::pipeline {
 namespace {
 
@@ -66,11 +68,10 @@ TEST_P(LocateTest, APixelsGroundIsSeenAtThatPixel) {
   for (int i = 0; i < 500; ++i) {
     const std::string name = "p" + std::to_string(i % 5);
     const Eigen::Vector2d pixel(x(random), y(random));
-    const Result<GroundPoint> point = GroundAtPixel(map, name, pixel);
-    ASSERT_TRUE(point) << point.error().message;
-    EXPECT_GE(point->sigma_m.value_or(0.0), 0.5);
+    const auto point = test::ValueOf(GroundAtPixel(map, name, pixel));
+    EXPECT_GE(point.sigma_m.value_or(0.0), 0.5);
     bool is_seen = false;
-    for (const Sighting& sighting : PhotosAtPoint(map, point->position)) {
+    for (const Sighting& sighting : PhotosAtPoint(map, point.position)) {
       if (sighting.photo != name) continue;
       is_seen = true;
       EXPECT_LT((sighting.pixel_in_image - pixel).norm(), 1e-3);
@@ -89,13 +90,11 @@ TEST_P(LocateTest, TheTruePointIsWhereThePhotoShowsIt) {
          {Eigen::Vector2d(0, 0), Eigen::Vector2d(14, -9), Eigen::Vector2d(-20, 11)}) {
       const Eigen::Vector2d at = photo.cam_from_enu.TargetOriginInSource().head<2>() + aside;
       const Eigen::Vector3d truth(at.x(), at.y(), ground.HeightAt(at));
-      const auto pixel = photo.intrinsics.Project(photo.cam_from_enu * truth);
-      ASSERT_TRUE(pixel);
-      if (!photo.intrinsics.IsInImage(*pixel)) continue;
-      const Result<GroundPoint> point = GroundAtPixel(map, photo.photo.name, *pixel);
-      ASSERT_TRUE(point);
+      const auto pixel = test::ValueOf(photo.intrinsics.Project(photo.cam_from_enu * truth));
+      if (!photo.intrinsics.IsInImage(pixel)) continue;
+      const auto point = test::ValueOf(GroundAtPixel(map, photo.photo.name, pixel));
       const Eigen::Vector3d found =
-          flight.frame.EnuFromWgs84({point->position.lat_deg, point->position.lon_deg,
+          flight.frame.EnuFromWgs84({point.position.lat_deg, point.position.lon_deg,
                                      flight.frame.Wgs84FromEnu(truth).height_ellipsoid_m});
       EXPECT_LT((found - truth).norm(), 1e-4);
     }
@@ -134,12 +133,11 @@ TEST(Locate, SaysNoErrorOfAlignedPhotosWhereNothingSupportsThePlace) {
 
 TEST(Locate, HeightsAreToldFromTheSurveysZeroAndPhotosSeeTheSamePlace) {
   const LocatedMap plain = Read(Hills());
-  const Result<LocatedMap> raised = ParseLocateJson(LocateJson(Flight(), Hills(), -47.25));
-  ASSERT_TRUE(raised);
+  const auto raised = test::ValueOf(ParseLocateJson(LocateJson(Flight(), Hills(), -47.25)));
   const geo::LatLon place{plain.frame.origin().lat_deg + 1e-4, plain.frame.origin().lon_deg};
-  EXPECT_NEAR(GroundAt(*raised, place).height_ellipsoid_m, GroundAt(plain, place).height_ellipsoid_m - 47.25,
+  EXPECT_NEAR(GroundAt(raised, place).height_ellipsoid_m, GroundAt(plain, place).height_ellipsoid_m - 47.25,
               1e-9);
-  const std::vector<Sighting> before = PhotosAtPoint(plain, place), after = PhotosAtPoint(*raised, place);
+  const std::vector<Sighting> before = PhotosAtPoint(plain, place), after = PhotosAtPoint(raised, place);
   ASSERT_FALSE(before.empty());
   ASSERT_EQ(after.size(), before.size());
   EXPECT_EQ(after.front().pixel_in_image, before.front().pixel_in_image);
@@ -148,11 +146,10 @@ TEST(Locate, HeightsAreToldFromTheSurveysZeroAndPhotosSeeTheSamePlace) {
 TEST(Locate, WhatShowsNoGroundIsRefused) {
   alignment::AlignedFlight flight = Flight();
   flight.photos.push_back(PhotoAt("horizon", 0.0, 0.0, 1.5));
-  const Result<LocatedMap> map = ParseLocateJson(LocateJson(flight, Hills()));
-  ASSERT_TRUE(map);
-  EXPECT_EQ(GroundAtPixel(*map, "horizon", {2000, 1500}).error().code, ErrorCode::kUnprocessable);
-  EXPECT_EQ(GroundAtPixel(*map, "p0", {4000, 10}).error().code, ErrorCode::kUnprocessable);
-  EXPECT_EQ(GroundAtPixel(*map, "unknown", {1, 1}).error().code, ErrorCode::kNotFound);
+  const auto map = test::ValueOf(ParseLocateJson(LocateJson(flight, Hills())));
+  EXPECT_EQ(GroundAtPixel(map, "horizon", {2000, 1500}).error().code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(GroundAtPixel(map, "p0", {4000, 10}).error().code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(GroundAtPixel(map, "unknown", {1, 1}).error().code, ErrorCode::kNotFound);
 }
 
 TEST(Locate, DamagedFilesAreRefused) {
@@ -171,10 +168,9 @@ TEST(Locate, ASharpViewComesBeforeABlurredOneThatIsMoreVertical) {
   flight.photos[0].sharpness = 0.95;
   flight.photos[1].sharpness = 0.4;  // straight above the place
   flight.photos[2].sharpness = 1.3;
-  const Result<LocatedMap> map = ParseLocateJson(LocateJson(flight, ground::GroundSurface::Plane(0.0)));
-  ASSERT_TRUE(map);
-  const geo::Wgs84 below = map->frame.Wgs84FromEnu({31.0, 10.0, 0.0});
-  const std::vector<Sighting> sightings = PhotosAtPoint(*map, {below.lat_deg, below.lon_deg});
+  const auto map = test::ValueOf(ParseLocateJson(LocateJson(flight, ground::GroundSurface::Plane(0.0))));
+  const geo::Wgs84 below = map.frame.Wgs84FromEnu({31.0, 10.0, 0.0});
+  const std::vector<Sighting> sightings = PhotosAtPoint(map, {below.lat_deg, below.lon_deg});
   ASSERT_GE(sightings.size(), 3u);
   EXPECT_NE(sightings.front().photo, "p1");
   for (std::size_t i = 0; i < sightings.size(); ++i) {

@@ -353,16 +353,15 @@ class KeptBands final : public bands::BandSink {
 Result<void> Render(const RigFlight& flown, const RigSource& source, int threads, KeptBands& kept,
                     const RigSource* later = nullptr) {
   const ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
-  const auto plan = PlanMosaic(flown.references, ground, {});
-  if (!plan) return plan.error();
+  const auto plan = test::ValueOf(PlanMosaic(flown.references, ground, {}));
   std::vector<Thumbnail> thumbnails;
   for (const alignment::AlignedPhoto& photo : flown.references.photos)
     thumbnails.push_back(MakeThumbnail(photo.photo, *source.Decode(photo.photo, 1)));
   const ExposureModel exposure = EstimateExposure(flown.references, ground, thumbnails);
-  const SeamMap seams = BuildSeamMap(flown.references, ground, *plan, exposure, thumbnails, {});
+  const SeamMap seams = BuildSeamMap(flown.references, ground, plan, exposure, thumbnails, {});
   const BandCameras cameras = Register(flown, source, threads);
   SilentProgress progress;
-  return RenderBands({flown.references, ground, seams, *plan, cameras, flown.captures},
+  return RenderBands({flown.references, ground, seams, plan, cameras, flown.captures},
                      later != nullptr ? *later : source, {threads}, kept, progress);
 }
 

@@ -87,16 +87,15 @@ TEST_F(SimulateFlightTest, ExactPhotosReadBackToAHundredthOfAPixel) {
     options.origin = {lat_deg, -71.5};
     options.write_world = false;
     SilentProgress progress;
-    const auto flight = SimulateFlight(options, folder_.path(), progress);
-    ASSERT_TRUE(flight.ok());
-    for (const SimulatedPhoto& truth : flight->photos) {
+    const auto flight = test::ValueOf(SimulateFlight(options, folder_.path(), progress));
+    for (const SimulatedPhoto& truth : flight.photos) {
       const auto photo = test::ValueOf(flight::ReadPhoto({truth.photo.name, truth.photo.path}));
       ASSERT_TRUE(photo.position && photo.attitude && photo.position->height_above_takeoff_m);
-      EXPECT_LT(RecordedAgainstTruePx(*flight, photo, truth), 0.01);
+      EXPECT_LT(RecordedAgainstTruePx(flight, photo, truth), 0.01);
       EXPECT_EQ(photo.captured_at, truth.recorded.captured_at);
       EXPECT_FALSE(photo.captured_at_is_local);
       EXPECT_EQ(photo.focal_source, flight::FocalSource::kDewarpData);
-      EXPECT_LT(RecordedAgainstTruePx(*flight, truth.photo, truth), 0.01) << "the photo made without a file";
+      EXPECT_LT(RecordedAgainstTruePx(flight, truth.photo, truth), 0.01) << "the photo made without a file";
     }
   }
 }
@@ -185,11 +184,10 @@ TEST_F(SimulateFlightTest, GdalFindsSurveyMarksOfTheTruthMapAtTheirPlaces) {
 }
 
 TEST_F(SimulateFlightTest, SourceGivesThePicturesOfTheFiles) {
-  const auto flight = PlanSimulatedFlight(Small());
-  ASSERT_TRUE(flight.ok());
-  const SimulatedPhotoSource source(*flight);
-  const auto full = source.Decode(flight->photos[2].photo, 1);
-  const auto quarter = source.Decode(flight->photos[2].photo, 4);
+  const auto flight = test::ValueOf(PlanSimulatedFlight(Small()));
+  const SimulatedPhotoSource source(flight);
+  const auto full = source.Decode(flight.photos[2].photo, 1);
+  const auto quarter = source.Decode(flight.photos[2].photo, 4);
   ASSERT_TRUE(full.ok() && quarter.ok());
   EXPECT_EQ(full->width_px, 400);
   EXPECT_EQ(quarter->width_px, 100);
@@ -212,16 +210,15 @@ TEST_F(SimulateFlightTest, FlownWithARecorderItWritesLogsAndPhotosOfOneClock) {
   options.log_formats = {LogFormat::kDataflash, LogFormat::kUlog, LogFormat::kCsv};
   options.write_world = false;
   SilentProgress progress;
-  const auto flight = SimulateFlight(options, folder_.path(), progress);
-  ASSERT_TRUE(flight.ok()) << flight.error().message;
+  const auto flight = test::ValueOf(SimulateFlight(options, folder_.path(), progress));
   for (const char* name : {"flight.BIN", "flight.ulg", "flight.csv"}) {
     EXPECT_GT(std::filesystem::file_size(folder_ / "logs" / name), 100000u) << name;
   }
-  ASSERT_TRUE(flight->log.has_value());
-  ASSERT_EQ(flight->log->events.size(), flight->photos.size());
-  for (std::size_t i = 0; i < flight->photos.size(); ++i) {
-    const SimulatedPhoto& truth = flight->photos[i];
-    EXPECT_NEAR(flight->log->events[i].t_s, truth.pose.t_s, 0.003);
+  ASSERT_TRUE(flight.log.has_value());
+  ASSERT_EQ(flight.log->events.size(), flight.photos.size());
+  for (std::size_t i = 0; i < flight.photos.size(); ++i) {
+    const SimulatedPhoto& truth = flight.photos[i];
+    EXPECT_NEAR(flight.log->events[i].t_s, truth.pose.t_s, 0.003);
     const auto photo = test::ValueOf(flight::ReadPhoto({truth.photo.name, truth.photo.path}));
     EXPECT_FALSE(photo.position.has_value());
     EXPECT_TRUE(photo.captured_at_is_local);

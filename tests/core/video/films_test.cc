@@ -75,18 +75,17 @@ TEST_F(FilmsTest, BecomePhotosWithATableOfTheirPlaces) {
     GTEST_SKIP() << "no MPEG-4 encoder";
   folder_.Write("dji_0001.srt", Subtitles(4));
   folder_.Write("photo.jpg", "\xff\xd8\xff");
-  const auto given = Replace({File("DJI_0001.MP4"), File("dji_0001.srt"), File("photo.jpg")});
-  ASSERT_TRUE(given) << given.error().message;
-  EXPECT_TRUE(given->warnings.empty()) << flight::InWords(given->warnings.front());
+  const auto given = test::ValueOf(Replace({File("DJI_0001.MP4"), File("dji_0001.srt"), File("photo.jpg")}));
+  EXPECT_TRUE(given.warnings.empty()) << flight::InWords(given.warnings.front());
   std::vector<std::string> names;
-  for (const flight::InputFile& file : given->files) names.push_back(file.name);
+  for (const flight::InputFile& file : given.files) names.push_back(file.name);
   EXPECT_EQ(names.front(), "photo.jpg");
   EXPECT_EQ(names.back(), "DJI_0001_frames.csv");
   EXPECT_EQ(names[1], "DJI_0001_000000.jpg");
   EXPECT_EQ(std::count(names.begin(), names.end(), "dji_0001.srt"), 0);
-  ASSERT_EQ(given->sources.size(), 2U);
-  EXPECT_EQ(given->sources[1].name, "dji_0001.srt");
-  const std::string text = test::BytesOf(given->files.back().path);
+  ASSERT_EQ(given.sources.size(), 2U);
+  EXPECT_EQ(given.sources[1].name, "dji_0001.srt");
+  const std::string text = test::BytesOf(given.files.back().path);
   EXPECT_NE(text.find("\"DJI_0001_000000.jpg\",47.0000"), std::string::npos) << text;
   EXPECT_NE(text.find(",50.000,"), std::string::npos) << text;
 }

@@ -23,18 +23,17 @@ class VideoFileTest : public testing::Test {
 };
 
 TEST_F(VideoFileTest, GivesEveryFrameWithItsTime) {
-  auto film = VideoFile::Open(path_, 2);
-  ASSERT_TRUE(film) << film.error().message;
-  EXPECT_EQ(film->facts().width_px, kFilmWidthPx);
-  EXPECT_EQ(film->facts().height_px, kFilmHeightPx);
-  EXPECT_NEAR(film->facts().duration_s, 2.0, 0.1);
+  auto film = test::ValueOf(VideoFile::Open(path_, 2));
+  EXPECT_EQ(film.facts().width_px, kFilmWidthPx);
+  EXPECT_EQ(film.facts().height_px, kFilmHeightPx);
+  EXPECT_NEAR(film.facts().duration_s, 2.0, 0.1);
   for (int k = 0; k < 60; ++k) {
-    const auto next = film->Next();
+    const auto next = film.Next();
     ASSERT_TRUE(next && *next) << k;
-    EXPECT_EQ(film->number(), k);
-    EXPECT_NEAR(film->time_s(), k / 30.0, 1e-3);
+    EXPECT_EQ(film.number(), k);
+    EXPECT_NEAR(film.time_s(), k / 30.0, 1e-3);
   }
-  EXPECT_FALSE(*film->Next());
+  EXPECT_FALSE(*film.Next());
 }
 
 TEST_F(VideoFileTest, KeepsAFrameWhileOthersPass) {

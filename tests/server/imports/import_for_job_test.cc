@@ -103,20 +103,20 @@ TEST(ImportForJob, TilesAcrossTheAntimeridianAreOneMap) {
                           Case{{-180.05, -17.0, -179.97, -16.0}, 179.95, 180.03},
                           Case{{179.95, -17.0, -179.97, -16.0}, 179.95, 180.03}}) {
     const test::TemporaryFolder in, out;
-    const auto report = Import(WriteTilesAcross(in.path(), one.said), "fiji.mbtiles", {out.path(), true});
-    ASSERT_TRUE(report.ok()) << report.error().message;
-    EXPECT_NEAR(report->bounds.west_deg, one.west_deg, 1e-9) << one.said.west_deg;
-    EXPECT_NEAR(report->bounds.east_deg, one.east_deg, 1e-9) << one.said.west_deg;
+    const auto report =
+        test::ValueOf(Import(WriteTilesAcross(in.path(), one.said), "fiji.mbtiles", {out.path(), true}));
+    EXPECT_NEAR(report.bounds.west_deg, one.west_deg, 1e-9) << one.said.west_deg;
+    EXPECT_NEAR(report.bounds.east_deg, one.east_deg, 1e-9) << one.said.west_deg;
   }
 }
 
 TEST(ImportForJob, MakesTheProductsOfAMap) {
   const test::TemporaryFolder in, out;
-  const auto report = Import(WriteNoise(in.path(), 600, PlaceOfPicture{}), "field.tif", {out.path(), true});
-  ASSERT_TRUE(report.ok()) << report.error().message;
-  EXPECT_EQ(report->title, "Field");
-  EXPECT_THAT(InWords(report->warnings.at(0)), HasSubstr("imported from field.tif"));
-  EXPECT_NEAR(report->area_m2, 900.0, 20.0);
+  const auto report =
+      test::ValueOf(Import(WriteNoise(in.path(), 600, PlaceOfPicture{}), "field.tif", {out.path(), true}));
+  EXPECT_EQ(report.title, "Field");
+  EXPECT_THAT(InWords(report.warnings.at(0)), HasSubstr("imported from field.tif"));
+  EXPECT_NEAR(report.area_m2, 900.0, 20.0);
   for (const char* name :
        {"mosaic.mbtiles", "mosaic.pmtiles", "thumbnail.png", "report.json", "photos.geojson"}) {
     EXPECT_TRUE(std::filesystem::exists(out.path() / name)) << name;
@@ -147,9 +147,9 @@ TEST(ImportForJob, NamesAPictureThatCrossesTheAntimeridian) {
 
 TEST(ImportForJob, TakesTheQualityThatTheMapsOwnReportStates) {
   const test::TemporaryFolder in, first;
-  const auto made = Import(WriteNoise(in.path(), 600, PlaceOfPicture{}), "field.tif", {first.path(), false});
-  ASSERT_TRUE(made.ok()) << made.error().message;
-  EXPECT_EQ(made->quality.status, pipeline::MapStatus::kUnknown) << "nobody says how true it is";
+  const auto made =
+      test::ValueOf(Import(WriteNoise(in.path(), 600, PlaceOfPicture{}), "field.tif", {first.path(), false}));
+  EXPECT_EQ(made.quality.status, pipeline::MapStatus::kUnknown) << "nobody says how true it is";
   ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), R"("status": "unknown")", R"("status": "ready")"));
   ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), R"("sigma_m": null)", R"("sigma_m": 2.3)"));
   const auto again = [&](const std::string& name_of_report) {

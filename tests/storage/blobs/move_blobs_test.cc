@@ -50,26 +50,23 @@ class MovedBlobs : public testing::Test {
 };
 
 TEST_F(MovedBlobs, GoOutAndComeBackTheSame) {
-  const auto out = Move(near_, far_);
-  ASSERT_TRUE(out) << out.error().message;
-  EXPECT_EQ(out->copied, 3);
-  EXPECT_EQ(out->bytes, 10);
-  EXPECT_EQ(out->removed, 0);
+  const auto out = test::ValueOf(Move(near_, far_));
+  EXPECT_EQ(out.copied, 3);
+  EXPECT_EQ(out.bytes, 10);
+  EXPECT_EQ(out.removed, 0);
   EXPECT_TRUE(near_.Find(FilesPrefix(flight_) + photo_));  // kept unless it was said otherwise
   EXPECT_EQ(far_.List("flights/")->size(), 3U);            // neither record nor preview
   EXPECT_EQ(**SettledAt(dir_), "s3://far/");
   EXPECT_TRUE(SettleBlobs(dir_, *db_, far_));
   EXPECT_EQ(SettleBlobs(dir_, *db_, near_).error().code, ErrorCode::kConflict);
 
-  const auto again = Move(near_, far_, true);
-  ASSERT_TRUE(again) << again.error().message;
-  EXPECT_EQ(again->there_already, 3);
-  EXPECT_EQ(again->removed, 3);
+  const auto again = test::ValueOf(Move(near_, far_, true));
+  EXPECT_EQ(again.there_already, 3);
+  EXPECT_EQ(again.removed, 3);
   EXPECT_FALSE(near_.Find(FilesPrefix(flight_) + photo_));
   EXPECT_TRUE(near_.Find(FlightPrefix(flight_) + "flight.jsonl"));
 
-  const auto back = Move(far_, near_, true);
-  ASSERT_TRUE(back) << back.error().message;
+  ASSERT_TRUE(Move(far_, near_, true));
   EXPECT_EQ(*near_.ReadRange(FilesPrefix(flight_) + photo_, 0, 10), "photo");
   EXPECT_EQ(*near_.ReadRange(RevisionPrefix(flight_, 1) + "frames/b.jpg", 0, 10), "frame");
   EXPECT_TRUE(far_.List("")->empty());
@@ -83,10 +80,9 @@ TEST_F(MovedBlobs, GoOnWhereTheyWereCutOff) {
   EXPECT_TRUE(SettleBlobs(dir_, *db_, near_));  // the server starts as before
   EXPECT_EQ(near_.List(FilesPrefix(flight_))->size(), 1U);
   far_.puts_left = 1'000;
-  const auto rest = Move(near_, far_, true);
-  ASSERT_TRUE(rest) << rest.error().message;
-  EXPECT_EQ(rest->there_already, 1);
-  EXPECT_EQ(rest->copied, 2);
+  const auto rest = test::ValueOf(Move(near_, far_, true));
+  EXPECT_EQ(rest.there_already, 1);
+  EXPECT_EQ(rest.copied, 2);
 }
 
 TEST_F(MovedBlobs, KeepTheOriginalOfACopyThatIsNotTheSame) {
@@ -112,11 +108,10 @@ TEST_F(MovedBlobs, ArePackedWhereTilesAreReadByRanges) {
   test::WritePaintedTileset(folder_ / "map", painted);
   ASSERT_TRUE(near_.Put(RevisionPrefix(flight_, 1) + "mosaic.mbtiles", folder_ / "map"));
   Put(near_, RevisionPrefix(flight_, 2) + "mosaic.mbtiles", "damaged");
-  const auto out = Move(near_, far_);
-  ASSERT_TRUE(out) << out.error().message;
-  EXPECT_EQ(out->pack.packed, 1);
-  ASSERT_EQ(out->pack.left_whole.size(), 1U);
-  EXPECT_TRUE(out->pack.left_whole[0].starts_with(RevisionPrefix(flight_, 2))) << out->pack.left_whole[0];
+  const auto out = test::ValueOf(Move(near_, far_));
+  EXPECT_EQ(out.pack.packed, 1);
+  ASSERT_EQ(out.pack.left_whole.size(), 1U);
+  EXPECT_TRUE(out.pack.left_whole[0].starts_with(RevisionPrefix(flight_, 2))) << out.pack.left_whole[0];
   EXPECT_FALSE(near_.Find(RevisionPrefix(flight_, 1) + "mosaic.pmtiles"));
   ASSERT_TRUE(WritePmtiles(folder_ / "map", folder_ / "archive", progress_));
   const BlobInfo archive = *far_.Find(RevisionPrefix(flight_, 1) + "mosaic.pmtiles");
@@ -142,9 +137,8 @@ TEST_F(MovedBlobs, AreRemovedWhereTheyWereCopiedAndNothingElseIs) {
   EXPECT_NE(moved.message.find(late), std::string::npos);
   EXPECT_EQ(far_.List("flights/")->size(), 4U);
   EXPECT_EQ(**SettledAt(dir_), "s3://far/");
-  const auto again = Move(far_, near_, true);
-  ASSERT_TRUE(again) << again.error().message;
-  EXPECT_EQ(again->removed, 4);
+  const auto again = test::ValueOf(Move(far_, near_, true));
+  EXPECT_EQ(again.removed, 4);
   EXPECT_EQ(*near_.ReadRange(late, 0, 10), "late");
 }
 

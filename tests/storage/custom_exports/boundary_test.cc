@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/geo/web_mercator.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -75,9 +76,8 @@ TEST(ParseBoundary, SaysWhatIsWrongAndWhatToGive) {
 TEST(BoundaryOnZoom, CountsPixelsByTheirMiddles) {
   // Tile 1/0/0 is the north-west quarter of the world; the box covers the western half of its southern half.
   const double lat = geo::LatLonFromMerc({0.0, geo::kMercHalfWidthM / 2}).lat_deg;
-  const auto boundary = ParseBoundary(Polygon(Square(-180.0, 0.0, -90.0, lat)));
-  ASSERT_TRUE(boundary.ok());
-  const BoundaryOnZoom on_zoom(*boundary, 1, 256);
+  const auto boundary = test::ValueOf(ParseBoundary(Polygon(Square(-180.0, 0.0, -90.0, lat))));
+  const BoundaryOnZoom on_zoom(boundary, 1, 256);
   std::vector<std::uint8_t> inside;
   EXPECT_EQ(on_zoom.Mask(*geo::TileId::Make(1, 0, 0), inside), Cover::kPart);
   EXPECT_EQ(std::count(inside.begin(), inside.end(), 1), 128 * 128);
@@ -86,7 +86,7 @@ TEST(BoundaryOnZoom, CountsPixelsByTheirMiddles) {
   EXPECT_EQ(inside[128 * 256 + 127], 1);
   EXPECT_EQ(inside[128 * 256 + 128], 0);
   EXPECT_EQ(on_zoom.Mask(*geo::TileId::Make(1, 1, 0), inside), Cover::kNone);
-  const BoundaryOnZoom finer(*boundary, 2, 256);
+  const BoundaryOnZoom finer(boundary, 2, 256);
   EXPECT_EQ(finer.Mask(*geo::TileId::Make(2, 0, 1), inside), Cover::kAll);
 }
 
@@ -154,12 +154,11 @@ TEST(ParseBoundaryFile, ReadsPolygonsOfKml) {
       "</coordinates></LinearRing></outerBoundaryIs></Polygon></MultiGeometry></Placemark>"
       "</Folder></Document></kml>";
   for (const std::string& text : {kml, "\xef\xbb\xbf \n" + kml}) {
-    const auto boundary = ParseBoundaryFile(text);
-    ASSERT_TRUE(boundary.ok()) << boundary.error().message;
-    ASSERT_EQ(boundary->polygons.size(), 1U);
-    ASSERT_EQ(boundary->polygons[0].size(), 2U);
-    EXPECT_EQ(boundary->Bounds(), (geo::LatLonBounds{7.0, 46.0, 8.0, 47.0}));
-    EXPECT_DOUBLE_EQ(boundary->polygons[0][1][0].lon_deg, 7.2);
+    const auto boundary = test::ValueOf(ParseBoundaryFile(text));
+    ASSERT_EQ(boundary.polygons.size(), 1U);
+    ASSERT_EQ(boundary.polygons[0].size(), 2U);
+    EXPECT_EQ(boundary.Bounds(), (geo::LatLonBounds{7.0, 46.0, 8.0, 47.0}));
+    EXPECT_DOUBLE_EQ(boundary.polygons[0][1][0].lon_deg, 7.2);
   }
   EXPECT_TRUE(ParseBoundaryFile(" " + Polygon(Square(7.0, 46.0, 8.0, 47.0))).ok());
   const auto polygon = [](const std::string& coordinates) {

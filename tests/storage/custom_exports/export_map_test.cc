@@ -26,6 +26,7 @@
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/rasters/band_file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -143,19 +144,17 @@ TEST_F(ExportMapTest, ABoundaryCutsAtItsPixelsAndLeavesWholeTilesAsTheyAre) {
       }
     }
   }
-  const auto facts = FactsOfTileset(cut->metadata());
-  ASSERT_TRUE(facts.ok());
-  EXPECT_NEAR(facts->bounds.west_deg, box.west_deg, 1e-9);
-  EXPECT_NEAR(facts->bounds.north_deg, box.north_deg, 1e-9);
+  const auto facts = test::ValueOf(FactsOfTileset(cut->metadata()));
+  EXPECT_NEAR(facts.bounds.west_deg, box.west_deg, 1e-9);
+  EXPECT_NEAR(facts.bounds.north_deg, box.north_deg, 1e-9);
 }
 
 TEST_F(ExportMapTest, TilesGoDownToTheResolutionAskedFor) {
   // 0.2 m a pixel at this latitude and zoom; twice that is one zoom less.
   ExportWell(R"({"format":"pmtiles","resolution_m":0.45})", "coarse.pmtiles");
   ExportWell(R"({"format":"mbtiles","resolution_m":0.45})", "coarse.mbtiles");
-  const auto facts = FactsOfTileset((*MbtilesReader::Open(Out("coarse.mbtiles")))->metadata());
-  ASSERT_TRUE(facts.ok());
-  EXPECT_EQ(facts->max_zoom, kZoom - 1);
+  const auto facts = test::ValueOf(FactsOfTileset((*MbtilesReader::Open(Out("coarse.mbtiles")))->metadata()));
+  EXPECT_EQ(facts.max_zoom, kZoom - 1);
   EXPECT_LT(fs::file_size(Out("coarse.mbtiles")), fs::file_size(Out("map") / "mosaic.mbtiles"));
 }
 

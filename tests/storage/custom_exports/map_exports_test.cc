@@ -80,20 +80,18 @@ TEST_F(MapExportsTest, GoesItsWayAndIsKeptForADay) {
   const std::string flight = Flight();
   const MapExport asked = Ask(flight);
   EXPECT_EQ(asked.state, ExportState::kAccepted);
-  const auto claimed = *exports_.Claim(Now());
-  ASSERT_TRUE(claimed);
-  EXPECT_EQ(claimed->id, asked.id);
-  EXPECT_EQ(claimed->request, asked.request);
+  const auto claimed = test::ValueOf(*exports_.Claim(Now()));
+  EXPECT_EQ(claimed.id, asked.id);
+  EXPECT_EQ(claimed.request, asked.request);
   EXPECT_FALSE(*exports_.Claim(Now()));  // it is being made
-  EXPECT_TRUE(*exports_.Heartbeat(*claimed, 0.5, Now()));
+  EXPECT_TRUE(*exports_.Heartbeat(claimed, 0.5, Now()));
   EXPECT_EQ(exports_.Get(flight, asked.id)->progress, 0.5);
-  EXPECT_TRUE(*exports_.Succeed(*claimed, 77, Now()));
-  const auto made = exports_.Get(flight, asked.id);
-  ASSERT_TRUE(made);
-  EXPECT_EQ(made->state, ExportState::kSuccessful);
-  EXPECT_EQ(made->bytes, 77);
-  ASSERT_TRUE(made->expires);
-  EXPECT_NEAR(static_cast<double>(ToUs(*made->expires) - ToUs(db_->ages().Now())), 24 * 3600e6, 60e6);
+  EXPECT_TRUE(*exports_.Succeed(claimed, 77, Now()));
+  const auto made = test::ValueOf(exports_.Get(flight, asked.id));
+  EXPECT_EQ(made.state, ExportState::kSuccessful);
+  EXPECT_EQ(made.bytes, 77);
+  ASSERT_TRUE(made.expires);
+  EXPECT_NEAR(static_cast<double>(ToUs(*made.expires) - ToUs(db_->ages().Now())), 24 * 3600e6, 60e6);
   EXPECT_TRUE(exports_.Expired()->empty());
   ASSERT_TRUE(db_->Lock()->Exec("UPDATE map_export SET expires_us=1"));
   ASSERT_EQ(exports_.Expired()->size(), 1u);
@@ -126,26 +124,24 @@ TEST_F(MapExportsTest, AFlightHasSoManyAndNoMore) {
 
 TEST_F(MapExportsTest, ALinkHasOneThatTakesNoPlaceAndComesLast) {
   const std::string flight = Flight();
-  const auto first = AskByLink(flight, "one", "a");
-  ASSERT_TRUE(first) << first.error().detail;
+  const auto first = test::ValueOf(AskByLink(flight, "one", "a"));
   EXPECT_EQ(test::ErrorOf(AskByLink(flight, "one", "b")).code, ErrorCode::kConflict);
-  EXPECT_EQ(AskByLink(flight, "one", "a")->id, first->id);
+  EXPECT_EQ(AskByLink(flight, "one", "a")->id, first.id);
   ASSERT_TRUE(AskByLink(flight, "two", "c"));
   for (int i = 0; i < MapExports::kMaxOfFlight; ++i) {
     Ask(flight, std::to_string(i));
     EXPECT_FALSE((*exports_.Claim(Now()))->is_of_link);  // though those of links were first
   }
   // Once made, it gives its place to the next.
-  const auto claimed = *exports_.Claim(Now());
-  ASSERT_TRUE(claimed);
-  EXPECT_EQ(claimed->id, first->id);
-  EXPECT_TRUE(claimed->is_of_link);
-  ASSERT_TRUE(*exports_.Succeed(*claimed, 7, Now()));
-  ASSERT_TRUE(exports_.Get(flight, first->id));
+  const auto claimed = test::ValueOf(*exports_.Claim(Now()));
+  EXPECT_EQ(claimed.id, first.id);
+  EXPECT_TRUE(claimed.is_of_link);
+  ASSERT_TRUE(*exports_.Succeed(claimed, 7, Now()));
+  ASSERT_TRUE(exports_.Get(flight, first.id));
   ASSERT_TRUE(AskByLink(flight, "one", "b"));
-  EXPECT_FALSE(exports_.Get(flight, first->id));
+  EXPECT_FALSE(exports_.Get(flight, first.id));
   ASSERT_EQ(exports_.Expired()->size(), 1u);
-  EXPECT_EQ(exports_.Expired()->front().id, first->id);
+  EXPECT_EQ(exports_.Expired()->front().id, first.id);
   // Whoever has more rights and wants the same has it as their own.
   const MapExport taken = Ask(flight, "c");
   EXPECT_TRUE(tokens_.Revoke("two"));
@@ -193,12 +189,10 @@ TEST_F(MapExportsTest, ADeadServersExportIsTakenUpTwiceAndThenFails) {
   Time now = Now();
   const auto first = *exports_.Claim(now);
   now += MapExports::kLease + std::chrono::seconds(2);
-  const auto second = *exports_.Claim(now);
-  ASSERT_TRUE(second);
+  const auto second = test::ValueOf(*exports_.Claim(now));
   EXPECT_FALSE(*exports_.Heartbeat(*first, 0.5, now));  // the dead one, come alive
-  EXPECT_TRUE(*exports_.GiveBack(*second));             // a stop is no attempt
-  const auto third = *exports_.Claim(now);
-  ASSERT_TRUE(third);
+  EXPECT_TRUE(*exports_.GiveBack(second));              // a stop is no attempt
+  ASSERT_TRUE(*exports_.Claim(now));
   ASSERT_TRUE(exports_.TakeUpAfterRestart());
   EXPECT_FALSE(*exports_.Claim(now));
   EXPECT_EQ(exports_.Get(flight, asked.id)->state, ExportState::kFailed);

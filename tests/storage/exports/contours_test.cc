@@ -12,6 +12,7 @@
 #include "storage/files/publish_file.h"
 #include "tests/storage/exports/heights_raster.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -33,9 +34,8 @@ TEST(Contours, AreRoundTheirConeAtTheirHeightInEachFormat) {
   const test::TemporaryFolder folder;
   SilentProgress progress;
   WriteHeights(folder.path() / "dtm.tif", kSide, ConeAt);
-  const Result<double> interval_m = WriteContours(folder.path() / "dtm.tif", 0.2, progress);
-  ASSERT_TRUE(interval_m) << interval_m.error().message;
-  EXPECT_EQ(*interval_m, 0.2);
+  const auto interval_m = test::ValueOf(WriteContours(folder.path() / "dtm.tif", 0.2, progress));
+  EXPECT_EQ(interval_m, 0.2);
   const auto gpkg = OpenLines(folder.path() / "contours.gpkg");
   ASSERT_NE(gpkg, nullptr);
   OGRLayer* layer = gpkg->GetLayerByName("contours");
@@ -79,9 +79,8 @@ TEST(Contours, OfLevelAndOfUnknownGroundAreFilesWithoutLines) {
        {+[](double, double) { return 3.04; }, +[](double, double) { return std::nan(""); }}) {
     const test::TemporaryFolder folder;
     WriteHeights(folder.path() / "dtm.tif", kSide, height_at);
-    const Result<double> interval_m = WriteContours(folder.path() / "dtm.tif", 0.5, progress);
-    ASSERT_TRUE(interval_m) << interval_m.error().message;
-    EXPECT_EQ(*interval_m, 0.1);
+    const auto interval_m = test::ValueOf(WriteContours(folder.path() / "dtm.tif", 0.5, progress));
+    EXPECT_EQ(interval_m, 0.1);
     for (const char* name : {"contours.gpkg", "contours.geojson", "contours.dxf"}) {
       const auto lines = OpenLines(folder.path() / name);
       ASSERT_NE(lines, nullptr) << name;

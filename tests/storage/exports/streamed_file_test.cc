@@ -25,6 +25,7 @@
 #include "tests/storage/painted_tileset.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -63,24 +64,23 @@ constexpr PaintedTileset kPainted{18, 256, 1001, 2002, 9, 7};
 TEST_F(StreamedFileTest, EveryRangeIsThatOfTheWhole) {
   const auto mbtiles = Painted(kPainted);
   for (const StreamedFormat format : {StreamedFormat::kPmtiles, StreamedFormat::kGeotiff}) {
-    const auto streamed = maps_.Open(mbtiles, "a", format);
-    ASSERT_TRUE(streamed);
-    const std::uint64_t length = streamed->file->length();
-    const std::string whole = ReadAll(*streamed, 0, length, 1 << 20);
+    const auto streamed = test::ValueOf(maps_.Open(mbtiles, "a", format));
+    const std::uint64_t length = streamed.file->length();
+    const std::string whole = ReadAll(streamed, 0, length, 1 << 20);
     ASSERT_EQ(whole.size(), length);
-    EXPECT_TRUE(ReadAll(*streamed, 0, length, 777) == whole);
+    EXPECT_TRUE(ReadAll(streamed, 0, length, 777) == whole);
     std::mt19937_64 random(7);
     for (int i = 0; i < 200; ++i) {
       const std::uint64_t offset = random() % length;
       const std::uint64_t wanted = std::min<std::uint64_t>(1 + random() % 30000, length - offset);
-      ASSERT_TRUE(ReadAll(*streamed, offset, wanted, 4096) == whole.substr(offset, wanted)) << offset;
+      ASSERT_TRUE(ReadAll(streamed, offset, wanted, 4096) == whole.substr(offset, wanted)) << offset;
     }
     // The borders of pieces, where one begins and the one before ends.
-    for (std::size_t i = 0; i < streamed->file->PieceCount(); ++i) {
-      const std::uint64_t begins = streamed->file->Piece(i).offset;
-      ASSERT_TRUE(ReadAll(*streamed, begins - 1, 2, 2) == whole.substr(begins - 1, 2)) << i;
+    for (std::size_t i = 0; i < streamed.file->PieceCount(); ++i) {
+      const std::uint64_t begins = streamed.file->Piece(i).offset;
+      ASSERT_TRUE(ReadAll(streamed, begins - 1, 2, 2) == whole.substr(begins - 1, 2)) << i;
     }
-    EXPECT_EQ(ReadAll(*streamed, length, 0, 10), "");
+    EXPECT_EQ(ReadAll(streamed, length, 0, 10), "");
   }
 }
 
@@ -88,9 +88,8 @@ TEST_F(StreamedFileTest, PmtilesAreWhatTheWriterWrites) {
   const auto mbtiles = Painted(kPainted);
   SilentProgress progress;
   ASSERT_TRUE(WritePmtiles(mbtiles, folder_.path() / "map.pmtiles", progress));
-  const auto streamed = maps_.Open(mbtiles, "a", StreamedFormat::kPmtiles);
-  ASSERT_TRUE(streamed);
-  EXPECT_TRUE(ReadAll(*streamed, 0, streamed->file->length(), 5000) ==
+  const auto streamed = test::ValueOf(maps_.Open(mbtiles, "a", StreamedFormat::kPmtiles));
+  EXPECT_TRUE(ReadAll(streamed, 0, streamed.file->length(), 5000) ==
               test::BytesOf(folder_.path() / "map.pmtiles"));
 }
 
@@ -148,9 +147,8 @@ TEST_F(StreamedFileTest, GeotiffShowsWhatTheWritersShows) {
 
 TEST_F(StreamedFileTest, LaysOutTilesetsThatDoNotSayHowLargeTheirTilesAre) {
   const auto mbtiles = Painted(kPainted);
-  const auto stated = maps_.Open(mbtiles, "stated", StreamedFormat::kGeotiff);
-  ASSERT_TRUE(stated);
-  const std::string whole = ReadAll(*stated, 0, stated->file->length(), 9999);
+  const auto stated = test::ValueOf(maps_.Open(mbtiles, "stated", StreamedFormat::kGeotiff));
+  const std::string whole = ReadAll(stated, 0, stated.file->length(), 9999);
   auto db = *SqliteDb::Open(mbtiles, OpenMode::kReadWriteCreate);
   ASSERT_TRUE(db.Exec(
       "CREATE TABLE earlier (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT "
@@ -160,10 +158,9 @@ TEST_F(StreamedFileTest, LaysOutTilesetsThatDoNotSayHowLargeTheirTilesAre) {
       "CREATE VIEW tiles AS SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles_shallow "
       "JOIN tiles_data USING (tile_data_id);"));
   ASSERT_TRUE(db.Close());
-  const auto measured = maps_.Open(mbtiles, "measured", StreamedFormat::kGeotiff);
-  ASSERT_TRUE(measured);
-  ASSERT_EQ(measured->file->digest(), stated->file->digest());
-  EXPECT_TRUE(ReadAll(*measured, 0, measured->file->length(), 9999) == whole);
+  const auto measured = test::ValueOf(maps_.Open(mbtiles, "measured", StreamedFormat::kGeotiff));
+  ASSERT_EQ(measured.file->digest(), stated.file->digest());
+  EXPECT_TRUE(ReadAll(measured, 0, measured.file->length(), 9999) == whole);
 }
 
 // Noise in colour and in alpha: as WebP of low quality small, as JPEG larger than any room for it.
@@ -198,11 +195,10 @@ TEST_F(StreamedFileTest, WhatHasNoRoomIsMadeCoarserAndStaysReadable) {
   const CogCells cells(TiffTiles::kJpeg, kSidePx, 100);
   const CogRoom least = cells.LeastRoom();
   for (const std::uint64_t more : {0, 1, 2, 3, 4, 5, 1000, 70000, 200001}) {
-    const auto cell = cells.MakeWithin(level, 0, least.Sum() + more, *tiles);
-    ASSERT_TRUE(cell);
-    EXPECT_EQ(cell->image.size(), least.image + more);
-    EXPECT_EQ(cell->mask.size(), least.mask);
-    const auto picture = image::DecodePicture(cell->image);
+    const auto cell = test::ValueOf(cells.MakeWithin(level, 0, least.Sum() + more, *tiles));
+    EXPECT_EQ(cell.image.size(), least.image + more);
+    EXPECT_EQ(cell.mask.size(), least.mask);
+    const auto picture = image::DecodePicture(cell.image);
     ASSERT_TRUE(picture) << more;
     EXPECT_EQ(picture->width_px, kSidePx);
   }
@@ -215,9 +211,8 @@ TEST_F(StreamedFileTest, SaysThatATileIsNotWhatTheTilesetSays) {
     auto db = *SqliteDb::Open(mbtiles, OpenMode::kReadWriteCreate);
     ASSERT_TRUE(db.Exec("UPDATE tiles_shallow SET tile_bytes = tile_bytes + 1 WHERE tile_format = 0"));
   }
-  const auto streamed = maps_.Open(mbtiles, "a", StreamedFormat::kPmtiles);
-  ASSERT_TRUE(streamed);
-  StreamedReader reader(streamed->file, streamed->tiles, 0, streamed->file->length());
+  const auto streamed = test::ValueOf(maps_.Open(mbtiles, "a", StreamedFormat::kPmtiles));
+  StreamedReader reader(streamed.file, streamed.tiles, 0, streamed.file->length());
   std::vector<std::uint8_t> buffer(1 << 20);
   Result<std::size_t> got = std::size_t{1};
   while (got && *got > 0) got = reader.Read(buffer);

@@ -16,6 +16,7 @@
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -28,11 +29,9 @@ void WriteAcross(const std::filesystem::path& path, double west_deg) {
   auto writer = *MbtilesWriter::Create(path);
   image::RgbaImage white = image::RgbaImage::Transparent(256, 256);
   for (std::uint8_t& value : white.rgba) value = 255;
-  const auto encoded = pyramid::EncodeTile(white, {});
-  ASSERT_TRUE(encoded);
+  const auto encoded = test::ValueOf(pyramid::EncodeTile(white, {}));
   for (const int column : {255, 0})
-    ASSERT_TRUE(
-        writer->Put(*geo::TileId::Make(kSeamZoom, column, kSeamRow), encoded->format, encoded->bytes));
+    ASSERT_TRUE(writer->Put(*geo::TileId::Make(kSeamZoom, column, kSeamRow), encoded.format, encoded.bytes));
   TilesetMetadata metadata;
   metadata.name = "across";
   metadata.min_zoom = metadata.max_zoom = kSeamZoom;
@@ -59,9 +58,8 @@ TEST(ValidateMap, FindsNothingWrongWithOneAcrossTheAntimeridian) {
   ASSERT_TRUE(WritePmtiles(mbtiles, pmtiles, progress));
   ASSERT_TRUE(WriteCog(mbtiles, tif, {}, progress));
   for (const auto& path : {mbtiles, pmtiles, tif}) {
-    const auto verdicts = ValidateMap(path, false, progress);
-    ASSERT_TRUE(verdicts);
-    const FileVerdict& verdict = verdicts->front();
+    const auto verdicts = test::ValueOf(ValidateMap(path, false, progress));
+    const FileVerdict& verdict = verdicts.front();
     EXPECT_EQ(ErrorsOf(verdict), "") << path;
     ASSERT_TRUE(verdict.bounds);
     EXPECT_NEAR(verdict.bounds->west_deg, 180.0 - kTileDeg, 1e-6) << path;
@@ -73,9 +71,8 @@ TEST(ValidateMap, StillFindsTilesBeyondTheBoundsThere) {
   const test::TemporaryFolder folder;
   SilentProgress progress;
   WriteAcross(folder.path() / "map.mbtiles", 180.0 - 3 * kTileDeg);
-  const auto verdicts = ValidateMap(folder.path() / "map.mbtiles", false, progress);
-  ASSERT_TRUE(verdicts);
-  EXPECT_NE(ErrorsOf(verdicts->front()), "");
+  const auto verdicts = test::ValueOf(ValidateMap(folder.path() / "map.mbtiles", false, progress));
+  EXPECT_NE(ErrorsOf(verdicts.front()), "");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "storage/jobs/unit_inputs.h"
 #include "storage/jobs/workers_aside.h"
 #include "tests/storage/catalogue_fixture.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -54,10 +55,9 @@ TEST_F(UnitQueueTest, AJobWaitsForItsUnitsAndIsThenClaimedAgain) {
   EXPECT_EQ(queue_.Get(lease.job_id)->message, "part 1 of 2 is done");
   EXPECT_TRUE(*units_.Done(first));
   EXPECT_FALSE(*units_.Done(first));
-  const auto again = *queue_.Claim("w", now_ + seconds(1));
-  ASSERT_TRUE(again);
-  EXPECT_EQ(again->job_id, lease.job_id);
-  EXPECT_EQ(again->attempt, 1);
+  const auto again = test::ValueOf(*queue_.Claim("w", now_ + seconds(1)));
+  EXPECT_EQ(again.job_id, lease.job_id);
+  EXPECT_EQ(again.attempt, 1);
   EXPECT_EQ(queue_.Get(lease.job_id)->state, JobState::kRunning);
   EXPECT_DOUBLE_EQ(queue_.Get(lease.job_id)->progress, 0.4);
   const std::vector<UnitCount> counts = *units_.Of(lease.job_id);
@@ -327,9 +327,8 @@ TEST_F(UnitQueueTest, AJobWhoseUnitsAreAllThereIsClaimedAtOnce) {
   EXPECT_TRUE(*units_.Cut(lease, "look", 2, 100, {0.0, 0.4, "check"}, {0, 1}));
   EXPECT_EQ(*units_.UnitsOf(lease.job_id), lease.job_id);
   EXPECT_FALSE(*units_.Claim("w", now_));
-  const auto again = *queue_.Claim("w", now_ + seconds(1));
-  ASSERT_TRUE(again);
-  EXPECT_EQ(again->attempt, 1);
+  const auto again = test::ValueOf(*queue_.Claim("w", now_ + seconds(1)));
+  EXPECT_EQ(again.attempt, 1);
 }
 
 TEST_F(UnitQueueTest, CancellingEndsTheUnits) {
@@ -354,9 +353,8 @@ TEST_F(UnitQueueTest, TheTrashEndsTheJobAndItsUnits) {
   ASSERT_TRUE(trash.Restore(lease.flight_id));
   EXPECT_EQ(queue_.Get(lease.job_id)->state, JobState::kDismissed);
   EXPECT_TRUE(queue_.Get(lease.job_id)->finished.has_value());
-  const auto again = queue_.Add(lease.flight_id, "{}", now_);
-  ASSERT_TRUE(again) << again.error().message;
-  EXPECT_EQ((*queue_.Claim("w", now_ + seconds(1)))->job_id, again->id);
+  const auto again = test::ValueOf(queue_.Add(lease.flight_id, "{}", now_));
+  EXPECT_EQ((*queue_.Claim("w", now_ + seconds(1)))->job_id, again.id);
 }
 
 TEST_F(UnitQueueTest, AJobThatWasCancelledBeforeItIsCutEnds) {
@@ -378,14 +376,12 @@ TEST_F(UnitQueueTest, ARestartOfTheServerTakesNothingFromAJobThatWaits) {
   EXPECT_FALSE(*queue_.Claim("w", now_ + hours(2)));
   EXPECT_TRUE(*units_.Done(Claimed()));
   EXPECT_EQ(*queue_.TakeUpAfterRestart(now_), 0);
-  const auto again = *queue_.Claim("w", now_ + seconds(1));
-  ASSERT_TRUE(again);
-  EXPECT_EQ(again->attempt, 1);
+  const auto again = test::ValueOf(*queue_.Claim("w", now_ + seconds(1)));
+  EXPECT_EQ(again.attempt, 1);
   // Cut once more: the units it had are done still.
-  EXPECT_TRUE(*units_.Cut(*again, "look", 1, 100, {0.0, 0.4, "check"}));
-  const auto ready = *queue_.Claim("w", now_ + seconds(1));
-  ASSERT_TRUE(ready);
-  EXPECT_TRUE(*units_.Cut(*ready, "render", 2, 7, {0.5, 0.9, "render"}));
+  EXPECT_TRUE(*units_.Cut(again, "look", 1, 100, {0.0, 0.4, "check"}));
+  const auto ready = test::ValueOf(*queue_.Claim("w", now_ + seconds(1)));
+  EXPECT_TRUE(*units_.Cut(ready, "render", 2, 7, {0.5, 0.9, "render"}));
   EXPECT_EQ(Claimed().kind, "render");
 }
 

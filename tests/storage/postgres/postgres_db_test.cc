@@ -87,14 +87,13 @@ TEST_F(PostgresTest, ATransactionThatIsCutOffIsUndoneAndSaysSo) {
   const std::string flight = NewFlight();
   {
     const auto db = db_->Lock();
-    auto transaction = Transaction::Begin(*db);
-    ASSERT_TRUE(transaction);
+    auto transaction = test::ValueOf(Transaction::Begin(*db));
     ASSERT_TRUE(db->Exec("UPDATE flight SET name='half'"));
     CutConnections();
     EXPECT_EQ(test::ErrorOf(db->Exec("UPDATE flight SET options='[]'")).code, ErrorCode::kUnavailable);
     // Not on a new connection, behind the back of whoever believes in the first half.
     EXPECT_EQ(db->Exec("UPDATE flight SET options='[]'").error().code, ErrorCode::kUnavailable);
-    EXPECT_EQ(transaction->Commit().error().code, ErrorCode::kUnavailable);
+    EXPECT_EQ(transaction.Commit().error().code, ErrorCode::kUnavailable);
   }
   EXPECT_EQ(Catalogue(*db_).GetFlight(flight)->name, "f");
   EXPECT_EQ(Catalogue(*db_).GetFlight(flight)->options, "{}");
@@ -180,10 +179,9 @@ TEST_F(PostgresTest, EveryChangeButAClaimIsOnTheDiskBeforeItIsConfirmed) {
     EXPECT_LT(left_to_write(), 300);
     ASSERT_TRUE(queue.Add(flight, "{}", Now()));
     EXPECT_LT(left_to_write(), 300);
-    const auto lease = *queue.Claim("w", Now());
-    ASSERT_TRUE(lease);
+    const auto lease = test::ValueOf(*queue.Claim("w", Now()));
     EXPECT_GT(left_to_write(), 300);
-    ASSERT_TRUE(*queue.Dismiss(*lease, Now()));
+    ASSERT_TRUE(*queue.Dismiss(lease, Now()));
     EXPECT_LT(left_to_write(), 300);
   }
 }
@@ -218,8 +216,7 @@ TEST_F(PostgresTest, ACatalogueOfVersion21IsBroughtHereWithAJobThatNobodyWouldEn
   ASSERT_TRUE(db_->Lock()->Exec("UPDATE job SET state='running', worker='units', cancel=1"));
   ASSERT_TRUE(db_->Lock()->Exec(UndoToVersion(21)));
   ASSERT_TRUE(db_->Lock()->Exec("UPDATE catalogue_version SET version=21"));
-  const auto reopened = OpenTestCatalogue(path());
-  ASSERT_TRUE(reopened) << reopened.error().message << reopened.error().detail;
+  const auto reopened = test::ValueOf(OpenTestCatalogue(path()));
   EXPECT_EQ(Number("SELECT version FROM catalogue_version"), kSchemaVersion);
   EXPECT_EQ(Number("SELECT count(*) FROM job WHERE state='dismissed' AND finished_us IS NOT NULL"), 1);
   EXPECT_EQ(Number("SELECT count(*) FROM event WHERE body LIKE '{\"state\":\"dismissed\"%'"), 1);

@@ -19,6 +19,7 @@
 #include "storage/rasters/open_rasters.h"
 #include "tests/storage/rasters/band_file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -92,9 +93,8 @@ TEST_F(BandRasterTest, BesideItNothingIsKnown) {
   const auto raster = Opened(Sample());
   for (const MercGrid& grid : {MercGrid{0.0, 0.0, 1.0, 1.0, 8, 8}, MercGrid{1e7, 5000.0, 0.5, 0.5, 8, 8},
                                MercGrid{-2e7, 2e7, 1e5, 1e5, 8, 8}}) {
-    const auto planes = raster->Read(grid, kNirAndGreen);
-    ASSERT_TRUE(planes);
-    for (const float value : (*planes)[0]) EXPECT_TRUE(std::isnan(value));
+    const auto planes = test::ValueOf(raster->Read(grid, kNirAndGreen));
+    for (const float value : planes[0]) EXPECT_TRUE(std::isnan(value));
   }
   EXPECT_EQ(raster->Read({0, 0, 1, 1, 100'000, 8}, kNirAndGreen).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(raster->Read({0, 0, 1, 1, 0, 8}, kNirAndGreen).error().code, ErrorCode::kInvalidArgument);
@@ -202,10 +202,9 @@ TEST(ClassOutlinesTest, AreReadBackAsGeoJsonAndAsShapefile) {
   const std::vector<ClassFacts> facts = {{0.1, 0.3, 0.2, 9900.0}, {0.4, 0.6, 0.5, 9100.0}};
   for (const OutlineFormat format : {OutlineFormat::kGeoJson, OutlineFormat::kShapefile}) {
     const bool is_shapefile = format == OutlineFormat::kShapefile;
-    Result<std::string> bytes = OutlineClasses(Halves(), facts, format);
-    ASSERT_TRUE(bytes) << bytes.error().message << bytes.error().detail;
+    auto bytes = test::ValueOf(OutlineClasses(Halves(), facts, format));
     const std::string path = is_shapefile ? "/vsimem/read.shz" : "/vsimem/read.geojson";
-    const auto read = OpenInMemory(path, *bytes);
+    const auto read = OpenInMemory(path, bytes);
     ASSERT_NE(read, nullptr);
     OGRLayer* const layer = read->GetLayer(0);
     ASSERT_EQ(layer->GetFeatureCount(), 2);
@@ -230,9 +229,8 @@ TEST(ClassOutlinesTest, AreReadBackAsGeoJsonAndAsShapefile) {
 TEST(ClassOutlinesTest, EndAtTheAntimeridianAndGoOnAtItsOtherSide) {
   const ClassGrid grid{{geo::kMercHalfWidthM - 25.0, 5000.0, 10.0, 10.0, 5, 2},
                        std::vector<std::uint8_t>(10, 1)};
-  Result<std::string> bytes = OutlineClasses(grid, std::vector<ClassFacts>(1), OutlineFormat::kGeoJson);
-  ASSERT_TRUE(bytes) << bytes.error().message << bytes.error().detail;
-  const auto read = OpenInMemory("/vsimem/across.geojson", *bytes);
+  auto bytes = test::ValueOf(OutlineClasses(grid, std::vector<ClassFacts>(1), OutlineFormat::kGeoJson));
+  const auto read = OpenInMemory("/vsimem/across.geojson", bytes);
   ASSERT_NE(read, nullptr);
   OGRLayer* const layer = read->GetLayer(0);
   ASSERT_EQ(layer->GetFeatureCount(), 1);

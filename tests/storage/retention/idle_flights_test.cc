@@ -11,6 +11,7 @@
 #include "storage/jobs/map_exports.h"
 #include "tests/storage/data/earlier_versions.h"
 #include "tests/storage/retention/stored_flight.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -224,9 +225,8 @@ TEST_F(IdleFlightsTest, ACatalogueOfVersion17GetsItsTable) {
   ASSERT_TRUE(db_->Lock()->Exec(UndoToVersion(17)));
   ASSERT_TRUE(db_->Lock()->Exec(TestsPostgres() ? "UPDATE catalogue_version SET version=17"
                                                 : "PRAGMA user_version=17"));
-  const auto reopened = OpenTestCatalogue(data_.Catalogue());
-  ASSERT_TRUE(reopened) << reopened.error().message << reopened.error().detail;
-  EXPECT_EQ(Catalogue(**reopened).GetFlight(flight_)->name, "field");
+  const auto reopened = test::ValueOf(OpenTestCatalogue(data_.Catalogue()));
+  EXPECT_EQ(Catalogue(*reopened).GetFlight(flight_)->name, "field");
   EXPECT_TRUE(IdleOn(0).empty());
   EXPECT_EQ(IdleOn(30), std::vector<std::string>{flight_});
 }
@@ -236,10 +236,9 @@ TEST_F(IdleFlightsTest, DaysOfACatalogueOfVersion18GoOnAsTheyWere) {
   ASSERT_TRUE(db_->Lock()->Exec(UndoToVersion(18)));
   ASSERT_TRUE(db_->Lock()->Exec(TestsPostgres() ? "UPDATE catalogue_version SET version=18"
                                                 : "PRAGMA user_version=18"));
-  const auto reopened = OpenTestCatalogue(data_.Catalogue());
-  ASSERT_TRUE(reopened) << reopened.error().message << reopened.error().detail;
-  EXPECT_TRUE(Catalogue(**reopened).GetFlight(flight_)->tags.empty());
-  EXPECT_FALSE(Catalogue(**reopened).GetFlight(flight_)->is_kept);
+  const auto reopened = test::ValueOf(OpenTestCatalogue(data_.Catalogue()));
+  EXPECT_TRUE(Catalogue(*reopened).GetFlight(flight_)->tags.empty());
+  EXPECT_FALSE(Catalogue(*reopened).GetFlight(flight_)->is_kept);
   EXPECT_EQ(IdleOn(30), std::vector<std::string>{flight_});
 }
 

@@ -88,15 +88,13 @@ TEST(ParseWrittenTime, ReadsDatesOfTablesInTheirOrder) {
 }
 
 TEST(ParseWrittenTime, TakesTheLeapSecondsOffGpsTime) {
-  const auto gps = ParseWrittenTime("2024-05-01 10:00:00.5 GPST");
-  ASSERT_TRUE(gps);
-  EXPECT_EQ(gps->time, *UtcFromCivil(2024, 5, 1, 9, 59, 42.5));
-  EXPECT_TRUE(gps->names_zone);
+  const auto gps = test::ValueOf(ParseWrittenTime("2024-05-01 10:00:00.5 GPST"));
+  EXPECT_EQ(gps.time, *UtcFromCivil(2024, 5, 1, 9, 59, 42.5));
+  EXPECT_TRUE(gps.names_zone);
   EXPECT_EQ(ParseWrittenTime("1.1.2017", "00:00:10 gpst", DateOrder::kDayFirst)->time,
             *UtcFromCivil(2016, 12, 31, 23, 59, 53.0));
-  const auto other = ParseWrittenTime("2024-05-01 10:00:00 GPSTimestamp");
-  ASSERT_TRUE(other);
-  EXPECT_FALSE(other->names_zone);
+  const auto other = test::ValueOf(ParseWrittenTime("2024-05-01 10:00:00 GPSTimestamp"));
+  EXPECT_FALSE(other.names_zone);
 }
 
 TEST(ParseWrittenTime, RefusesDatesInAnotherOrder) {

@@ -237,12 +237,11 @@ TEST(ReadListTop, KeepsSystemsAndNamesOfColumnsApart) {
 
 TEST(NamedLists, TakeTheOrderOfColumnsInOtherLanguages) {
   const std::string text = "bild breite länge höhe\nDJI_1.JPG 46.84 8.1 500\n";
-  const auto log = ParseLog("positionen.txt", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->events.size(), 1u);
-  EXPECT_DOUBLE_EQ(log->events[0].written->x, 8.1);
-  EXPECT_DOUBLE_EQ(log->events[0].written->y, 46.84);
-  EXPECT_TRUE(log->written_order_is_named);
+  const auto log = test::ValueOf(ParseLog("positionen.txt", BytesOf(text)));
+  ASSERT_EQ(log.events.size(), 1u);
+  EXPECT_DOUBLE_EQ(log.events[0].written->x, 8.1);
+  EXPECT_DOUBLE_EQ(log.events[0].written->y, 46.84);
+  EXPECT_TRUE(log.written_order_is_named);
 }
 
 }  // namespace
