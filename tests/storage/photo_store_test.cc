@@ -9,6 +9,7 @@
 #include "storage/folder/sweep.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/unit_queue.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -42,8 +43,7 @@ TEST(PhotoStore, StoresBytesUnderANameOfItsOwn) {
   ASSERT_TRUE(upload.Write(Bytes("hello ")));
   ASSERT_TRUE(upload.Write(Bytes("world")));
   const auto stored = test::ValueOf(upload.Finish());
-  std::ifstream file(store.PathOf(flight, stored));
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "hello world");
+  EXPECT_EQ(test::BytesOf(store.PathOf(flight, stored)), "hello world");
   EXPECT_EQ(CountIn(store.dir().Incoming()), 0);
   store.Remove(flight, stored);
   EXPECT_EQ(CountIn(store.dir().Files(flight)), 0);
@@ -134,8 +134,7 @@ TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
   ASSERT_EQ(CountIn(dir.Lost()), 1);
   const auto lost = std::filesystem::directory_iterator(dir.Lost())->path();
   for (const auto& path : strange) {
-    std::ifstream file(lost / path.lexically_relative(dir.root()));
-    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), path.filename().string()) << path;
+    EXPECT_EQ(test::BytesOf(lost / path.lexically_relative(dir.root())), path.filename().string()) << path;
     EXPECT_FALSE(std::filesystem::exists(path));
   }
   EXPECT_TRUE(std::filesystem::exists(lost / dir.Revision(flight, 99).lexically_relative(dir.root()) /

@@ -9,7 +9,6 @@
 
 #include <atomic>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -22,6 +21,7 @@
 #include "storage/blobs/s3_blobs.h"
 #include "storage/blobs/sha256.h"
 #include "storage/db/ids.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -75,11 +75,6 @@ std::string RandomBytes(std::size_t count) {
   std::string bytes(count, '\0');
   for (char& byte : bytes) byte = static_cast<char>(random());
   return bytes;
-}
-
-std::string BytesOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 class EachBlobStore : public testing::TestWithParam<const char*> {
@@ -137,19 +132,19 @@ TEST_P(EachBlobStore, GivesBackWhatWasPut) {
     EXPECT_EQ(*blobs_->ReadRange(key, 500, 10), bytes.substr(500, 10));
     EXPECT_EQ(*blobs_->ReadRange(key, 100'000, 10), "");
     const auto local = test::ValueOf(blobs_->Local(key));
-    EXPECT_EQ(BytesOf(local.path), bytes);
+    EXPECT_EQ(test::BytesOf(local.path), bytes);
   }
-  EXPECT_EQ(BytesOf(file), bytes);
+  EXPECT_EQ(test::BytesOf(file), bytes);
 }
 
 TEST_P(EachBlobStore, TakesFilesOfSeveralPartsAndEmptyOnes) {
   const std::string bytes = RandomBytes(static_cast<std::size_t>(2 * kSinglePutBytes) + 12'345);
   ASSERT_TRUE(blobs_->Put("flights/a/r1/mosaic.pmtiles", FileOf(bytes)));
   EXPECT_EQ(blobs_->Find("flights/a/r1/mosaic.pmtiles")->bytes, static_cast<std::int64_t>(bytes.size()));
-  EXPECT_TRUE(BytesOf(blobs_->Local("flights/a/r1/mosaic.pmtiles")->path) == bytes);
+  EXPECT_TRUE(test::BytesOf(blobs_->Local("flights/a/r1/mosaic.pmtiles")->path) == bytes);
   ASSERT_TRUE(blobs_->Put("flights/a/r1/geo.txt", FileOf("")));
   EXPECT_EQ(blobs_->Find("flights/a/r1/geo.txt")->bytes, 0);
-  EXPECT_EQ(BytesOf(blobs_->Local("flights/a/r1/geo.txt")->path), "");
+  EXPECT_EQ(test::BytesOf(blobs_->Local("flights/a/r1/geo.txt")->path), "");
 }
 
 TEST_P(EachBlobStore, SaysWhatIsNotThere) {
@@ -253,7 +248,7 @@ TEST_P(EachBlobStore, GivesNothingButWhatWasPublished) {
   ASSERT_TRUE(other_->Put(map, file));
   ASSERT_TRUE(other_->Put(report, file));
   const auto again = test::ValueOf(read());
-  EXPECT_EQ(again, BytesOf(file).substr(300'000, 1'000));
+  EXPECT_EQ(again, test::BytesOf(file).substr(300'000, 1'000));
   EXPECT_TRUE(s3_->Local(map));
   EXPECT_TRUE(s3_->Local(report));
   // Of maps of which nothing is known the store's word counts, and a name that was not published is refused.

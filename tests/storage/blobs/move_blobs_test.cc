@@ -12,6 +12,7 @@
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/storage/painted_tileset.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -115,9 +116,7 @@ TEST_F(MovedBlobs, ArePackedWhereTilesAreReadByRanges) {
   EXPECT_FALSE(near_.Find(RevisionPrefix(flight_, 1) + "mosaic.pmtiles"));
   ASSERT_TRUE(WritePmtiles(folder_ / "map", folder_ / "archive", progress_));
   const BlobInfo archive = *far_.Find(RevisionPrefix(flight_, 1) + "mosaic.pmtiles");
-  std::ifstream file(folder_ / "archive", std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
-  EXPECT_TRUE(*far_.ReadRange(archive.key, 0, archive.bytes) == bytes);
+  EXPECT_TRUE(*far_.ReadRange(archive.key, 0, archive.bytes) == test::BytesOf(folder_ / "archive"));
   EXPECT_TRUE(std::filesystem::is_empty(dir_.Incoming()));
 
   EXPECT_EQ(Move(near_, far_)->pack.packed, 0);  // it is there

@@ -4,12 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 
 #include "storage/blobs/sha256.h"
 #include "tests/storage/blobs/scripted_server.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -174,8 +173,7 @@ TEST(S3Client, GoesOnWithAFileWhereItBrokeOff) {
   const auto got = test::ValueOf(store->GetToFile("k", folder / "file"));
   EXPECT_EQ(got.bytes, 50'000);
   EXPECT_EQ(got.etag, "\"e\"");
-  std::ifstream file(folder / "file", std::ios::binary);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), bytes);
+  EXPECT_EQ(test::BytesOf(folder / "file"), bytes);
   const std::vector<std::string> requests = store.requests();
   ASSERT_EQ(requests.size(), 4U);
   EXPECT_EQ(requests[1].find("Range:"), std::string::npos);

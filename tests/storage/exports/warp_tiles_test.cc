@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <tuple>
@@ -20,6 +18,7 @@
 #include "storage/rasters/gdal_steps.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -46,10 +45,6 @@ class WarpTilesTest : public testing::Test {
     options_.threads = threads;
     return WarpTiles(*tiles_, folder_.path() / name, options_, progress_);
   }
-  std::string Bytes(const char* name) {
-    std::ifstream file(folder_.path() / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
   std::unique_ptr<GDALDataset> Open(const char* name) {
     return std::unique_ptr<GDALDataset>(GDALDataset::Open((folder_.path() / name).c_str()));
   }
@@ -63,8 +58,9 @@ class WarpTilesTest : public testing::Test {
 TEST_F(WarpTilesTest, MakesTheSameBytesWithAnyNumberOfThreads) {
   ASSERT_TRUE(Warp("one.tif", 1));
   ASSERT_TRUE(Warp("three.tif", 3));
-  EXPECT_GT(Bytes("one.tif").size(), 10'000u);
-  EXPECT_TRUE(Bytes("one.tif") == Bytes("three.tif"));
+  const std::string one = test::BytesOf(folder_.path() / "one.tif");
+  EXPECT_GT(one.size(), 10'000u);
+  EXPECT_TRUE(one == test::BytesOf(folder_.path() / "three.tif"));
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
 }

@@ -15,6 +15,7 @@
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -242,8 +243,7 @@ TEST_F(PmtilesOfPaintedMap, TakesTwoReadsWhereThereAreLeaves) {
 
 TEST_F(PmtilesOfPaintedMap, SaysWhereAnArchiveIsDamagedWhereverThatIs) {
   Make({.zoom = 16, .first_column = 35'000, .first_row = 21'000, .columns = 4, .rows = 4});
-  std::ifstream in(folder_ / kKey, std::ios::binary);
-  const std::string whole((std::istreambuf_iterator<char>(in)), {});
+  const std::string whole = test::BytesOf(folder_ / kKey);
   const geo::TileId tile = *geo::TileId::Make(16, 35'002, 21'002);
   int refused = 0;
   for (std::size_t at = 0; at < 1'500; ++at) {
