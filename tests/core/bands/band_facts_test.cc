@@ -94,21 +94,20 @@ TEST(BandFacts, CutOffFilesAreRefused) {
 TEST(Sunshine, RecordsOfTheSequoia) {
   // Two records: 666 counts at gain 25 in 100 ms, and a saturated one.
   const std::string text = "gwv0DwAAAACaAkAAAQBkAGUzvkFyNqq/RrDoP+ga9w8AAAAA////AAEAZABh6cFBNR8pPwuVFsA";
-  const auto records = ReadIrradianceList(text);
-  ASSERT_TRUE(records.has_value());
-  ASSERT_EQ(records->size(), 1U);
-  EXPECT_NEAR(records->front().time_s, 267.651971, 1e-6);
-  EXPECT_NEAR(records->front().counts_per_ms, 666.0 / 100.0 / 25.0, 1e-12);
-  EXPECT_NEAR(LastCounts(*records), 666.0 / 2500.0, 1e-12);
+  const auto records = test::ValueOf(ReadIrradianceList(text));
+  ASSERT_EQ(records.size(), 1U);
+  EXPECT_NEAR(records.front().time_s, 267.651971, 1e-6);
+  EXPECT_NEAR(records.front().counts_per_ms, 666.0 / 100.0 / 25.0, 1e-12);
+  EXPECT_NEAR(LastCounts(records), 666.0 / 2500.0, 1e-12);
   EXPECT_FALSE(ReadIrradianceList("").has_value());
   EXPECT_FALSE(ReadIrradianceList("no base64 at all!").has_value());
   EXPECT_FALSE(ReadIrradianceList(std::string(1 << 20, 'A')).has_value());
 }
 
 TEST(Sunshine, TheMostSensitiveGainThatIsNotSaturatedCalibrates) {
-  const auto counts = CalibrationCounts("0,600,32,8,1,600,794,209,2,600,13501,3449,3,600,65535,65535");
-  ASSERT_TRUE(counts.has_value());
-  EXPECT_NEAR(*counts, 13501.0 / 600.0 / 428.0, 1e-12);
+  const auto counts =
+      test::ValueOf(CalibrationCounts("0,600,32,8,1,600,794,209,2,600,13501,3449,3,600,65535,65535"));
+  EXPECT_NEAR(counts, 13501.0 / 600.0 / 428.0, 1e-12);
   for (const char* bad : {"", "1,2,3", "9,600,1,1", "-1,600,1,1", "0,0,1,1", "0,600,65535,1", "0.5,600,5,1"})
     EXPECT_FALSE(CalibrationCounts(bad).has_value()) << bad;
 }

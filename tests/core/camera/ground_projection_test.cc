@@ -6,6 +6,7 @@
 #include "core/camera/footprint.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "tests/support/ground_homography.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::camera {
 namespace {
@@ -30,13 +31,11 @@ TEST(GroundHomography, IsTheRayThroughThePlaneForEveryPose) {
              {500.0 * unit(random), 500.0 * unit(random), plane_z_m + 70.0 + 50.0 * unit(random)});
     const Eigen::Matrix3d g = test::GroundHomography(lens, pose, plane_z_m);
     const Eigen::Vector2d pixel{800.0 + 799.0 * unit(random), 600.0 + 599.0 * unit(random)};
-    const auto ground = GroundFromPixel(lens, pose, pixel, plane_z_m);
-    ASSERT_TRUE(ground.has_value());
-    const Eigen::Vector3d image = g * Eigen::Vector3d(ground->x(), ground->y(), 1.0);
+    const auto ground = test::ValueOf(GroundFromPixel(lens, pose, pixel, plane_z_m));
+    const Eigen::Vector3d image = g * Eigen::Vector3d(ground.x(), ground.y(), 1.0);
     EXPECT_LT((Eigen::Vector2d(image.head<2>() / image.z()) - pixel).norm(), 1e-7);
-    const auto seen = PixelFromEnu(lens, pose, *ground);
-    ASSERT_TRUE(seen.has_value());
-    EXPECT_LT((*seen - pixel).norm(), 1e-7);
+    const auto seen = test::ValueOf(PixelFromEnu(lens, pose, ground));
+    EXPECT_LT((seen - pixel).norm(), 1e-7);
   }
 }
 

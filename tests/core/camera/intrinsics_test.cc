@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/camera/fit_fisheye.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::camera {
 namespace {
@@ -25,9 +26,8 @@ TEST(Intrinsics, ProjectUndoesUnprojectAllOverTheImage) {
   for (int y = 0; y < camera.height_px; y += 111) {
     for (int x = 0; x < camera.width_px; x += 111) {
       const Eigen::Vector2d pixel(x, y);
-      const auto back = camera.Project(7.0 * camera.Unproject(pixel));
-      ASSERT_TRUE(back.has_value());
-      EXPECT_LT((*back - pixel).norm(), 1e-8);
+      const auto back = test::ValueOf(camera.Project(7.0 * camera.Unproject(pixel)));
+      EXPECT_LT((back - pixel).norm(), 1e-8);
     }
   }
 }
@@ -57,15 +57,14 @@ FisheyeLens Sequoia() {
 
 TEST(FitFisheye, SeesTheSameOverTheWholePicture) {
   const FisheyeLens fisheye = Sequoia();
-  const auto fitted = FitFisheye(fisheye, 1280, 960);
-  ASSERT_TRUE(fitted.has_value());
+  const auto fitted = test::ValueOf(FitFisheye(fisheye, 1280, 960));
   // Its even term has no counterpart in our model.
-  EXPECT_LT(fitted->worst_px, 0.3);
+  EXPECT_LT(fitted.worst_px, 0.3);
   for (const double angle : {0.05, 0.2, 0.4, 0.6}) {
     for (const double around : {0.0, 0.7, 2.0, 4.0}) {
       const double theta = 2.0 / std::numbers::pi * angle;
       const double rho = theta + 0.00592627 * theta * theta - 0.136981656 * theta * theta * theta;
-      const auto pixel = fitted->lens.Project(
+      const auto pixel = fitted.lens.Project(
           {std::sin(angle) * std::cos(around), std::sin(angle) * std::sin(around), std::cos(angle)});
       ASSERT_TRUE(pixel.has_value());
       EXPECT_NEAR(pixel->x(), fisheye.center_x_px + 1676.825547 * rho * std::cos(around), 0.3);

@@ -96,11 +96,10 @@ class BySomePoints : public testing::TestWithParam<std::size_t> {};
 TEST_P(BySomePoints, AShiftedFlightComesBack) {
   const Displaced flight({0.0, 1.0, {1.9, -2.6}});
   EXPECT_GT(flight.WorstCameraM(flight.known), 3.0);
-  const auto moved = MoveToControl(flight.known, flight.Survey(GetParam()));
-  ASSERT_TRUE(moved.has_value());
-  EXPECT_LT(flight.WorstCameraM(*moved), 0.01);
-  EXPECT_FALSE(moved->appearance.has_value());
-  EXPECT_EQ(moved->flight.warnings.size(), 1u);
+  const auto moved = test::ValueOf(MoveToControl(flight.known, flight.Survey(GetParam())));
+  EXPECT_LT(flight.WorstCameraM(moved), 0.01);
+  EXPECT_FALSE(moved.appearance.has_value());
+  EXPECT_EQ(moved.flight.warnings.size(), 1u);
 }
 
 INSTANTIATE_TEST_SUITE_P(OneToFour, BySomePoints, testing::Values(1u, 2u, 3u, 4u));
@@ -113,12 +112,11 @@ TEST(MoveToControl, TurnsAndStretchesByPointsThatLieFarApart) {
   flight.known.flight.photos.front().readout_motion.shift_in_enu_m =
       1.01 * (Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitZ()) * truly_m);
   for (const std::size_t points : {2u, 3u, 4u}) {
-    const auto moved = MoveToControl(flight.known, flight.Survey(points));
-    ASSERT_TRUE(moved.has_value());
-    EXPECT_LT(flight.WorstCameraM(*moved), 0.01);
-    EXPECT_LT(flight.WorstTurnRad(*moved), 1e-4);
-    EXPECT_LT((moved->flight.photos.front().readout_motion.shift_in_enu_m - truly_m).norm(), 1e-6);
-    EXPECT_LT(moved->flight.photos.front().error_radius_m, 0.1);
+    const auto moved = test::ValueOf(MoveToControl(flight.known, flight.Survey(points)));
+    EXPECT_LT(flight.WorstCameraM(moved), 0.01);
+    EXPECT_LT(flight.WorstTurnRad(moved), 1e-4);
+    EXPECT_LT((moved.flight.photos.front().readout_motion.shift_in_enu_m - truly_m).norm(), 1e-6);
+    EXPECT_LT(moved.flight.photos.front().error_radius_m, 0.1);
   }
 }
 
@@ -131,20 +129,18 @@ TEST(MoveToControl, TakesTheGroundAlong) {
   }
   flight.known.ground =
       ground::GroundSurface::Grid({-100.0, -100.0}, 10.0, 21, 21, std::move(heights_m), 0.0);
-  const auto moved = MoveToControl(flight.known, flight.Survey(1));
-  ASSERT_TRUE(moved.has_value());
+  const auto moved = test::ValueOf(MoveToControl(flight.known, flight.Survey(1)));
   for (const double east : {-50.0, 3.0, 41.0}) {
-    EXPECT_NEAR(moved->ground.HeightAt({east, 5.0}), flight.known.ground.HeightAt({east + 2.0, 5.0}), 1e-3);
+    EXPECT_NEAR(moved.ground.HeightAt({east, 5.0}), flight.known.ground.HeightAt({east + 2.0, 5.0}), 1e-3);
   }
 }
 
 TEST(MoveToControl, OfLessThanAnyPixelWouldShowChangesNothing) {
   const Displaced flight({0.0, 1.0, {0.0002, 0.0}});
-  const auto moved = MoveToControl(flight.known, flight.Survey(3));
-  ASSERT_TRUE(moved.has_value());
-  EXPECT_TRUE(moved->appearance.has_value());
-  EXPECT_EQ(flight.WorstCameraM(*moved), flight.WorstCameraM(flight.known));
-  EXPECT_TRUE(moved->flight.warnings.empty());
+  const auto moved = test::ValueOf(MoveToControl(flight.known, flight.Survey(3)));
+  EXPECT_TRUE(moved.appearance.has_value());
+  EXPECT_EQ(flight.WorstCameraM(moved), flight.WorstCameraM(flight.known));
+  EXPECT_TRUE(moved.flight.warnings.empty());
 }
 
 TEST(MoveToControl, LeavesManyPointsToTheAlignment) {
@@ -167,18 +163,16 @@ TEST(MoveToControl, NamesAPointThatItCannotUse) {
   const auto first_of_second = std::find_if(sightings.begin(), sightings.end(),
                                             [](const flight::GcpSighting& one) { return one.point == 1; });
   sightings.erase(first_of_second + 1, sightings.end());
-  const auto moved = MoveToControl(flight.known, lists);
-  ASSERT_TRUE(moved.has_value());
-  EXPECT_LT(flight.WorstCameraM(*moved), 0.01);
-  ASSERT_EQ(moved->flight.warnings.size(), 2u);
-  EXPECT_NE(InWords(moved->flight.warnings.front()).find("point1 is not used"), std::string::npos);
+  const auto moved = test::ValueOf(MoveToControl(flight.known, lists));
+  EXPECT_LT(flight.WorstCameraM(moved), 0.01);
+  ASSERT_EQ(moved.flight.warnings.size(), 2u);
+  EXPECT_NE(InWords(moved.flight.warnings.front()).find("point1 is not used"), std::string::npos);
 }
 
 TEST(MoveToControl, ASinglePointMakesNoOneSurer) {
   const Displaced flight({0.0, 1.0, {1.0, 0.0}});
-  const auto moved = MoveToControl(flight.known, flight.Survey(1));
-  ASSERT_TRUE(moved.has_value());
-  EXPECT_EQ(moved->flight.photos.front().error_radius_m, 1.5);
+  const auto moved = test::ValueOf(MoveToControl(flight.known, flight.Survey(1)));
+  EXPECT_EQ(moved.flight.photos.front().error_radius_m, 1.5);
 }
 
 TEST(MoveToControl, TwoPointsSayWhereAMapLiesThatWasPlacedByHand) {

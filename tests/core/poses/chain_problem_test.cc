@@ -11,6 +11,7 @@
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/smoother/block_skyline.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -102,11 +103,10 @@ struct Track {
 TEST(CourseEvidence, MeasuresHowWellTheNoseKeepsToTheCourse) {
   Track track;
   for (int k = 0; k < 40; ++k) track.Add(170.0, 170.0 + 6.0 * std::sin(0.2 * k));
-  const auto evidence = JudgeCourse(track.knots, track.times_s, 3.0);
-  ASSERT_TRUE(evidence.has_value());
-  EXPECT_NEAR(geo::RadToDeg(evidence->sigma_rad), 1.4826 * 6.0 / std::sqrt(2.0), 0.8);
-  EXPECT_FALSE(evidence->runs_straight.front());
-  EXPECT_TRUE(evidence->runs_straight[20]);
+  const auto evidence = test::ValueOf(JudgeCourse(track.knots, track.times_s, 3.0));
+  EXPECT_NEAR(geo::RadToDeg(evidence.sigma_rad), 1.4826 * 6.0 / std::sqrt(2.0), 0.8);
+  EXPECT_FALSE(evidence.runs_straight.front());
+  EXPECT_TRUE(evidence.runs_straight[20]);
 }
 
 TEST(CourseEvidence, IsNoBetterThanTwoDegrees) {
@@ -130,11 +130,10 @@ TEST(CourseEvidence, LeavesTurnsOut) {
   for (int k = 0; k < 20; ++k) track.Add(0.0, 0.0);
   for (int k = 0; k < 9; ++k) track.Add(20.0 * k, 180.0 - 20.0 * k);
   for (int k = 0; k < 20; ++k) track.Add(180.0, 180.0);
-  const auto evidence = JudgeCourse(track.knots, track.times_s, 3.0);
-  ASSERT_TRUE(evidence.has_value());
-  for (std::size_t k = 20; k < 29; ++k) EXPECT_FALSE(evidence->runs_straight[k]) << k;
-  EXPECT_TRUE(evidence->runs_straight[10]);
-  EXPECT_TRUE(evidence->runs_straight[40]);
+  const auto evidence = test::ValueOf(JudgeCourse(track.knots, track.times_s, 3.0));
+  for (std::size_t k = 20; k < 29; ++k) EXPECT_FALSE(evidence.runs_straight[k]) << k;
+  EXPECT_TRUE(evidence.runs_straight[10]);
+  EXPECT_TRUE(evidence.runs_straight[40]);
 }
 
 }  // namespace

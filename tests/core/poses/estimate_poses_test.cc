@@ -429,22 +429,20 @@ TEST(JoinLogs, LaysLogsOnOneClockAndFillsWhatTheLeaderLacks) {
   other.file_name = "b.csv";
   other.attitude.clear();
   for (flight::GnssSample& fix : other.gnss) fix.is_rtk_fixed = true;
-  const auto joined = JoinLogs({other, inertial}, {});
-  ASSERT_TRUE(joined.has_value());
-  EXPECT_THAT(joined->notes[0], HasSubstr("a.bin"));
-  EXPECT_TRUE(joined->log.gnss[0].is_rtk_fixed) << "the better track is taken";
-  ASSERT_FALSE(joined->log.baro.empty());
-  EXPECT_NEAR(joined->log.baro[0].t_s, -5.0, 1e-6) << "on the leader's clock";
+  const auto joined = test::ValueOf(JoinLogs({other, inertial}, {}));
+  EXPECT_THAT(joined.notes[0], HasSubstr("a.bin"));
+  EXPECT_TRUE(joined.log.gnss[0].is_rtk_fixed) << "the better track is taken";
+  ASSERT_FALSE(joined.log.baro.empty());
+  EXPECT_NEAR(joined.log.baro[0].t_s, -5.0, 1e-6) << "on the leader's clock";
 }
 
 TEST(JoinLogs, AppendsAnotherFlightWithItsOwnBarometersZero) {
   FlightLog first = Track(0.0, 30.0);
   FlightLog second = Track(40.0, 60.0, 40.0);
   for (flight::BaroSample& sample : second.baro) sample.height_above_takeoff_m -= 60.0;
-  const auto joined = JoinLogs({first, second}, {});
-  ASSERT_TRUE(joined.has_value());
-  EXPECT_NEAR(joined->log.gnss.back().t_s, 60.0, 0.3);
-  EXPECT_NEAR(joined->log.baro.back().height_above_takeoff_m, 60.0, 0.1);
+  const auto joined = test::ValueOf(JoinLogs({first, second}, {}));
+  EXPECT_NEAR(joined.log.gnss.back().t_s, 60.0, 0.3);
+  EXPECT_NEAR(joined.log.baro.back().height_above_takeoff_m, 60.0, 0.1);
 }
 
 TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
@@ -453,9 +451,8 @@ TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
   second.utc_at_zero.reset();
   second.attitude.clear();
   second.file_name = "loose.csv";
-  const auto joined = JoinLogs({first, second}, {});
-  ASSERT_TRUE(joined.has_value());
-  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("loose.csv")));
+  const auto joined = test::ValueOf(JoinLogs({first, second}, {}));
+  EXPECT_THAT(InWords(joined.warnings), Contains(HasSubstr("loose.csv")));
 }
 
 TEST(EstimatePoses, NamesWhatWasLeftOutBeforeWhereTheRestHasNoPlace) {

@@ -9,6 +9,7 @@
 #include "core/geo/web_mercator.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/simulated_map.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::render {
 namespace {
@@ -72,22 +73,19 @@ TEST(RenderLayers, NamesThePhotoItsErrorAndTheGroundsHeightAtEveryZoom) {
     // Straight below a camera nobody sees better than that camera.
     const geo::Wgs84 place = GroundBelow(map, i);
     const Eigen::Vector2d in_merc = geo::MercFromLatLon({place.lat_deg, place.lon_deg});
-    const auto photo = ColourAt(layers.photo, zooms.max_zoom, in_merc);
-    ASSERT_TRUE(photo.has_value());
-    if (*photo == colours[i])
+    const auto photo = test::ValueOf(ColourAt(layers.photo, zooms.max_zoom, in_merc));
+    if (photo == colours[i])
       ++seen;
     else
       continue;
     EXPECT_EQ(ColourAt(layers.error, zooms.max_zoom, in_merc),
               ErrorColour(map.flight.photos[i].error_radius_m));
-    const auto height = ColourAt(layers.height, zooms.max_zoom, in_merc);
-    ASSERT_TRUE(height.has_value());
-    const double height_m = (*height)[0] * 256.0 + (*height)[1] + (*height)[2] / 256.0 - 32768.0;
+    const auto height = test::ValueOf(ColourAt(layers.height, zooms.max_zoom, in_merc));
+    const double height_m = height[0] * 256.0 + height[1] + height[2] / 256.0 - 32768.0;
     EXPECT_NEAR(height_m, place.height_ellipsoid_m, 0.05);
     // Coarser tiles hold codes too, never mixtures of them.
-    const auto coarse = ColourAt(layers.photo, zooms.min_zoom, in_merc);
-    ASSERT_TRUE(coarse.has_value());
-    EXPECT_NE(std::find(colours.begin(), colours.end(), *coarse), colours.end());
+    const auto coarse = test::ValueOf(ColourAt(layers.photo, zooms.min_zoom, in_merc));
+    EXPECT_NE(std::find(colours.begin(), colours.end(), coarse), colours.end());
   }
   EXPECT_GE(seen, 8);
 }

@@ -8,6 +8,7 @@
 #include "core/simulate/world/random.h"
 #include "core/simulate/world/world.h"
 #include "core/simulate/world/world_raster.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -37,10 +38,9 @@ TEST(StandingObject, AFlatRoofIsMetAtItsHeight) {
   const StandingObject house = HouseAtTwenty(0.0);
   for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0), Eigen::Vector2d(5.99, -3.99)}) {
     const Eigen::Vector3d roof = house.RoofPointAt(at);
-    const auto hit = house.CastRay({roof.x(), roof.y(), 60.0}, {0.0, 0.0, -1.0});
-    ASSERT_TRUE(hit.has_value());
-    EXPECT_NEAR(hit->distance_m, 52.0, 1e-9);
-    EXPECT_FALSE(hit->is_side);
+    const auto hit = test::ValueOf(house.CastRay({roof.x(), roof.y(), 60.0}, {0.0, 0.0, -1.0}));
+    EXPECT_NEAR(hit.distance_m, 52.0, 1e-9);
+    EXPECT_FALSE(hit.is_side);
     EXPECT_NEAR(house.TopAt(roof.head<2>()).value(), 8.0, 1e-9);
   }
   const Eigen::Vector3d beside = house.RoofPointAt({6.01, 0.0});
@@ -53,10 +53,9 @@ TEST(StandingObject, AFlatRayMeetsTheSideThatFacesIt) {
   const Eigen::Vector3d in_front = house.RoofPointAt({16.0, 0.0});
   const Eigen::Vector3d to_it = -Eigen::Vector3d(house.outline.axis_in_enu.x(), house.outline.axis_in_enu.y(),
                                                  0.1);  // 1 m down on the way
-  const auto hit = house.CastRay({in_front.x(), in_front.y(), 7.0}, to_it.normalized());
-  ASSERT_TRUE(hit.has_value());
-  EXPECT_TRUE(hit->is_side);
-  EXPECT_NEAR(hit->distance_m, 10.0 * to_it.norm(), 1e-9);
+  const auto hit = test::ValueOf(house.CastRay({in_front.x(), in_front.y(), 7.0}, to_it.normalized()));
+  EXPECT_TRUE(hit.is_side);
+  EXPECT_NEAR(hit.distance_m, 10.0 * to_it.norm(), 1e-9);
   EXPECT_FALSE(house.CastRay({in_front.x(), in_front.y(), 10.5}, to_it.normalized()).has_value())
       << "over it";
 }
@@ -68,18 +67,16 @@ TEST(StandingObject, AGableFallsFromItsRidgeToBothEaves) {
   for (const double y : {-3.0, 0.0, 2.0}) {
     const Eigen::Vector3d roof = house.RoofPointAt({1.0, y});
     EXPECT_NEAR(roof.z(), 8.0 - 0.75 * std::abs(y), 1e-12);
-    const auto hit = house.CastRay({roof.x(), roof.y(), 60.0}, {0.0, 0.0, -1.0});
-    ASSERT_TRUE(hit.has_value());
-    EXPECT_NEAR(60.0 - hit->distance_m, roof.z(), 1e-9);
+    const auto hit = test::ValueOf(house.CastRay({roof.x(), roof.y(), 60.0}, {0.0, 0.0, -1.0}));
+    EXPECT_NEAR(60.0 - hit.distance_m, roof.z(), 1e-9);
   }
   // Level with the middle of a slope, from its side: the slope, not the wall below.
   const Eigen::Vector3d outside = house.RoofPointAt({0.0, 20.0});
   const Eigen::Vector3d middle = house.RoofPointAt({0.0, 2.0});
   const Eigen::Vector3d start(outside.x(), outside.y(), middle.z() + 0.001);
-  const auto hit = house.CastRay(start, (middle - start).normalized());
-  ASSERT_TRUE(hit.has_value());
-  EXPECT_FALSE(hit->is_side);
-  EXPECT_NEAR(hit->distance_m, (middle - start).norm(), 1e-6);
+  const auto hit = test::ValueOf(house.CastRay(start, (middle - start).normalized()));
+  EXPECT_FALSE(hit.is_side);
+  EXPECT_NEAR(hit.distance_m, (middle - start).norm(), 1e-6);
 }
 
 TEST(StandingObject, OneSeesBelowACrownButNotThroughIt) {
@@ -96,9 +93,8 @@ TEST(StandingObject, OneSeesBelowACrownButNotThroughIt) {
     };
     ASSERT_TRUE(across(tree.ground_m + 0.6 * tree.outline.height_m).has_value());
     // Below the leaves only the trunk stands.
-    const auto low = across(tree.ground_m + 0.05 * tree.outline.height_m);
-    ASSERT_TRUE(low.has_value());
-    EXPECT_NEAR(low->distance_m, side_m, 0.35);
+    const auto low = test::ValueOf(across(tree.ground_m + 0.05 * tree.outline.height_m));
+    EXPECT_NEAR(low.distance_m, side_m, 0.35);
   }
   EXPECT_GT(trees, 20);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/simulate/world/random.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -90,18 +91,17 @@ TEST(World, RaysEndOnTheHills) {
     const Eigen::Vector3d start{random.Uniform(-800.0, 800.0), random.Uniform(-800.0, 800.0), 80.0};
     const Eigen::Vector3d way =
         Eigen::Vector3d{random.Uniform(-2.5, 2.5), random.Uniform(-2.5, 2.5), -1.0}.normalized();
-    const auto hit = world.CastRay(start, way, 5000.0);
-    ASSERT_TRUE(hit.has_value());
-    EXPECT_LT((start + hit->distance_m * way - hit->point_in_enu).norm(), 1e-9);
-    EXPECT_NEAR(hit->point_in_enu.z(), world.TerrainHeightAt(hit->point_in_enu.x(), hit->point_in_enu.y()),
+    const auto hit = test::ValueOf(world.CastRay(start, way, 5000.0));
+    EXPECT_LT((start + hit.distance_m * way - hit.point_in_enu).norm(), 1e-9);
+    EXPECT_NEAR(hit.point_in_enu.z(), world.TerrainHeightAt(hit.point_in_enu.x(), hit.point_in_enu.y()),
                 2e-4);
     // Nothing was passed through on the way.
     for (double share = 0.02; share < 0.99; share += 0.02) {
-      const Eigen::Vector3d before = start + share * hit->distance_m * way;
+      const Eigen::Vector3d before = start + share * hit.distance_m * way;
       EXPECT_GT(before.z(), world.TerrainHeightAt(before.x(), before.y()) - 1e-6);
     }
-    lowest = std::min(lowest, hit->point_in_enu.z());
-    highest = std::max(highest, hit->point_in_enu.z());
+    lowest = std::min(lowest, hit.point_in_enu.z());
+    highest = std::max(highest, hit.point_in_enu.z());
   }
   EXPECT_GT(highest - lowest, 12.0);
 }
@@ -115,14 +115,12 @@ TEST(World, BuildingsStandInTheWayOfRays) {
   for (double east = -400.0; east < 400.0; east += 3.0) {
     for (double north = -400.0; north < 400.0; north += 3.0) {
       const double height_m = world.SurfaceHeightAt(east, north);
-      const auto down = world.CastRay({east, north, 50.0}, {0.0, 0.0, -1.0}, 200.0);
-      ASSERT_TRUE(down.has_value());
-      EXPECT_NEAR(down->point_in_enu.z(), height_m, 1e-9);
+      const auto down = test::ValueOf(world.CastRay({east, north, 50.0}, {0.0, 0.0, -1.0}, 200.0));
+      EXPECT_NEAR(down.point_in_enu.z(), height_m, 1e-9);
       roofs += height_m > 1.0 ? 1 : 0;
       const Eigen::Vector3d way = Eigen::Vector3d(0.6, 0.3, -1.0).normalized();
-      const auto aslant = world.CastRay({east, north, 50.0}, way, 200.0);
-      ASSERT_TRUE(aslant.has_value());
-      walls += aslant->surface == SurfaceKind::kWall ? 1 : 0;
+      const auto aslant = test::ValueOf(world.CastRay({east, north, 50.0}, way, 200.0));
+      walls += aslant.surface == SurfaceKind::kWall ? 1 : 0;
     }
   }
   EXPECT_GT(roofs, 100);
