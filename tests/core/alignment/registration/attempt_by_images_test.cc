@@ -72,24 +72,29 @@ TEST(WithUnplaced, TakesNoPositionThatIsOnlyRepeatedForARecord) {
   EXPECT_FALSE(whole.records[1].center_in_enu);
 }
 
-TEST(AttemptByImages, GoodRecordsDoNotCallForIt) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  const Outcome outcome = Align(truth, PosesOf(truth));
+// A small flight with its records, which a case spoils.
+class AttemptByImages : public testing::Test {
+ protected:
+  const simulate::SimulatedFlight truth_ = SmallTruth(16, 2.0);
+  poses::PosedFlight posed_ = PosesOf(truth_);
+};
+
+TEST_F(AttemptByImages, GoodRecordsDoNotCallForIt) {
+  const Outcome outcome = Align(truth_, posed_);
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_FALSE(outcome.report.by_images.why);
   EXPECT_EQ(outcome.report.by_images.pairs_compared, 0);
 }
 
-TEST(AttemptByImages, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferenced) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  const Outcome outcome = Align(truth, Unplaced(truth));
+TEST_F(AttemptByImages, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferenced) {
+  const Outcome outcome = Align(truth_, Unplaced(truth_));
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.components, 1);
   EXPECT_TRUE(outcome.flight.left_out.empty());
   EXPECT_TRUE(outcome.report.by_images.is_taken);
   EXPECT_FALSE(outcome.report.by_images.is_placed);
   EXPECT_TRUE(outcome.report.by_images.is_scale_guessed.value_or(false));
-  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth_.GsdM());
   ASSERT_FALSE(outcome.flight.warnings.empty());
   EXPECT_THAT(InWords(outcome.flight.warnings.front()),
               AllOf(HasSubstr("NOT GEOREFERENCED"), HasSubstr("its north is a guess"),
@@ -97,16 +102,15 @@ TEST(AttemptByImages, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferen
 }
 
 // A flight whose positions were taken out, angles and heights left in.
-TEST(AttemptByImages, AnglesAndHeightsWithoutPositionsTellNorthAndScale) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  poses::PosedFlight posed = Unplaced(truth);
-  const poses::PosedFlight recorded = PosesOf(truth);
+TEST_F(AttemptByImages, AnglesAndHeightsWithoutPositionsTellNorthAndScale) {
+  poses::PosedFlight posed = Unplaced(truth_);
+  const poses::PosedFlight recorded = posed_;
   for (std::size_t i = 0; i < posed.unplaced.size(); ++i) {
     posed.unplaced[i].attitude = recorded.photos[i].photo.attitude;
     posed.unplaced[i].lone_height_above_takeoff_m = recorded.photos[i].height_above_ground_m;
   }
   ASSERT_TRUE(posed.unplaced.front().attitude);
-  const Outcome outcome = Align(truth, posed);
+  const Outcome outcome = Align(truth_, posed);
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_FALSE(outcome.report.by_images.is_placed);
   EXPECT_FALSE(outcome.report.by_images.is_scale_guessed);
@@ -121,7 +125,7 @@ TEST(AttemptByImages, AnglesAndHeightsWithoutPositionsTellNorthAndScale) {
 }
 
 // Photos of two places: those of the second record it, those of the first nothing.
-TEST(AttemptByImages, AGroupThatLiesNowhereIsNotDrawnOverPhotosThatLieSomewhere) {
+TEST_F(AttemptByImages, AGroupThatLiesNowhereIsNotDrawnOverPhotosThatLieSomewhere) {
   const simulate::SimulatedFlight truth = SmallTruth(24, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   const poses::PosedFlight bare = Unplaced(truth);
@@ -138,13 +142,11 @@ TEST(AttemptByImages, AGroupThatLiesNowhereIsNotDrawnOverPhotosThatLieSomewhere)
     EXPECT_EQ(photo.reason.code, flight::RemarkCode::kLeftBesideAdrift) << InWords(photo.reason);
 }
 
-TEST(AttemptByImages, APlaceThatWasReckonedFromNowhereIsNone) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  poses::PosedFlight posed = PosesOf(truth);
-  posed.is_placed = false;
-  for (poses::PosedPhoto& photo : posed.photos) photo.photo.position.reset();
-  ForgetAngles(posed);
-  const Outcome outcome = Align(truth, posed);
+TEST_F(AttemptByImages, APlaceThatWasReckonedFromNowhereIsNone) {
+  posed_.is_placed = false;
+  for (poses::PosedPhoto& photo : posed_.photos) photo.photo.position.reset();
+  ForgetAngles(posed_);
+  const Outcome outcome = Align(truth_, posed_);
   ASSERT_TRUE(outcome.report.by_images.is_taken);
   EXPECT_FALSE(outcome.report.by_images.is_placed);
   EXPECT_FALSE(outcome.report.by_images.is_adrift) << "photos lie to each other as reckoned";
@@ -152,43 +154,40 @@ TEST(AttemptByImages, APlaceThatWasReckonedFromNowhereIsNone) {
 }
 
 // A receiver that stood still.
-TEST(AttemptByImages, RecordedHeightsTellTheScaleWherePositionsDoNot) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  poses::PosedFlight posed = PosesOf(truth);
+TEST_F(AttemptByImages, RecordedHeightsTellTheScaleWherePositionsDoNot) {
   const auto span_m = [](const auto& photos) {
     const Eigen::Vector3d span = photos.back().cam_from_enu.TargetOriginInSource() -
                                  photos.front().cam_from_enu.TargetOriginInSource();
     return std::hypot(span.x(), span.y());
   };
-  const double true_span_m = span_m(posed.photos);
-  const Eigen::Vector3d stood = posed.photos[5].cam_from_enu.TargetOriginInSource();
-  for (poses::PosedPhoto& photo : posed.photos) {
-    photo.photo.position->position = posed.photos[5].photo.position->position;
+  const double true_span_m = span_m(posed_.photos);
+  const Eigen::Vector3d stood = posed_.photos[5].cam_from_enu.TargetOriginInSource();
+  for (poses::PosedPhoto& photo : posed_.photos) {
+    photo.photo.position->position = posed_.photos[5].photo.position->position;
     const double z_m = photo.cam_from_enu.TargetOriginInSource().z();
     photo.cam_from_enu =
         geo::Rigid3::FromRotationAndTargetOrigin(photo.cam_from_enu.rotation, {stood.x(), stood.y(), z_m});
   }
-  const Outcome outcome = Align(truth, posed);
+  const Outcome outcome = Align(truth_, posed_);
   ASSERT_TRUE(outcome.report.by_images.is_taken);
   EXPECT_FALSE(outcome.report.by_images.is_scale_guessed);
   ASSERT_EQ(outcome.flight.photos.size(), 16u);
   EXPECT_NEAR(span_m(outcome.flight.photos) / true_span_m, 1.0, 0.1);
 }
 
-TEST(AttemptByImages, TwoPhotosWithoutPlacesAreToldThatItTakesThree) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  poses::PosedFlight posed = Unplaced(truth);
+TEST_F(AttemptByImages, TwoPhotosWithoutPlacesAreToldThatItTakesThree) {
+  poses::PosedFlight posed = Unplaced(truth_);
   posed.unplaced.resize(2);
   posed.left_out.resize(2);
   AlignReport report;
   SilentProgress progress;
-  EXPECT_THAT(test::ErrorOf(AlignFlight(posed, test::PhotosOf(truth), {}, report, progress)).message,
+  EXPECT_THAT(test::ErrorOf(AlignFlight(posed, test::PhotosOf(truth_), {}, report, progress)).message,
               HasSubstr("three photos or more"));
 }
 
 // Of a line: ten photos, and after a gap two more that share a strip with the tenth and no point with two
 // others.
-TEST(AttemptByImages, PhotosThatHangOnOneOtherAreTakenIn) {
+TEST_F(AttemptByImages, PhotosThatHangOnOneOtherAreTakenIn) {
   simulate::SimulateOptions options;
   options.seed = options.world.seed = 8;
   options.noise = simulate::NoiseClass::kExact;
@@ -207,54 +206,48 @@ TEST(AttemptByImages, PhotosThatHangOnOneOtherAreTakenIn) {
   EXPECT_EQ(outcome.report.by_images.registered, 12);
 }
 
-TEST(AttemptByImages, SurveyedPointsAlonePlaceIt) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
+TEST_F(AttemptByImages, SurveyedPointsAlonePlaceIt) {
   AlignOptions options;
-  options.control = SurveyControl(truth);
-  const Outcome outcome = Align(truth, Unplaced(truth), options);
+  options.control = SurveyControl(truth_);
+  const Outcome outcome = Align(truth_, Unplaced(truth_), options);
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_TRUE(outcome.report.by_images.is_placed);
-  EXPECT_LT(outcome.error.absolute_ce90_m, 2.0 * truth.GsdM());
+  EXPECT_LT(outcome.error.absolute_ce90_m, 2.0 * truth_.GsdM());
 }
 
-TEST(AttemptByImages, HeightsOfAnotherScaleAreFoundFromThePictures) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
+TEST_F(AttemptByImages, HeightsOfAnotherScaleAreFoundFromThePictures) {
   for (const double factor : {0.4, 0.7, 1.8}) {
-    poses::PosedFlight posed = PosesOf(truth);
+    poses::PosedFlight posed = PosesOf(truth_);
     ScaleHeights(factor, posed);
-    const Outcome outcome = Align(truth, posed);
+    const Outcome outcome = Align(truth_, posed);
     EXPECT_EQ(outcome.report.aligned, 16) << factor;
     EXPECT_EQ(outcome.report.components, 1) << factor;
-    EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM()) << factor;
+    EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth_.GsdM()) << factor;
     // After a similarity any size is right: the recorded positions say which.
     EXPECT_LT(outcome.error.absolute_ce90_m, 4.0) << factor;
   }
 }
 
-TEST(AttemptByImages, AnglesThatAreNotRecordedAreFoundFromThePictures) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  poses::PosedFlight posed = PosesOf(truth);
-  ForgetAngles(posed);
-  ScaleHeights(0.5, posed);
-  const Outcome outcome = Align(truth, posed);
+TEST_F(AttemptByImages, AnglesThatAreNotRecordedAreFoundFromThePictures) {
+  ForgetAngles(posed_);
+  ScaleHeights(0.5, posed_);
+  const Outcome outcome = Align(truth_, posed_);
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.components, 1);
-  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth_.GsdM());
 }
 
-TEST(AttemptByImages, AThirdOfThePositionsMayBeFiftyMetresOff) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  poses::PosedFlight posed = PosesOf(truth);
-  ForgetAngles(posed);
-  for (std::size_t i = 0; i < posed.photos.size(); i += 3) {
-    Eigen::Vector3d center = posed.photos[i].cam_from_enu.TargetOriginInSource();
+TEST_F(AttemptByImages, AThirdOfThePositionsMayBeFiftyMetresOff) {
+  ForgetAngles(posed_);
+  for (std::size_t i = 0; i < posed_.photos.size(); i += 3) {
+    Eigen::Vector3d center = posed_.photos[i].cam_from_enu.TargetOriginInSource();
     center.head<2>() += 50.0 * Eigen::Vector2d(std::cos(2.0 * i), std::sin(2.0 * i));
-    posed.photos[i].cam_from_enu =
-        geo::Rigid3::FromRotationAndTargetOrigin(posed.photos[i].cam_from_enu.rotation, center);
+    posed_.photos[i].cam_from_enu =
+        geo::Rigid3::FromRotationAndTargetOrigin(posed_.photos[i].cam_from_enu.rotation, center);
   }
-  const Outcome outcome = Align(truth, posed);
+  const Outcome outcome = Align(truth_, posed_);
   EXPECT_EQ(outcome.report.aligned, 16);
-  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth_.GsdM());
   EXPECT_LT(outcome.error.absolute_ce90_m, 4.0);
 }
 
@@ -271,9 +264,8 @@ poses::PosedFlight WithoutRecords(const poses::PosedFlight& whole, const std::ve
   return posed;
 }
 
-TEST(AttemptByImages, AFewLostPhotosAreRegisteredAgainstTheOthers) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  const Outcome outcome = Align(truth, WithoutRecords(PosesOf(truth), {5, 6, 9}));
+TEST_F(AttemptByImages, AFewLostPhotosAreRegisteredAgainstTheOthers) {
+  const Outcome outcome = Align(truth_, WithoutRecords(posed_, {5, 6, 9}));
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.components, 1);
   EXPECT_TRUE(outcome.flight.left_out.empty());
@@ -283,27 +275,24 @@ TEST(AttemptByImages, AFewLostPhotosAreRegisteredAgainstTheOthers) {
   for (std::size_t i = 0; i < 16; ++i) {
     EXPECT_EQ(outcome.report.photo_reports[i].is_by_images, i == 5 || i == 6 || i == 9) << i;
   }
-  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth_.GsdM());
 }
 
-TEST(AttemptByImages, APhotoRecordedFarAwayComesBack) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  poses::PosedFlight posed = PosesOf(truth);
-  geo::Rigid3& pose = posed.photos[6].cam_from_enu;
+TEST_F(AttemptByImages, APhotoRecordedFarAwayComesBack) {
+  geo::Rigid3& pose = posed_.photos[6].cam_from_enu;
   const Eigen::Quaterniond turned =
       Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ())) * pose.rotation;
   pose = geo::Rigid3::FromRotationAndTargetOrigin(
       turned.normalized(), pose.TargetOriginInSource() + Eigen::Vector3d(900.0, 400.0, 0.0));
-  const Outcome outcome = Align(truth, posed);
+  const Outcome outcome = Align(truth_, posed_);
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.components, 1);
   EXPECT_FALSE(outcome.report.by_images.is_taken);
-  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth_.GsdM());
 }
 
-TEST(AttemptByImages, APhotoRecordedFarAwayJoinsPhotosThatStay) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  const poses::PosedFlight right = PosesOf(truth);
+TEST_F(AttemptByImages, APhotoRecordedFarAwayJoinsPhotosThatStay) {
+  const poses::PosedFlight right = posed_;
   poses::PosedFlight posed = right;
   constexpr std::size_t kAdded = 15;
   geo::Rigid3& pose = posed.photos[kAdded].cam_from_enu;
@@ -312,7 +301,7 @@ TEST(AttemptByImages, APhotoRecordedFarAwayJoinsPhotosThatStay) {
   AlignOptions options;
   options.fixed = PhotoSet(16, true);
   options.fixed.Remove(kAdded);
-  const Outcome outcome = Align(truth, posed, options);
+  const Outcome outcome = Align(truth_, posed, options);
   ASSERT_EQ(outcome.flight.photos.size(), 16U);
   EXPECT_EQ(outcome.report.aligned, 16);
   for (std::size_t i = 0; i < 16; ++i) {
@@ -323,34 +312,30 @@ TEST(AttemptByImages, APhotoRecordedFarAwayJoinsPhotosThatStay) {
   }
 }
 
-TEST(AttemptByImages, PhotosWithoutHeightJoinTheOthers) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  poses::PosedFlight posed = PosesOf(truth);
-  const poses::PosedFlight whole = posed;
-  posed.photos.erase(posed.photos.begin() + 5, posed.photos.begin() + 8);
+TEST_F(AttemptByImages, PhotosWithoutHeightJoinTheOthers) {
+  const poses::PosedFlight whole = posed_;
+  posed_.photos.erase(posed_.photos.begin() + 5, posed_.photos.begin() + 8);
   for (std::size_t i = 5; i < 8; ++i) {
-    posed.unplaced.push_back(whole.photos[i].photo);
-    posed.left_out.push_back({whole.photos[i].photo.name, ErrorCode::kNoPosition, "has no usable height."});
+    posed_.unplaced.push_back(whole.photos[i].photo);
+    posed_.left_out.push_back({whole.photos[i].photo.name, ErrorCode::kNoPosition, "has no usable height."});
   }
-  const Outcome outcome = Align(truth, posed);
+  const Outcome outcome = Align(truth_, posed_);
   EXPECT_EQ(outcome.report.photos, 16);
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_TRUE(outcome.flight.left_out.empty());
   for (std::size_t i = 0; i < 16; ++i)
     EXPECT_EQ(outcome.flight.photos[i].photo.name, whole.photos[i].photo.name);
-  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth_.GsdM());
 }
 
-TEST(AttemptByImages, PhotosThatShowNothingStayLeftOut) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  poses::PosedFlight posed = PosesOf(truth);
-  flight::Photo foreign = posed.photos[3].photo;
+TEST_F(AttemptByImages, PhotosThatShowNothingStayLeftOut) {
+  flight::Photo foreign = posed_.photos[3].photo;
   foreign.name = "foreign.jpg";
   foreign.path = "foreign.jpg";
   foreign.position.reset();
-  posed.unplaced.push_back(foreign);
-  posed.left_out.push_back({foreign.name, ErrorCode::kNoPosition, "has no position."});
-  const Outcome outcome = Align(truth, posed);
+  posed_.unplaced.push_back(foreign);
+  posed_.left_out.push_back({foreign.name, ErrorCode::kNoPosition, "has no position."});
+  const Outcome outcome = Align(truth_, posed_);
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.photos, 16);
   ASSERT_EQ(outcome.flight.left_out.size(), 1U);
