@@ -17,8 +17,7 @@ class AccessCase(ServerTestCase):
         run("token", "revoke", name, "--data", self.data, *catalogue_words(self.data))
 
     def new_flight(self, server, who):
-        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**AS_JSON, **who}, code=201)
-        return json.loads(body)["id"]
+        return server.json("POST", "/api/v1/flights", {}, who, 201)[1]["id"]
 
 
 class LastToken(AccessCase):
@@ -97,8 +96,7 @@ class Quotas(AccessCase):
         self.assertLess(len(archive.getvalue()), 2000)
         status, _, body = server.request("PUT", f"{files}/a.zip", archive.getvalue(), small)
         self.assertEqual((status, b"10.0 kB" in body), (413, True), body)
-        _, _, listed = server.request("GET", files, headers=small)
-        self.assertEqual(json.loads(listed), {"files": []})
+        self.assertEqual(server.json("GET", files, headers=small)[1], {"files": []})
         stored = sum(path.stat().st_size for path in kept_of_flights(self.data).values())
         stored += sum(path.stat().st_size for folder in ("incoming", "uploads")
                       for path in pathlib.Path(self.data, folder).rglob("*") if path.is_file())
@@ -159,15 +157,12 @@ class OneFlight(AccessCase):
         server = self.serve("--workers", "0")
         flight, foreign = self.new_flight(server, owner), self.new_flight(server, other)
         at = f"/api/v1/flights/{flight}/shares"
-        status, _, body = server.request("POST", at, '{"expires_in_days": 30}', {**AS_JSON, **owner})
-        made = json.loads(body)
-        self.assertEqual(status, 201, body)
+        _, made = server.json("POST", at, {"expires_in_days": 30}, owner, 201)
         self.assertEqual(made["page"], f"/#/flights/{flight}?token={made['token']}")
         self.assertEqual(made["embed"], f"/embed/{flight}#token={made['token']}")
         share = bearer(made["token"])
         self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight}/files/a.jpg", b"abc", owner)[0], 201)
-        _, _, listed = server.request("GET", "/api/v1/flights", headers=share)
-        self.assertEqual([entry["id"] for entry in json.loads(listed)["flights"]], [flight])
+        self.assertEqual([entry["id"] for entry in server.json("GET", "/api/v1/flights", headers=share)[1]["flights"]], [flight])
         self.assertEqual(server.request("GET", f"/api/v1/flights/{flight}/files/a.jpg", headers=share)[2], b"abc")
         self.assertEqual(server.request("GET", f"/api/v1/flights/{foreign}", headers=share)[0], 404)
         self.assertEqual(server.request("PATCH", f"/api/v1/flights/{flight}", '{"name":"x"}', {**AS_JSON, **share})[0], 403)
@@ -186,8 +181,7 @@ class OneFlight(AccessCase):
         self.assertEqual(server.request("GET", f"/api/v1/flights/{flight}", headers=share)[0], 401)
         self.assertNotIn(made["token"], server.errors())
         # A flight that goes takes its shares along.
-        _, _, body = server.request("POST", at, "{}", {**AS_JSON, **owner})
-        share = bearer(json.loads(body)["token"])
+        share = bearer(server.json("POST", at, {}, owner)[1]["token"])
         self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}", headers=owner)[0], 204)
         self.assertIn(server.request("GET", f"/api/v1/flights/{flight}", headers=share)[0], (401, 404))
 
@@ -229,10 +223,9 @@ class Secrets(AccessCase):
         admin, upload = self.token("admin", "--scope", "admin"), self.token("upload", "--scope", "upload")
         server = self.serve("--workers", "0", "--webhooks", "any")
         secret = "a secret of sixteen or more"
-        body = json.dumps({"url": "http://127.0.0.1:9/", "secret": secret})
-        self.assertEqual(server.request("POST", "/api/v1/webhooks", body, {**AS_JSON, **upload})[0], 403)
-        status, _, told = server.request("POST", "/api/v1/webhooks", body, {**AS_JSON, **admin})
-        self.assertEqual((status, json.loads(told)["secret"]), (201, secret))
+        hook = {"url": "http://127.0.0.1:9/", "secret": secret}
+        server.json("POST", "/api/v1/webhooks", hook, upload, 403)
+        self.assertEqual(server.json("POST", "/api/v1/webhooks", hook, admin, 201)[1]["secret"], secret)
         self.assertEqual(server.request("GET", "/api/v1/webhooks", headers=upload)[0], 403)
         self.assertNotIn(secret.encode(), server.request("GET", "/api/v1/webhooks", headers=admin)[2])
         flight = self.new_flight(server, upload)

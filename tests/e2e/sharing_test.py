@@ -52,10 +52,9 @@ class Sharing(ServerTestCase):
         self.assertEqual(status, 429)
         self.assertIn("Retry-After", headers)
         self.assertEqual(server.request("GET", "/api/v1/flights", headers=small)[0], 200)
-        _, _, told = server.request("GET", "/api/v1/access", headers=small)
-        self.assertEqual(json.loads(told), {"needs_token": True, "scope": "upload", "flight": None, "keep_days": 0})
-        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**small, **AS_JSON})
-        files = f"/api/v1/flights/{json.loads(body)['id']}/files"
+        self.assertEqual(server.json("GET", "/api/v1/access", headers=small)[1], {"needs_token": True, "scope": "upload", "flight": None, "keep_days": 0})
+        _, made = server.json("POST", "/api/v1/flights", {}, small)
+        files = f"/api/v1/flights/{made['id']}/files"
         self.assertEqual(server.request("PUT", f"{files}/a.jpg", bytes(600_000), small)[0], 201)
         status, _, body = server.request("PUT", f"{files}/b.jpg", bytes(600_000), small)
         self.assertEqual((status, b"Delete a flight" in body), (413, True))
@@ -65,16 +64,14 @@ class Sharing(ServerTestCase):
         jobs = files.replace("/files", "/jobs")
         status, _, body = server.request("POST", jobs, '{"priority": 5}', {**small, **AS_JSON})
         self.assertEqual((status, b"admin" in body), (403, True))
-        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**admin, **AS_JSON})
-        self.assertEqual((status, json.loads(body)["priority"]), (202, 5))
+        self.assertEqual(server.json("POST", jobs, {"priority": 5}, admin, 202)[1]["priority"], 5)
 
     def test_notes_are_for_all_who_open_the_flight(self):
         writer = self.token("writer", "--scope", "upload")
         server = self.serve("--workers", "0")
-        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**writer, **AS_JSON})
-        flight = f"/api/v1/flights/{json.loads(body)['id']}"
-        _, _, body = server.request("POST", f"{flight}/shares", '{"expires_in_days": 1}', {**writer, **AS_JSON})
-        guest = bearer(json.loads(body)["token"])
+        _, made = server.json("POST", "/api/v1/flights", {}, writer)
+        flight = f"/api/v1/flights/{made['id']}"
+        guest = bearer(server.json("POST", f"{flight}/shares", {"expires_in_days": 1}, writer)[1]["token"])
 
         def put(names, headers):
             notes = [{"type": "Feature", "id": name, "geometry": {"type": "Point", "coordinates": [7.44, 46.95]}, "properties": {"name": name}} for name in names]
@@ -87,14 +84,12 @@ class Sharing(ServerTestCase):
         self.assertEqual(put(["well", "gate"], known)[0], 200)
         self.assertEqual(put(["tree"], known)[0], 412, "another was first")
         self.assertEqual(put(["guest"], guest)[0], 403)
-        status, _, body = server.request("GET", f"{flight}/notes", headers=guest)
-        self.assertEqual((status, [note["id"] for note in json.loads(body)["features"]]), (200, ["well", "gate"]))
-        _, _, body = server.request("GET", f"{flight}/files", headers=guest)
-        self.assertEqual([file["name"] for file in json.loads(body)["files"]], ["map_notes.geojson"])
+        _, notes = server.json("GET", f"{flight}/notes", headers=guest, code=200)
+        self.assertEqual([note["id"] for note in notes["features"]], ["well", "gate"])
+        self.assertEqual([file["name"] for file in server.json("GET", f"{flight}/files", headers=guest)[1]["files"]], ["map_notes.geojson"])
         server.stop()
         again = self.serve("--workers", "0")
-        _, _, body = again.request("GET", f"{flight}/notes", headers=guest)
-        self.assertEqual(len(json.loads(body)["features"]), 2, "they outlive a restart")
+        self.assertEqual(len(again.json("GET", f"{flight}/notes", headers=guest)[1]["features"]), 2, "they outlive a restart")
 
     def test_a_process_is_the_same_job(self):
         server = self.serve()

@@ -123,8 +123,7 @@ class Gis(MapFileTestCase):
     def test_the_files_to_connect_open(self):
         _, _, xml = self.server.request("GET", f"/connect/{self.flight_id}/gdal.xml")
         self.check_against_mbtiles(self.gdal.Open(xml.decode()))
-        _, _, web_map = self.server.request("GET", f"/connect/{self.flight_id}/arcgis.json")
-        service = json.loads(web_map)["operationalLayers"][0]["url"]
+        service = self.server.json("GET", f"/connect/{self.flight_id}/arcgis.json")[1]["operationalLayers"][0]["url"]
         status, described = self.server.json("GET", service.removeprefix(self.address("")))
         self.assertEqual((status, described["tileInfo"]["lods"][-1]["level"]), (200, self.tilejson["maxzoom"]))
         for file in ("josm.xml", "qgis.qlr"):

@@ -1,6 +1,5 @@
 """A map of others sent to a running server becomes a flight's map; what cannot be one, costs too much or comes from somebody
 who may not is refused in words, and the server goes on."""
-import json
 import pathlib
 import shutil
 import sqlite3
@@ -150,8 +149,8 @@ class ServerImport(ServerTestCase):
         flight = next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("flight "))
         other = self.token("other", "--scope", "upload")
         self.assertEqual(by(other, "--flight", flight).returncode, 1)
-        status, _, body = server.request("GET", f"/api/v1/flights/{flight}/files", headers=bearer(owner))
-        self.assertEqual((status, [file["name"] for file in json.loads(body)["files"]]), (200, ["north field.tif"]))
+        _, listed = server.json("GET", f"/api/v1/flights/{flight}/files", headers=bearer(owner), code=200)
+        self.assertEqual([file["name"] for file in listed["files"]], ["north field.tif"])
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """What docs/operations.md has its reader type, for tests that replay it: a command that nobody replays fails, and so does a replay of
 what the page no longer has."""
 import functools
-import json
 import pathlib
 import re
 import shlex
@@ -66,8 +65,7 @@ class OperationsCase(ServerTestCase):
         return server.request(method, path, body, {name.replace("_", "-"): value for name, value in headers.items()})[0]
 
     def new_flight(self, server, who=None):
-        _, _, body = server.request("POST", FLIGHTS, "{}", {**AS_JSON, **(who or {})}, code=201)
-        return json.loads(body)["id"]
+        return server.json("POST", FLIGHTS, {}, who, 201)[1]["id"]
 
     def photos_in(self, name, count=2):
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.scratch), name)
