@@ -191,9 +191,8 @@ class BadInput(ServerTestCase):
 
     def map_of_good_and(self, bad):
         """The report of a job over the good photos and these files, which must not stop it."""
-        _, made = self.shared.upload([*self.photos, *bad.items()], options='{"gsd_m": 0.4}', code=202)
-        job = self.shared.wait_for_job(made["job"]["id"])
-        self.assertEqual((job["state"], job["attempts"]), ("successful", 1), job)
+        made = self.shared.stitched([*self.photos, *bad.items()], options='{"gsd_m": 0.4}')
+        self.assertEqual(made["job"]["attempts"], 1, made["job"])
         _, report = self.shared.json("GET", f"/api/v1/flights/{made['flight']['id']}/report")
         self.assertNotIn("root:", json.dumps(report))
         left_out = {photo["name"]: photo["reason"] for photo in report["left_out_photos"]}
@@ -288,8 +287,7 @@ class BadInput(ServerTestCase):
         spellings = ("127.0.0.1", "localhost", "[::1]", "[::ffff:127.0.0.1]", "2130706433", "0x7f.1", "127.1", "0.0.0.0")
         taken = [spelling for spelling in (*spellings, "169.254.169.254")
                  if server.json("POST", "/api/v1/webhooks", {"url": f"http://{spelling}:{port}/"})[0] == 201]
-        _, made = server.upload([("notes.jpg", b"no picture")])
-        server.wait_for_job(made["job"]["id"])
+        server.wait_for_job(server.begun([("notes.jpg", b"no picture")])[1])
 
         def is_over():
             """All have been refused; until then whoever connects is written down."""

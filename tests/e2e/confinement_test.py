@@ -89,18 +89,14 @@ class Confinement(ServerTestCase):
     def test_a_blas_with_threads_is_kept_to_one(self):
         server = self.serve_with("OPENBLAS_NUM_THREADS")
         self.assertIn("begins_OPENBLAS_NUM_THREADS.so", pathlib.Path(f"/proc/{server.process.pid}/maps").read_text())
-        _, job = self.start_job(server, self.photos[:2])
-        self.assertEqual(server.wait_for_job(job)["state"], "successful", server.errors())
+        _, job = server.begun(self.photos[:2])
+        server.ended(job)
 
     def test_where_a_library_begins_threads_the_job_says_so(self):
-        _, job = self.start_job(server := self.serve_with("NOBODY_SETS_THIS"), self.photos[:2])
+        _, job = (server := self.serve_with("NOBODY_SETS_THIS")).begun(self.photos[:2])
         # Where machines share the queue, another one may do it, and that of this machine is said meanwhile.
         told = server.wait_for_job(job, until=lambda job: job["error"] or job.get("workers_aside"))
         self.assertIn("begins threads as it is loaded", (told["error"] or told["workers_aside"][0])["message"])
-
-    def start_job(self, server, photos=None):
-        _, made = server.upload(photos or self.photos, code=202)
-        return made["flight"]["id"], made["job"]["id"]
 
     def find(self, server, kind):
         """The sandboxed process of a kind, once it is confined."""
@@ -118,7 +114,7 @@ class Confinement(ServerTestCase):
     def test_the_process_of_a_job_holds_nothing_but_its_folder(self):
         server = self.serve("--no-previews")
         wait_until(lambda: "decoded under seccomp" in server.errors(), "the log does not say what confines decoders")
-        flight_id, job_id = self.start_job(server, self.photos + [(f"again_{name}", content) for name, content in self.photos])
+        flight_id, job_id = server.begun(self.photos + [(f"again_{name}", content) for name, content in self.photos])
         pid = self.find(server, "stitch-sandboxed")
         os.kill(pid, signal.SIGSTOP)
         try:
@@ -133,12 +129,12 @@ class Confinement(ServerTestCase):
             self.assertNotIn("unlimited", (limits["Max address space"], limits["Max cpu time"], limits["Max file size"]))
         finally:
             os.kill(pid, signal.SIGCONT)
-        self.assertEqual(server.wait_for_job(job_id)["state"], "successful", server.errors())
+        server.ended(job_id)
         wait_until(lambda: confined_of(server, "stitch-sandboxed") == [], "its process outlived the job")
 
     def test_a_job_whose_process_is_killed_is_done_again(self):
         server = self.serve("--no-previews")
-        flight_id, job_id = self.start_job(server)
+        flight_id, job_id = server.begun(self.photos)
         pid = self.find(server, "stitch-sandboxed")
         os.kill(pid, signal.SIGKILL)
         job = server.wait_for_job(job_id)
@@ -148,17 +144,17 @@ class Confinement(ServerTestCase):
 
     def test_a_job_whose_process_is_deaf_is_cancelled_all_the_same(self):
         server = self.serve("--no-previews")
-        _, job_id = self.start_job(server)
+        _, job_id = server.begun(self.photos)
         pid = self.find(server, "stitch-sandboxed")
         os.kill(pid, signal.SIGSTOP)
         self.assertEqual(server.json("DELETE", f"/api/v1/jobs/{job_id}")[0], 200)
-        self.assertEqual(server.wait_for_job(job_id)["state"], "dismissed")
+        server.ended(job_id, "dismissed")
         wait_until(lambda: not server_support.is_running(pid), "the process of a cancelled job lives on")
         wait_until(lambda: server.garbage() == [], f"left over: {server.garbage()}")
 
     def test_a_file_made_to_keep_a_decoder_busy_ends_its_job_and_no_other(self):
         server = self.serve("--no-previews", "--job-timeout", "4")
-        _, job_id = self.start_job(server, [("slow.jpg", slow_photo(self.photos[0][1], coefficients=45))])
+        _, job_id = server.begun([("slow.jpg", slow_photo(self.photos[0][1], coefficients=45))])
         job = server.ended(job_id, "failed")
         self.assertEqual(job["attempts"], 1)
         self.assertRegex(str(job["error"]), r"took more than 4 seconds and was still in the stage \\?\"check")
@@ -167,12 +163,12 @@ class Confinement(ServerTestCase):
         wait_until(lambda: confined_of(server, "stitch-sandboxed") == [], "its process lives on")
         server.stop()
         server = self.serve("--no-previews")
-        _, job_id = self.start_job(server)
-        self.assertEqual(server.wait_for_job(job_id)["state"], "successful")
+        _, job_id = server.begun(self.photos)
+        server.ended(job_id)
 
     def test_a_job_that_needs_more_memory_than_it_may_is_ended(self):
         server = self.serve("--no-previews", "--job-memory", "150")
-        _, job_id = self.start_job(server, [("slow.jpg", slow_photo(self.photos[0][1], coefficients=5))])
+        _, job_id = server.begun([("slow.jpg", slow_photo(self.photos[0][1], coefficients=5))])
         job = server.wait_for_job(job_id)
         self.assertEqual((job["state"], job["attempts"]), ("failed", 1), job)
         self.assertIn("needed more than 0.1 GiB of memory in the stage", str(job["error"]))
@@ -227,7 +223,7 @@ class Confinement(ServerTestCase):
         self.wait_for_preview(server, flight["id"], len(self.photos))
         _, job = server.json("POST", f"/api/v1/flights/{flight['id']}/jobs", {})
         self.assertEqual(status_of(self.find(server, "stitch-sandboxed"))["NoNewPrivs"].strip(), "1")
-        self.assertEqual(server.wait_for_job(job["id"])["state"], "successful", server.errors())
+        server.ended(job["id"])
 
 
 if __name__ == "__main__":

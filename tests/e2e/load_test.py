@@ -127,8 +127,7 @@ class Load(ServerTestCase):
             listener.sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
             listener.recv(64)
             listeners.append(listener)
-        _, made = server.upload(self.photos[:1])
-        job = made["job"]["id"].encode()
+        job = server.begun(self.photos[:1])[1].encode()
         for listener in listeners:
             heard = b""
             while job not in heard:

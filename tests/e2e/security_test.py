@@ -147,8 +147,7 @@ class Events(ServerTestCase):
 
     def test_a_job_is_followed_and_replayed(self):
         server = self.serve()
-        _, made = server.upload(self.photos)
-        flight_id = made["flight"]["id"]
+        flight_id, job_id = server.begun(self.photos)
         is_shown = lambda event: event["event"] == "map"
         told = self.follow(server, f"/api/v1/events?flight={flight_id}&after=0", is_shown)
         kinds = [event["event"] for event in told]
@@ -160,8 +159,8 @@ class Events(ServerTestCase):
         lasting = [event for event in told if "id" in event]
         again = self.follow(server, f"/api/v1/events?flight={flight_id}", is_shown, {"Last-Event-ID": lasting[3]["id"]})
         self.assertEqual([event["id"] for event in again if "id" in event], [event["id"] for event in lasting[4:]])
-        server.wait_for_job(made["job"]["id"])
-        _, log = server.json("GET", f"/api/v1/jobs/{made['job']['id']}/log")
+        server.wait_for_job(job_id)
+        _, log = server.json("GET", f"/api/v1/jobs/{job_id}/log")
         states = [entry["job"]["state"] for entry in log["events"]]
         self.assertEqual((states[0], states[-1]), ("accepted", "successful"))
         self.assertEqual(server.request("GET", "/api/v1/events", headers={"Last-Event-ID": "x"})[0], 400)

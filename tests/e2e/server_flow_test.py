@@ -120,11 +120,11 @@ class Flow(ServerTestCase):
 
     def test_a_flight_without_any_photo_fails_with_a_reason(self):
         server = self.serve()
-        _, made = server.upload([("notes.jpg", b"this is no picture")], code=202)
-        job = server.ended(made["job"]["id"], "failed")
+        flight_id, job_id = server.begun([("notes.jpg", b"this is no picture")])
+        job = server.ended(job_id, "failed")
         self.assertEqual(job["attempts"], 1)
         self.assertTrue(job["error"]["message"])
-        _, flight = server.json("GET", f"/api/v1/flights/{made['flight']['id']}")
+        _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
         self.assertEqual(flight["state"], "failed")
         self.assertEqual(flight["error"], job["error"])
         self.assertEqual(server.garbage(), [])

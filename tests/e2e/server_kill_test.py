@@ -9,10 +9,6 @@ from server_support import POSTGRES, ServerTestCase, kept_of_flights, limits_of,
 
 
 class Kills(ServerTestCase):
-    def start_job(self, server, **fields):
-        _, made = server.upload(self.photos, **fields, code=202)
-        return made["flight"]["id"], made["job"]["id"]
-
     def wait_for_stage(self, server, job_id):
         """Until a worker is in the middle of the job (or, on a quick machine, through with it)."""
         return server.wait_for_job(job_id, until=lambda job: job["stage"] != "" or job["finished_at"])
@@ -32,7 +28,7 @@ class Kills(ServerTestCase):
 
     def test_a_killed_worker_is_replaced_and_its_job_done_again(self):
         server = self.serve()
-        flight_id, job_id = self.start_job(server)
+        flight_id, job_id = server.begun(self.photos)
         self.wait_for_stage(server, job_id)
         for pid in server.workers():
             limits = limits_of(pid)
@@ -46,14 +42,14 @@ class Kills(ServerTestCase):
 
     def test_a_killed_server_takes_its_job_up_again(self):
         server = self.serve()
-        flight_id, job_id = self.start_job(server)
+        flight_id, job_id = server.begun(self.photos)
         self.wait_for_stage(server, job_id)
         server.kill()
         self.check_ended_well(self.serve(), flight_id, job_id)
 
     def test_a_stopped_server_gives_its_job_back(self):
         server = self.serve()
-        flight_id, job_id = self.start_job(server)
+        flight_id, job_id = server.begun(self.photos)
         self.wait_for_stage(server, job_id)
         self.assertEqual(server.stop(), 0)
         self.check_ended_well(self.serve(), flight_id, job_id)
@@ -65,13 +61,13 @@ class Kills(ServerTestCase):
         finally:
             signal.signal(signal.SIGCHLD, before)
         for _ in range(2):  # a worker makes one map, and another is started when it has ended
-            _, job_id = self.start_job(server)
-            self.assertEqual(server.wait_for_job(job_id)["state"], "successful", server.errors())
+            _, job_id = server.begun(self.photos)
+            server.ended(job_id)
         self.assertEqual(server.stop(), 0)
 
     def test_a_job_waits_for_a_worker_across_restarts(self):
         server = self.serve("--workers", "0")
-        flight_id, job_id = self.start_job(server)
+        flight_id, job_id = server.begun(self.photos)
         server.kill()
         self.check_ended_well(self.serve(), flight_id, job_id)
 
@@ -90,14 +86,14 @@ class Kills(ServerTestCase):
 
     def test_a_cancelled_job_is_dismissed(self):
         server = self.serve()
-        _, job_id = self.start_job(server)
+        _, job_id = server.begun(self.photos)
         server.json("DELETE", f"/api/v1/jobs/{job_id}", code=200)
-        self.assertEqual(server.wait_for_job(job_id)["state"], "dismissed")
+        server.ended(job_id, "dismissed")
         wait_until(lambda: server.garbage() == [], "the work of a cancelled job is left over")
 
     def test_a_deleted_flight_stops_its_job(self):
         server = self.serve()
-        flight_id, job_id = self.start_job(server)
+        flight_id, job_id = server.begun(self.photos)
         self.wait_for_stage(server, job_id)
         self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight_id}")[0], 204)
         wait_until(lambda: server.garbage() == [], "the work of a deleted flight is left over")

@@ -154,6 +154,11 @@ class Server:
         status, _, answer = self.request("POST", "/api/v1/flights", form(fields, files), FORM, code)
         return status, json.loads(answer)
 
+    def begun(self, files, **fields):
+        """The ids of the flight that these files make, and of its job."""
+        _, made = self.upload(files, 202, **fields)
+        return made["flight"]["id"], made["job"]["id"]
+
     def stitched(self, files, **fields):
         """What the upload answers, once its job, in it as it ended, has made a map."""
         _, made = self.upload(files, 202, **fields)

@@ -100,7 +100,7 @@ class Sharing(ServerTestCase):
                                                json.dumps({"inputs": {"flight": flight["id"], "options": {"gsd_m": 0.4}}}),
                                                AS_JSON, code=201)
         info = json.loads(body)
-        self.assertEqual(server.wait_for_job(info["jobID"])["state"], "successful")
+        server.ended(info["jobID"])
         _, info = server.json("GET", path_of(headers["Location"]))
         self.assertEqual((info["status"], info["progress"]), ("successful", 100))
         _, results = server.json("GET", path_of(headers["Location"]) + "/results")
@@ -123,8 +123,7 @@ class Sharing(ServerTestCase):
         _, hook = server.json("POST", "/api/v1/webhooks", {"url": url}, code=201)
         _, listed = server.json("GET", "/api/v1/webhooks")
         self.assertEqual([("secret" in entry, entry["url"]) for entry in listed["webhooks"]], [(False, url)])
-        _, made = server.upload(self.photos[:2])
-        server.wait_for_job(made["job"]["id"])
+        server.wait_for_job(server.begun(self.photos[:2])[1])
         wait_until(lambda: len(receiver.heard) >= 3, f"only {len(receiver.heard)} were heard: {server.errors()}")
         for path, headers, body in receiver.heard:
             self.assertEqual(path, "/hook?x=1")
@@ -152,8 +151,7 @@ class Sharing(ServerTestCase):
         def tell(host):
             """A job ends, and this host is to hear of it."""
             _, hook = server.json("POST", "/api/v1/webhooks", {"url": f"https://{host}:{receiver.server_port}/{host}"})
-            _, made = server.upload([("notes.jpg", b"no picture")])
-            server.wait_for_job(made["job"]["id"])
+            server.wait_for_job(server.begun([("notes.jpg", b"no picture")])[1])
             return hook
         server = self.serve("--webhooks", "any")
         tell("127.0.0.1")
@@ -186,8 +184,7 @@ class Sharing(ServerTestCase):
         self.assertEqual(server.json("POST", "/api/v1/webhooks", private)[0], 201)
         server.stop()
         server = self.serve("--webhooks", "public")
-        _, made = server.upload([("notes.jpg", b"no picture")])
-        server.wait_for_job(made["job"]["id"])
+        server.wait_for_job(server.begun([("notes.jpg", b"no picture")])[1])
         wait_until(lambda: "private address" in server.errors(), "nothing was said of the private address")
         time.sleep(0.5)
         self.assertEqual(receiver.heard, [])

@@ -79,8 +79,7 @@ class Plugin(MapFileTestCase):
 
     def test_heights_become_layers_where_the_map_has_them(self):
         server = self.serve("--workers", "1", data=tempfile.mkdtemp(dir=self.scratch))
-        _, made = server.upload(self.photos, name="Village", options=json.dumps({"heights": "dtm"}), code=202)
-        server.wait_for_job(made["job"]["id"])
+        made = server.stitched(self.photos, name="Village", options=json.dumps({"heights": "dtm"}))
         flight, url = made["flight"]["id"], f"http://127.0.0.1:{server.port}"
         kinds = ("surface", "hillshade", "ground", "contours")
         _, _, *added = self.session(url, ["rows"], ["choose", flight], *(["add", kind] for kind in kinds))

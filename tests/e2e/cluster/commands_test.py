@@ -129,7 +129,7 @@ class SlurmTest(SharedCatalogueCase):
         array = self.slurm.submit("--array=1-2", "--cpus-per-task=1", "--wrap", self.command("--once"))
         self.assertEqual(self.wait_for(array), [0, 0])
         for _, job in made:
-            self.assertEqual(server.wait_for_job(job)["state"], "successful")
+            server.ended(job)
         late = self.slurm.submit("--array=3", "--wrap", self.command("--once"))
         self.assertEqual(self.wait_for(late), [NOTHING_TO_DO])
 
@@ -138,7 +138,7 @@ class SlurmTest(SharedCatalogueCase):
         array = self.slurm.submit("--array=1-2", "--cpus-per-task=1", "--signal=B:TERM@60", "--wrap",
                                   self.command("--cut-above", "3", "--part-files", "2"))
         flight, job = self.upload(server)
-        self.assertEqual(server.wait_for_job(job)["state"], "successful")
+        server.ended(job)
         self.check_map(server, flight)
         self.slurm.run("scancel", "--batch", "--signal=TERM", array)
         self.wait_for(array)

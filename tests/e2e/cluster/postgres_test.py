@@ -60,7 +60,7 @@ class SharedCatalogue(SharedCatalogueCase):
     def test_a_frozen_database_keeps_hot_tiles_and_is_said_so(self):
         server = self.serve_shared(workers=1)
         flight_id, job_id = self.upload(server)
-        self.assertEqual(server.wait_for_job(job_id)["state"], "successful")
+        server.ended(job_id)
         _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
         tile = middle_tile(tilejson)
         sound = server.request("GET", tile)[2]

@@ -253,14 +253,14 @@ class Places(S3TestCase):
 class Faults(S3TestCase):
     def test_a_worker_that_starts_before_the_store_waits_for_it(self):
         server = self.serve_s3("--workers", "0")
-        _, made = server.upload(self.photos, code=202)
+        _, job_id = server.begun(self.photos)
         self.proxy.is_cut.set()
         worker = subprocess.Popen([BINARY, "worker", "--once", "--data", self.data, "--blobs", self.address()])
         time.sleep(8)
         self.assertIsNone(worker.poll())
         self.proxy.is_cut.clear()
         self.assertEqual(worker.wait(timeout=240), 0)
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
+        server.ended(job_id)
 
     def test_a_wrong_answer_is_neither_shown_nor_kept(self):
         server = self.serve_s3()
@@ -335,19 +335,18 @@ class Faults(S3TestCase):
 
     def test_a_worker_that_is_killed_while_it_stores_leaves_no_orphan(self):
         server = self.serve_s3()
-        _, made = server.upload(self.photos, code=202)
-        flight_id = made["flight"]["id"]
+        flight_id, job_id = server.begun(self.photos)
         wait_until(lambda: any("/r1/" in key for key in self.keys("flights/")) or None, "no product was stored")
         for pid in server.workers():
             os.kill(pid, signal.SIGKILL)
-        server.ended(made["job"]["id"])
+        server.ended(job_id)
         _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
         shown = re.search(r"rev=(\d+)", json.dumps(server.json("GET", flight["tilejson"])[1])).group(1)
         self.assertEqual(self.folders(), {"files", f"r{shown}"})
 
     def test_processes_that_decode_photos_are_told_no_keys(self):
         server = self.serve_s3()
-        _, made = server.upload(self.photos, code=202)
+        _, job_id = server.begun(self.photos)
         seen = []
 
         def looked():
@@ -359,7 +358,7 @@ class Faults(S3TestCase):
             return any(seen)
         wait_until(looked, "no process was seen that stitches")
         self.assertFalse([environ for environ in seen if b"AWS_" in environ])
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
+        server.ended(job_id)
         self.assertNotIn(s3_store.KEY, server.errors())
 
 

@@ -69,8 +69,7 @@ class SharedCatalogueCase(ServerTestCase):
         return self.workers[-1]
 
     def upload(self, server):
-        _, made = server.upload(self.photos, code=202)
-        return made["flight"]["id"], made["job"]["id"]
+        return server.begun(self.photos)
 
     def query(self, sql):
         return self.postgres.query(sql, self.schema)

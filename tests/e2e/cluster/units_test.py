@@ -70,8 +70,7 @@ class UnitsTest(ScratchCase):
         return pathlib.Path(f"{self.folder.name}.log").read_text()
 
     def upload(self):
-        _, made = self.server.upload(self.photos, name="field", code=202)
-        return made["flight"]["id"], made["job"]["id"]
+        return self.server.begun(self.photos, name="field")
 
     def map_of(self, flight):
         answers = {}
@@ -218,7 +217,7 @@ class MachinesTest(SharedCatalogueTest):
         flight, job = self.upload()
         with Server(self.folder_of_worker(), "--workers", "0", *self.catalogue) as second:
             self.start_worker(*CUT)
-            self.assertEqual(second.wait_for_job(job)["state"], "successful")
+            second.ended(job)
             _, _, content = second.request("GET", f"/api/v1/flights/{flight}/download.pmtiles", code=200)
             self.assertEqual(hashlib.sha256(content).hexdigest(), self.map_of(flight)["mosaic.pmtiles"])
             _, tilejson = second.json("GET", f"/tiles/{flight}.json")

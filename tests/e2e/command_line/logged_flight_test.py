@@ -115,12 +115,11 @@ class LoggedFlightTest(ScratchCase):
         files = photos_in(self.flight / "photos")
         files.append(("flight.BIN", (self.flight / "logs/flight.BIN").read_bytes()))
         with Server(tempfile.mkdtemp(dir=self.scratch)) as server:
-            _, made = server.upload(files, options='{"method": "imu"}', code=202)
-            flight = made["flight"]["id"]
+            flight, job = server.begun(files, options='{"method": "imu"}')
             status, verdict = server.json("GET", f"/api/v1/flights/{flight}/verdict")
             self.assertEqual((status, verdict["photos_placeable"]), (200, 60))
             self.assertEqual(verdict["logs"][0]["format"], "dataflash")
-            server.ended(made["job"]["id"])
+            server.ended(job)
             placed = server.json("GET", f"/api/v1/flights/{flight}")[1]["photos"]
             self.assertEqual(placed["left_out"], 0)
 

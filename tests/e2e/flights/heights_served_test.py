@@ -99,7 +99,7 @@ class HeightsServed(ScratchCase):
         status, job = self.server.json("POST", f"{path}/jobs", {"options": {"place": [
             {"shown": [south, west], "is": [south + 1e-4, west]}]}})
         self.assertEqual((status, job["options"].get("heights")), (202, "dtm"), job)
-        self.assertEqual(self.server.wait_for_job(job["id"])["state"], "successful")
+        self.server.ended(job["id"])
         for name in OF_SURFACE + OF_GROUND:
             self.assertEqual(self.download(name, path)[0], 200, name)
         self.assertFalse(self.download("dsm.tif", path)[2] == before)
@@ -315,8 +315,7 @@ class HeightsServed(ScratchCase):
             self.assertEqual(self.server.json("GET", f"/tiles/{after}/change.json{query}")[0], wanted, query)
 
     def test_without_being_asked_there_are_none(self):
-        _, made = self.server.upload(self.files, name="Plain", code=202)
-        self.server.wait_for_job(made["job"]["id"])
+        made = self.server.stitched(self.files, name="Plain")
         path = f"/api/v1/flights/{made['flight']['id']}"
         for name in OF_SURFACE + OF_GROUND:
             status, headers, body = self.download(name, path)

@@ -83,9 +83,8 @@ class ServerImport(ServerTestCase):
 
     def test_one_form_is_enough(self):
         server = self.serve("--workers", "1")
-        _, made = server.upload([("old.mbtiles", self.mbtiles.read_bytes())], name="By a form", options='{"import_file": "old.mbtiles"}', code=202)
-        job = server.wait_for_job(made["job"]["id"])
-        self.assertEqual((job["state"], job["options"]), ("successful", {"import_file": "old.mbtiles"}), job)
+        made = server.stitched([("old.mbtiles", self.mbtiles.read_bytes())], name="By a form", options='{"import_file": "old.mbtiles"}')
+        self.assertEqual(made["job"]["options"], {"import_file": "old.mbtiles"})
         self.assertEqual(self.middle_of(server, made["flight"]["id"])[0], 200)
 
     def test_what_is_asked_wrongly_is_refused_at_once(self):

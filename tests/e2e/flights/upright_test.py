@@ -84,9 +84,8 @@ class Upright(ScratchCase):
         server = Server(self.scratch / "data")
         self.addCleanup(server.stop)
         photos = photos_in(self.flight / "photos")
-        _, made = server.upload(photos, name="Village", options=json.dumps({"surface": "dense", "layers": ["height"]}), code=202)
-        job = server.wait_for_job(made["job"]["id"])
-        self.assertEqual((job["state"], job["options"]["surface"]), ("successful", "dense"), job)
+        made = server.stitched(photos, name="Village", options=json.dumps({"surface": "dense", "layers": ["height"]}))
+        self.assertEqual(made["job"]["options"]["surface"], "dense")
         flight = made["flight"]["id"]
         self.assertGreater(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["surface"]["measured_share"], 0.6)
         copy = self.scratch / "downloaded.mbtiles"

@@ -126,13 +126,13 @@ class OperationsData(OperationsCase):
         self.assertNotIn("sq_secret", server.errors())
         wait_until(lambda: self.status(server, "/readyz") == 200, "it does not come back")
         # A stop takes no longer than the page says, and a job goes on afterwards.
-        _, made = server.upload(self.photos)
-        server.wait_for_job(made["job"]["id"], lambda job: job["state"] == "running")
+        _, job = server.begun(self.photos)
+        server.wait_for_job(job, lambda job: job["state"] == "running")
         begun = time.monotonic()
         self.assertEqual(server.stop(), 0)
         self.assertLess(time.monotonic() - begun, 9)
         server = self.serve()
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
+        server.ended(job)
 
     # Webhooks and basemaps
 
