@@ -16,9 +16,6 @@ class AccessCase(ServerTestCase):
     def revoke(self, name):
         run("token", "revoke", name, "--data", self.data, *catalogue_words(self.data))
 
-    def new_flight(self, server, who):
-        return server.json("POST", "/api/v1/flights", {}, who, 201)[1]["id"]
-
 
 class LastToken(AccessCase):
     def test_revoking_the_last_token_opens_nothing(self):
@@ -56,7 +53,7 @@ class Quotas(AccessCase):
     def test_20_mb_do_not_go_past_10_kb_at_any_door(self):
         small = self.token("small", "--scope", "upload", "--most-gb", "0.00001")
         server = self.serve("--workers", "0")
-        flight = self.new_flight(server, small)
+        flight = server.new_flight(headers=small)
         files = f"/api/v1/flights/{flight}/files"
         slices = [bytes(1 << 20)] * 20
 
@@ -155,7 +152,7 @@ class OneFlight(AccessCase):
         owner, other, admin = (self.token(name, "--scope", scope) for name, scope in
                                (("owner", "upload"), ("other", "upload"), ("admin", "admin")))
         server = self.serve("--workers", "0")
-        flight, foreign = self.new_flight(server, owner), self.new_flight(server, other)
+        flight, foreign = server.new_flight(headers=owner), server.new_flight(headers=other)
         at = f"/api/v1/flights/{flight}/shares"
         _, made = server.json("POST", at, {"expires_in_days": 30}, owner, 201)
         self.assertEqual(made["page"], f"/#/flights/{flight}?token={made['token']}")
@@ -188,7 +185,7 @@ class OneFlight(AccessCase):
     def test_the_command_makes_one_too(self):
         admin = self.token("admin", "--scope", "admin")
         server = self.serve("--workers", "0")
-        flight = self.new_flight(server, admin)
+        flight = server.new_flight(headers=admin)
         share = self.token("guest", "--flight", flight, "--expires", "30d")
         wait_until(lambda: server.request("GET", f"/api/v1/flights/{flight}", headers=share)[0] == 200, "the token opens nothing")
         listed = run("token", "list", "--data", self.data, *catalogue_words(self.data)).stdout
@@ -200,12 +197,12 @@ class OneFlight(AccessCase):
 
     def test_a_share_of_an_open_server_only_reads_and_ends(self):
         server = self.serve("--workers", "0")
-        _, flight = server.json("POST", "/api/v1/flights", {})
-        at = f"/api/v1/flights/{flight['id']}/shares"
+        flight = server.new_flight()
+        at = f"/api/v1/flights/{flight}/shares"
         self.assertEqual(server.json("GET", at), (200, {"needs_token": False, "may_open_network": True, "addresses": [], "shares": []}))
         _, made = server.json("POST", at, {}, code=201)
         share = bearer(made["token"])
-        one = f"/api/v1/flights/{flight['id']}"
+        one = f"/api/v1/flights/{flight}"
         self.assertEqual(server.request("GET", one, headers=share)[0], 200)
         self.assertEqual(server.request("DELETE", one, headers=share)[0], 403)
         self.assertEqual(server.request("DELETE", f"{one}?token={made['token']}")[0], 403)
@@ -228,10 +225,10 @@ class Secrets(AccessCase):
         self.assertEqual(server.json("POST", "/api/v1/webhooks", hook, admin, 201)[1]["secret"], secret)
         self.assertEqual(server.request("GET", "/api/v1/webhooks", headers=upload)[0], 403)
         self.assertNotIn(secret.encode(), server.request("GET", "/api/v1/webhooks", headers=admin)[2])
-        flight = self.new_flight(server, upload)
+        flight = server.new_flight(headers=upload)
         server.request("PUT", f"/api/v1/flights/{flight}/files/a.jpg", b"no picture", upload)
-        _, _, job = server.request("POST", f"/api/v1/flights/{flight}/jobs", "{}", {**AS_JSON, **upload})
-        server.request("DELETE", f"/api/v1/jobs/{json.loads(job)['id']}", headers=upload)
+        _, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {}, upload)
+        server.request("DELETE", f"/api/v1/jobs/{job['id']}", headers=upload)
         wait_until(lambda: '"where":"webhook"' in server.errors(), "the receiver that is not there was not told")
         self.assertNotIn(secret, server.errors())
 

@@ -42,8 +42,7 @@ class Archives(ServerTestCase):
     def setUp(self):
         super().setUp()
         self.server = self.serve("--workers", "0")
-        _, flight = self.server.json("POST", "/api/v1/flights", {})
-        self.files = f"/api/v1/flights/{flight['id']}/files"
+        self.files = f"/api/v1/flights/{self.server.new_flight()}/files"
 
     def put(self, name, content, headers=None):
         status, _, body = self.server.request("PUT", f"{self.files}/{name}", content, headers)

@@ -56,9 +56,6 @@ class BadInput(ServerTestCase):
         wait_until(lambda: self.shared.garbage() == [], f"left over: {self.shared.garbage()}")
         super().tearDown()
 
-    def new_flight(self):
-        return self.shared.json("POST", "/api/v1/flights", {})[1]["id"]
-
     def flights(self):
         return [flight["id"] for flight in self.shared.json("GET", "/api/v1/flights?limit=200")[1]["flights"]]
 
@@ -75,7 +72,7 @@ class BadInput(ServerTestCase):
         if BLOBS is not None:  # there are no links
             return
         # A link that got into the store by whatever way leads nowhere.
-        flight = self.new_flight()
+        flight = self.shared.new_flight()
         self.shared.request("PUT", f"/api/v1/flights/{flight}/files/a.jpg", b"x")
         [stored] = photos_of(self.shared.data, flight)
         stored.unlink()
@@ -113,7 +110,7 @@ class BadInput(ServerTestCase):
         self.assertEqual(raw(port, get + b"\r\n", half_close=True), 200)
         self.assertEqual(raw(port, *(bytes([byte]) for byte in get + b"\r\n")), 200)
         # More promised than sent, and then the end.
-        files = f"/api/v1/flights/{self.new_flight()}/files"
+        files = f"/api/v1/flights/{self.shared.new_flight()}/files"
         raw(port, f"PUT {files}/a HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9999\r\n\r\nshort".encode(), half_close=True)
         self.assertEqual(self.shared.json("GET", files)[1]["files"], [])
 
@@ -146,7 +143,7 @@ class BadInput(ServerTestCase):
         self.assertEqual(list(self.shared.data.rglob("evil.jpg")), [])
 
     def test_06_tus(self):
-        flight = self.new_flight()
+        flight = self.shared.new_flight()
         good = {**TUS, **tus_metadata(flight)}
         for length in ("-1", "1e9", "99999999999999999999", "0x5"):
             self.refused("POST", "/api/v1/uploads", None, {**good, "Upload-Length": length}, (400, 413))
@@ -179,7 +176,7 @@ class BadInput(ServerTestCase):
         huge = bytearray(one)
         struct.pack_into("<I", huge, one.index(b"PK\1\2") + 24, 0xFFFFFFFF)  # "see the zip64 field", which is not there
         polyglot = self.photos[0][1] + one
-        files = f"/api/v1/flights/{self.new_flight()}/files"
+        files = f"/api/v1/flights/{self.shared.new_flight()}/files"
         for name, content in (("overlap.zip", overlapping), ("nested.zip", nested), ("zip64.zip", bytes(huge)), ("cut.zip", one[:-30])):
             status, _, body = self.shared.request("PUT", f"{files}/{name}", content)
             listed = self.shared.json("GET", files)[1]["files"]
@@ -268,8 +265,7 @@ class BadInput(ServerTestCase):
         self.assertEqual(open_to_all, {("post", "/auth/login"), ("post", "/auth/register")} | {("get", template) for template in (
             "/auth/info", "/basemap.json", "/basemap.pmtiles", "/docs", "/healthz", "/openapi.json", "/readyz", "/version")})
         # What one began to upload is not another's to go on with.
-        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**AS_JSON, **as_one})
-        made = server.request("POST", "/api/v1/uploads", None, {**TUS, **as_one, "Upload-Length": "5", **tus_metadata(json.loads(body)["id"])})
+        made = server.request("POST", "/api/v1/uploads", None, {**TUS, **as_one, "Upload-Length": "5", **tus_metadata(server.new_flight(headers=as_one))})
         self.assertEqual(made[0], 201)
         for method, headers in (("HEAD", TUS), ("PATCH", {**CHUNK, "Upload-Offset": "0"}), ("DELETE", TUS)):
             self.assertIn(server.request(method, made[1]["Location"], headers={**headers, **as_other})[0], (403, 404), method)

@@ -174,18 +174,11 @@ class Confinement(ServerTestCase):
         self.assertIn("needed more than 0.1 GiB of memory in the stage", str(job["error"]))
         wait_until(lambda: server.garbage() == [], f"left over: {server.garbage()}")
 
-    def put(self, server, flight_id, name, content):
-        self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight_id}/files/{name}", content)[0], 201)
-
     def test_a_photo_that_takes_too_long_is_passed_over_and_the_others_drawn(self):
         server = self.serve("--photo-timeout", "2")
-        _, flight = server.json("POST", "/api/v1/flights", {})
         slow = slow_photo(self.photos[0][1], coefficients=45)
-        self.put(server, flight["id"], self.photos[0][0], self.photos[0][1])
-        self.put(server, flight["id"], "slow.jpg", slow)
-        for name, content in self.photos[1:]:
-            self.put(server, flight["id"], name, content)
-        self.wait_for_preview(server, flight["id"], len(self.photos))
+        flight = server.new_flight([self.photos[0], ("slow.jpg", slow), *self.photos[1:]])
+        self.wait_for_preview(server, flight, len(self.photos))
         wait_until(lambda: "slow.jpg is not in the preview: it takes more than 2 seconds" in server.errors(), server.errors())
         pid = self.find(server, "preview-sandboxed")
         status, files = status_of(pid), open_files_of(pid)
@@ -195,19 +188,19 @@ class Confinement(ServerTestCase):
         # A server that starts again does not read it again.
         server.kill()
         server = self.serve("--photo-timeout", "2")
-        self.put(server, flight["id"], "one_more.jpg", self.photos[0][1])
-        self.wait_for_preview(server, flight["id"], len(self.photos) + 1)
+        server.put(flight, [("one_more.jpg", self.photos[0][1])])
+        self.wait_for_preview(server, flight, len(self.photos) + 1)
         self.assertNotIn("slow.jpg", server.errors())
 
     def test_a_painter_that_hangs_or_dies_is_replaced(self):
         server = self.serve("--photo-timeout", "1")
-        _, flight = server.json("POST", "/api/v1/flights", {})
-        for number, (name, content) in enumerate(self.photos[:3]):
-            self.put(server, flight["id"], name, content)
-            self.wait_for_preview(server, flight["id"], number + 1)
+        flight = server.new_flight()
+        for number, photo in enumerate(self.photos[:3]):
+            server.put(flight, [photo])
+            self.wait_for_preview(server, flight, number + 1)
             os.kill(self.find(server, "preview-sandboxed"), (signal.SIGKILL, signal.SIGSTOP, signal.SIGSEGV)[number])
-        self.put(server, flight["id"], self.photos[3][0], self.photos[3][1])
-        self.wait_for_preview(server, flight["id"], 4)
+        server.put(flight, [self.photos[3]])
+        self.wait_for_preview(server, flight, 4)
 
     def test_without_landlock_the_rest_holds_and_the_log_says_so(self):
         popen = subprocess.Popen
@@ -217,11 +210,9 @@ class Confinement(ServerTestCase):
         finally:
             server_support.subprocess.Popen = popen
         wait_until(lambda: "offers no Landlock" in server.errors(), "the log does not say that Landlock is missing")
-        _, flight = server.json("POST", "/api/v1/flights", {})
-        for name, content in self.photos:
-            self.put(server, flight["id"], name, content)
-        self.wait_for_preview(server, flight["id"], len(self.photos))
-        _, job = server.json("POST", f"/api/v1/flights/{flight['id']}/jobs", {})
+        flight = server.new_flight(self.photos)
+        self.wait_for_preview(server, flight, len(self.photos))
+        _, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
         self.assertEqual(status_of(self.find(server, "stitch-sandboxed"))["NoNewPrivs"].strip(), "1")
         server.ended(job["id"])
 

@@ -2,7 +2,6 @@
 server answers others. Prints what each took. With --strict the figures that the product promises on an idle machine are
 held: 2 s and 300 MB for each, and a median of 20 ms for /healthz all the while."""
 import http.client
-import json
 import math
 import os
 import pathlib
@@ -69,15 +68,11 @@ class CraftedInputs(ServerTestCase):
 
     def flight_with(self, name, content):
         """The flight's address, and the status with which the file was taken."""
-        _, flight = self.server.json("POST", "/api/v1/flights", {})
-        address = f"/api/v1/flights/{flight['id']}"
-        for photo, pixels in self.photos[:3]:
-            self.assertEqual(self.server.request("PUT", f"{address}/files/{photo}", pixels)[0], 201)
+        address = f"/api/v1/flights/{self.server.new_flight(self.photos[:3])}"
         return address, self.server.request("PUT", f"{address}/files/{name}", content)[0]
 
     def verdict(self, address):
-        status, _, body = self.server.request("GET", f"{address}/verdict")
-        return status, json.loads(body)
+        return self.server.json("GET", f"{address}/verdict")
 
     def server_mib(self):
         status = pathlib.Path(f"/proc/{self.server.process.pid}/status").read_text()

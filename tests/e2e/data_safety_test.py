@@ -195,8 +195,7 @@ class DataSafety(ServerTestCase):
 
     def test_a_folder_that_is_moved_away_takes_nothing_until_it_is_back(self):
         server = self.serve()
-        _, flight = server.json("POST", "/api/v1/flights", {})
-        address = f"/api/v1/flights/{flight['id']}"
+        address = f"/api/v1/flights/{server.new_flight()}"
         away = self.data + ".away"
         os.rename(self.data, away)
         for replaced in (False, True):

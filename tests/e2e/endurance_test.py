@@ -23,16 +23,15 @@ class Endurance(ServerTestCase):
             server = self.serve(data=folder)
             filler = pathlib.Path(folder, "filler")
             filler.write_bytes(bytes(30 << 20))  # what is left is hardly more than the server keeps free
-            _, flight = server.json("POST", "/api/v1/flights", {})
-            files = f"/api/v1/flights/{flight['id']}/files"
+            flight = server.new_flight()
+            files = f"/api/v1/flights/{flight}/files"
             status, _, body = server.request("PUT", f"{files}/big.jpg", bytes(40 << 20))
             self.assertEqual((status, b"disk" in body), (507, True))
             self.assertEqual(server.garbage(), [])
-            for name, content in self.photos:
-                self.assertEqual(server.request("PUT", f"{files}/{name}", content)[0], 201)
+            server.put(flight, self.photos)
             # Full to the last page: the job fails with a reason, or waits for room.
             fill_disk(pathlib.Path(folder, "rest"))
-            status, job = server.json("POST", f"/api/v1/flights/{flight['id']}/jobs", {})
+            status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
             if status == 202:
                 job = server.wait_for_job(job["id"], until=lambda job: job["finished_at"] or job["attempts"] >= 2)
                 self.assertNotEqual(job["state"], "successful")
@@ -40,7 +39,7 @@ class Endurance(ServerTestCase):
                 self.assertEqual(status, 507, job)
             filler.unlink()
             pathlib.Path(folder, "rest").unlink()
-            status, again = server.json("POST", f"/api/v1/flights/{flight['id']}/jobs", {})
+            status, again = server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
             job_id = again["id"] if status == 202 else job["id"]  # or the first is still trying
             server.ended(job_id)
             self.assertEqual(server.stop(), 0)

@@ -40,10 +40,6 @@ def touch(a, b):
 
 
 class Preview(ServerTestCase):
-    def put(self, server, flight_id, photos):
-        for name, content in photos:
-            self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight_id}/files/{name}", content)[0], 201)
-
     def middle_tile(self, server, tilejson_path):
         _, tilejson = server.json("GET", tilejson_path, code=200)
         url = middle_tile(tilejson)
@@ -56,14 +52,14 @@ class Preview(ServerTestCase):
         self.assertIsNone(flight["preview"])
         self.assertEqual(server.request("GET", f"/tiles/{flight_id}.json")[0], 404)
         events = Events(server, flight_id, "map")
-        self.put(server, flight_id, self.photos[:1])
+        server.put(flight_id, self.photos[:1])
         first = self.wait_for_preview(server, flight_id, 1)
         _, (status, headers, body) = self.middle_tile(server, first["tilejson"])
         self.assertEqual(status, 200)
         self.assertGreater(len(body), 500)
         self.assertEqual(headers["Cache-Control"], "no-cache")
         wait_until(lambda: len(events.of("preview")) == 1, "no event of the preview")
-        self.put(server, flight_id, self.photos[1:])
+        server.put(flight_id, self.photos[1:])
         whole = self.wait_for_preview(server, flight_id, len(self.photos))
         self.assertGreater(whole["edition"], first["edition"])
         self.assertTrue(all(w <= f for w, f in zip(whole["bounds"][:2], first["bounds"][:2])))
@@ -98,15 +94,13 @@ class Preview(ServerTestCase):
         self.assertEqual(status, 200)
         self.assertEqual(parts_of(server.data, flight_id), ["files", "r1"])
         # Photos that come later wait for the next map.
-        self.put(server, flight_id, [("late.jpg", self.photos[0][1])])
+        server.put(flight_id, [("late.jpg", self.photos[0][1])])
         time.sleep(1)
         self.assertIsNone(server.json("GET", f"/api/v1/flights/{flight_id}")[1]["preview"])
 
     def test_no_answer_mixes_preview_and_map(self):
         server = self.serve()
-        _, flight = server.json("POST", "/api/v1/flights", {})
-        flight_id = flight["id"]
-        self.put(server, flight_id, self.photos)
+        flight_id = server.new_flight(self.photos)
         self.wait_for_preview(server, flight_id, len(self.photos))
         _, job = server.json("POST", f"/api/v1/flights/{flight_id}/jobs", {})
         kinds = []
@@ -125,34 +119,31 @@ class Preview(ServerTestCase):
         run("simulate", "-o", str(scratch), "--photos", "2", "--size", "640x480", "--no-world", "--noise", "no-gps")
         unplaced = [(f"unplaced_{name}", content) for name, content in photos_in(scratch / "photos")]
         server = self.serve()
-        _, flight = server.json("POST", "/api/v1/flights", {})
         name, content = self.photos[0]
-        self.put(server, flight["id"], [("notes.jpg", b"no picture"), ("cut.jpg", content[: len(content) // 20]),
-                                        ("log.csv", b"a,b\n1,2\n"), *unplaced])
+        flight = server.new_flight([("notes.jpg", b"no picture"), ("cut.jpg", content[: len(content) // 20]),
+                                    ("log.csv", b"a,b\n1,2\n"), *unplaced])
         time.sleep(1.5)
-        self.assertIsNone(server.json("GET", f"/api/v1/flights/{flight['id']}")[1]["preview"])
-        self.put(server, flight["id"], [(name, content)])
-        self.wait_for_preview(server, flight["id"], 1)
+        self.assertIsNone(server.json("GET", f"/api/v1/flights/{flight}")[1]["preview"])
+        server.put(flight, [(name, content)])
+        self.wait_for_preview(server, flight, 1)
 
     def test_a_photo_taken_out_is_taken_out_of_the_preview(self):
         server = self.serve()
-        _, flight = server.json("POST", "/api/v1/flights", {})
-        self.put(server, flight["id"], self.photos[:4])
-        four = self.wait_for_preview(server, flight["id"], 4)
-        self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight['id']}/files/{self.photos[0][0]}")[0], 204)
-        three = self.wait_for_preview(server, flight["id"], 3)
+        flight = server.new_flight(self.photos[:4])
+        four = self.wait_for_preview(server, flight, 4)
+        self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}/files/{self.photos[0][0]}")[0], 204)
+        three = self.wait_for_preview(server, flight, 3)
         self.assertNotEqual(four["bounds"], three["bounds"])
 
     def test_it_goes_on_where_it_was_after_a_kill(self):
         server = self.serve()
-        _, flight = server.json("POST", "/api/v1/flights", {})
-        self.put(server, flight["id"], self.photos[:3])
-        self.wait_for_preview(server, flight["id"], 3)
+        flight = server.new_flight(self.photos[:3])
+        self.wait_for_preview(server, flight, 3)
         server.kill()
         server = self.serve()
-        self.put(server, flight["id"], self.photos[3:])
-        self.wait_for_preview(server, flight["id"], len(self.photos))
-        self.assertEqual(self.middle_tile(server, f"/tiles/{flight['id']}.json")[1][0], 200)
+        server.put(flight, self.photos[3:])
+        self.wait_for_preview(server, flight, len(self.photos))
+        self.assertEqual(self.middle_tile(server, f"/tiles/{flight}.json")[1][0], 200)
 
 
 if __name__ == "__main__":

@@ -149,6 +149,16 @@ class Server:
         status, _, answer = self.request(method, path, body, {**({} if value is None else AS_JSON), **(headers or {})}, code)
         return status, json.loads(answer) if answer else None
 
+    def new_flight(self, photos=(), headers=None):
+        """The id of a new flight that has these photos, as (name, bytes) pairs, and no job."""
+        _, flight = self.json("POST", "/api/v1/flights", {}, headers, 201)
+        self.put(flight["id"], photos, headers)
+        return flight["id"]
+
+    def put(self, flight, photos, headers=None):
+        for name, content in photos:
+            self.request("PUT", f"/api/v1/flights/{flight}/files/{name}", content, headers, 201)
+
     def upload(self, files, code=None, **fields):
         """POST /api/v1/flights with (name, bytes) pairs: (status, answer)."""
         status, _, answer = self.request("POST", "/api/v1/flights", form(fields, files), FORM, code)

@@ -93,11 +93,9 @@ class Sharing(ServerTestCase):
 
     def test_a_process_is_the_same_job(self):
         server = self.serve()
-        _, flight = server.json("POST", "/api/v1/flights", {})
-        for name, content in self.photos:
-            server.request("PUT", f"/api/v1/flights/{flight['id']}/files/{name}", content)
+        flight = server.new_flight(self.photos)
         _, headers, body = server.request("POST", "/ogc/processes/stitch/execution",
-                                               json.dumps({"inputs": {"flight": flight["id"], "options": {"gsd_m": 0.4}}}),
+                                               json.dumps({"inputs": {"flight": flight, "options": {"gsd_m": 0.4}}}),
                                                AS_JSON, code=201)
         info = json.loads(body)
         server.ended(info["jobID"])
@@ -108,7 +106,7 @@ class Sharing(ServerTestCase):
         self.assertEqual(server.json("DELETE", path_of(headers["Location"]))[1]["status"], "dismissed")
         self.assertEqual(server.request("GET", path_of(headers["Location"]))[0], 404)
         # What it took tells how long the next one will take, from its first second on.
-        _, job = server.json("POST", f"/api/v1/flights/{flight['id']}/jobs", {"options": {"gsd_m": 0.4}})
+        _, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"gsd_m": 0.4}})
         seen = server.wait_for_job(job["id"], until=lambda job: job["eta_s"] is not None or job["finished_at"])
         if not seen["finished_at"]:
             self.assertLessEqual(seen["eta_low_s"], seen["eta_s"])

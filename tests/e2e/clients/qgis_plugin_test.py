@@ -136,9 +136,9 @@ class Plugin(MapFileTestCase):
         self.assertTrue(layer[2])
         self.assertNotIn(token, layer[1])
         shared = layer[1].split("token=")[1]
-        _, _, body = server.request("GET", "/api/v1/access", headers=bearer(shared))
+        _, access = server.json("GET", "/api/v1/access", headers=bearer(shared))
         flight_id = layer[1].split("/flights/")[1].split("/")[0]
-        self.assertEqual({"scope": "read", "flight": flight_id}.items() & json.loads(body).items(), {"scope": "read", "flight": flight_id}.items())
+        self.assertEqual({"scope": "read", "flight": flight_id}.items() & access.items(), {"scope": "read", "flight": flight_id}.items())
         # Where no more such can be made, none of the user's own takes its place.
         json_of = {**bearer(token), "Content-Type": "application/json"}
         made = [server.request("POST", f"/api/v1/flights/{flight_id}/shares", body=b"{}", headers=json_of)[0] for _ in range(100)]

@@ -208,12 +208,11 @@ class Places(S3TestCase):
 
     def test_an_older_catalogue_does_not_take_newer_photos_for_lost(self):
         server = self.serve_s3("--workers", "0")
-        _, flight = server.json("POST", "/api/v1/flights", {})
+        flight = server.new_flight()
         self.assertEqual(server.stop(), 0)
         backup = pathlib.Path(self.data, "catalogue.db").read_bytes()
         server = self.serve_s3("--workers", "0")
-        for name, content in self.photos[:3]:
-            self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight['id']}/files/{name}", content)[0], 201)
+        server.put(flight, self.photos[:3])
         self.assertEqual(server.stop(), 0)
         for path in pathlib.Path(self.data).glob("catalogue.db-[ws]*"):
             path.unlink()
@@ -231,7 +230,7 @@ class Places(S3TestCase):
         run("data", "repair", "--data", self.data)
         server = self.serve("--workers", "0")
         for name, content in self.photos[:3]:
-            self.assertEqual(server.request("GET", f"/api/v1/flights/{flight['id']}/files/{name}")[2], content)
+            self.assertEqual(server.request("GET", f"/api/v1/flights/{flight}/files/{name}")[2], content)
 
     def test_a_store_that_cannot_be_used_is_named_before_anything_is_served(self):
         listen = ("--listen", "127.0.0.1:0", "--blobs")

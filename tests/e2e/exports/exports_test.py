@@ -59,9 +59,7 @@ class Exports(ServerTestCase):
         west, south, east, north = whole["bounds"]
         middle = [west + (east - west) / 3, south + (north - south) / 3, east - (east - west) / 3, north - (north - south) / 3]
         def begin(options):
-            status, _, body = server.request("POST", f"/api/v1/flights/{flight}/jobs", json.dumps({"options": options}),
-                                             AS_JSON)
-            return status, json.loads(body)
+            return server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": options})
         for bad, words in (({"boundary": {"type": "Point", "coordinates": [7, 46]}}, "has a Point"),
                            ({"boundary": "field"}, "not JSON"), ({"takeoff_height_m": 9001}, "above sea level")):
             status, refused = begin(bad)
@@ -281,16 +279,14 @@ class Exports(ServerTestCase):
     def test_rights(self):
         owner, reader, other = (self.token(name, "--scope", scope) for name, scope in (("owner", "upload"), ("reader", "read"), ("other", "upload")))
         server = self.serve()
-        flight = server.json("POST", "/api/v1/flights", {}, owner)[1]["id"]
-        for name, content in self.photos:
-            self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight}/files/{name}", content, owner)[0], 201)
+        flight = server.new_flight(self.photos, owner)
         job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {}, owner)[1]["id"]
         def is_done():
             return server.json("GET", f"/api/v1/jobs/{job}", headers=owner)[1]["state"] == "successful"
         wait_until(is_done, "no map")
         share = server.json("POST", f"/api/v1/flights/{flight}/shares", {}, owner)[1]["token"]
         guest = bearer(share)
-        elsewhere = server.json("POST", "/api/v1/flights", {}, owner)[1]["id"]
+        elsewhere = server.new_flight(headers=owner)
         status, refused = self.ask(server, flight, format="kmz")
         self.assertEqual(status, 401, refused)
         status, of_guest = self.ask(server, flight, guest, format="kmz")

@@ -71,7 +71,7 @@ class OperationsData(OperationsCase):
             self.run_page(f"{command} {folder} --server http://127.0.0.1:{server.port} --no-map")
         flights = {flight["name"]: flight["id"] for flight in server.json("GET", FLIGHTS)[1]["flights"]}
         self.assertEqual(set(flights), {"upload", "keep"})
-        marked = self.new_flight(server)
+        marked = server.new_flight()
         method, path = patch.replace("FLIGHT", marked).split()
         self.assertEqual(self.status(server, path, method, body, **AS_JSON), 200)
         server.stop()

@@ -64,9 +64,6 @@ class OperationsCase(ServerTestCase):
     def status(self, server, path=FLIGHTS, method="GET", body=None, **headers):
         return server.request(method, path, body, {name.replace("_", "-"): value for name, value in headers.items()})[0]
 
-    def new_flight(self, server, who=None):
-        return server.json("POST", FLIGHTS, {}, who, 201)[1]["id"]
-
     def photos_in(self, name, count=2):
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.scratch), name)
         folder.mkdir()

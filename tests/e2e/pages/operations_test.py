@@ -35,7 +35,7 @@ class Operations(OperationsCase):
         server = self.serve_page(serve)
         self.assertEqual(server.json("GET", "/ogc", headers=bearer(team))[1]["links"][0]["href"],
                          "https://maps.example.org/ogc")
-        flight, other = (self.new_flight(server, bearer(team)) for _ in range(2))
+        flight, other = (server.new_flight(headers=bearer(team)) for _ in range(2))
         guest = self.run_page(add_guest, FLIGHT=flight)
         name, value = header.replace("...", guest).split(": ")
         wait_until(lambda: self.status(server, f"{FLIGHTS}/{flight}", **{name: value}) == 200, "the token opens nothing")
@@ -56,11 +56,11 @@ class Operations(OperationsCase):
         self.assertEqual(SCOPES, ["read", "upload", "admin"])
         may = {scope: self.token(scope) for scope in SCOPES}
         server = self.serve("--workers", "0")
-        of_admin = self.new_flight(server, may["admin"])
+        of_admin = server.new_flight(headers=may["admin"])
         for scope, who in may.items():
             self.assertEqual(self.status(server, f"{FLIGHTS}/{of_admin}", **who), 200)
             self.assertEqual(self.status(server, FLIGHTS, "POST", "{}", **AS_JSON, **who), 403 if scope == "read" else 201)
-        own = self.new_flight(server, may["upload"])
+        own = server.new_flight(headers=may["upload"])
         for path, scope, answer in ((of_admin, "upload", 403), (own, "read", 403), (own, "upload", 204), (of_admin, "admin", 204)):
             self.assertEqual(self.status(server, f"{FLIGHTS}/{path}", "DELETE", **may[scope]), answer, (path, scope))
         self.assertEqual([self.status(server, "/metrics", **who) for who in may.values()], [403, 403, 200])
@@ -85,7 +85,7 @@ class Operations(OperationsCase):
     def test_limits_of_a_token(self, most_gb, per_minute):
         who = self.token("upload", most_gb, "0.0005", per_minute, "4")
         server = self.serve("--workers", "0")
-        files = f"{FLIGHTS}/{self.new_flight(server, who)}/files"
+        files = f"{FLIGHTS}/{server.new_flight(headers=who)}/files"
         self.assertEqual(self.status(server, f"{files}/a.jpg", "PUT", bytes(300_000), **who), 201)
         self.assertEqual(self.status(server, f"{files}/b.jpg", "PUT", bytes(300_000), **who), 413)
         self.assertEqual(self.status(server, files, **who), 200)
@@ -96,7 +96,7 @@ class Operations(OperationsCase):
     def test_shares_and_the_network(self, request, public_url, host, trusted_proxy, listen):
         method, path = request.split()
         server = self.serve("--workers", "0")
-        flight = f"{FLIGHTS}/{self.new_flight(server)}"
+        flight = f"{FLIGHTS}/{server.new_flight()}"
         _, share = server.json("POST", f"{flight}/shares", {})
         self.assertEqual(self.status(server, flight, **bearer(share["token"])), 200)
         self.assertEqual(self.status(server, flight, "DELETE", **bearer(share["token"])), 403)
