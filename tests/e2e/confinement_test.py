@@ -89,8 +89,7 @@ class Confinement(ServerTestCase):
     def test_a_blas_with_threads_is_kept_to_one(self):
         server = self.serve_with("OPENBLAS_NUM_THREADS")
         self.assertIn("begins_OPENBLAS_NUM_THREADS.so", pathlib.Path(f"/proc/{server.process.pid}/maps").read_text())
-        _, job = server.begun(self.photos[:2])
-        server.ended(job)
+        server.ended(server.begun(self.photos[:2])[1])
 
     def test_where_a_library_begins_threads_the_job_says_so(self):
         _, job = (server := self.serve_with("NOBODY_SETS_THIS")).begun(self.photos[:2])
@@ -154,8 +153,7 @@ class Confinement(ServerTestCase):
 
     def test_a_file_made_to_keep_a_decoder_busy_ends_its_job_and_no_other(self):
         server = self.serve("--no-previews", "--job-timeout", "4")
-        _, job_id = server.begun([("slow.jpg", slow_photo(self.photos[0][1], coefficients=45))])
-        job = server.ended(job_id, "failed")
+        job = server.ended(server.begun([("slow.jpg", slow_photo(self.photos[0][1], coefficients=45))])[1], "failed")
         self.assertEqual(job["attempts"], 1)
         self.assertRegex(str(job["error"]), r"took more than 4 seconds and was still in the stage \\?\"check")
         self.assertIn("--job-timeout", str(job["error"]))
@@ -163,13 +161,11 @@ class Confinement(ServerTestCase):
         wait_until(lambda: confined_of(server, "stitch-sandboxed") == [], "its process lives on")
         server.stop()
         server = self.serve("--no-previews")
-        _, job_id = server.begun(self.photos)
-        server.ended(job_id)
+        server.ended(server.begun(self.photos)[1])
 
     def test_a_job_that_needs_more_memory_than_it_may_is_ended(self):
         server = self.serve("--no-previews", "--job-memory", "150")
-        _, job_id = server.begun([("slow.jpg", slow_photo(self.photos[0][1], coefficients=5))])
-        job = server.wait_for_job(job_id)
+        job = server.wait_for_job(server.begun([("slow.jpg", slow_photo(self.photos[0][1], coefficients=5))])[1])
         self.assertEqual((job["state"], job["attempts"]), ("failed", 1), job)
         self.assertIn("needed more than 0.1 GiB of memory in the stage", str(job["error"]))
         wait_until(lambda: server.garbage() == [], f"left over: {server.garbage()}")

@@ -41,8 +41,7 @@ def touch(a, b):
 
 class Preview(ServerTestCase):
     def middle_tile(self, server, tilejson_path):
-        _, tilejson = server.json("GET", tilejson_path, code=200)
-        url = middle_tile(tilejson)
+        url = middle_tile(server.json("GET", tilejson_path, code=200)[1])
         return url, server.request("GET", url)
 
     def test_it_grows_with_the_photos_and_gives_way_to_the_map(self):

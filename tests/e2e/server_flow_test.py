@@ -35,22 +35,18 @@ class Flow(ServerTestCase):
         self.assertIn(headers["Content-Type"], ("image/jpeg", "image/png"))
         self.assertGreater(len(body), 500)
         self.assertIn("immutable", headers["Cache-Control"])
-        status, _, nothing = server.request("GET", path_of(url), headers={"If-None-Match": headers["ETag"]})
-        self.assertEqual((status, nothing), (304, b""))
+        self.assertEqual(server.request("GET", path_of(url), headers={"If-None-Match": headers["ETag"]}, code=304)[2], b"")
         base = f"/tiles/{flight['id']}/{zoom}/{x}/{y}"
         for extension, magic in ((".jpg", b"\xff\xd8\xff"), (".png", b"\x89PNG"), (".webp", b"RIFF")):
-            _, _, body = server.request("GET", base + extension, code=200)
-            self.assertTrue(body.startswith(magic), extension)
+            self.assertTrue(server.request("GET", base + extension, code=200)[2].startswith(magic), extension)
         self.assertEqual(server.request("GET", f"/tiles/{flight['id']}/{zoom + 1}/{2 * x}/{2 * y}")[0], 404)
         for bad in ("-1/0/0", "1e1/0/0", "31/0/0", "2/9/0", "2/1/1.exe", "2/1/0x1"):
             self.assertEqual(server.request("GET", f"/tiles/{flight['id']}/{bad}")[0], 400, bad)
 
     def check_downloads(self, server, flight_id):
         base = f"/api/v1/flights/{flight_id}"
-        status, report = server.json("GET", base + "/report")
-        self.assertEqual((status, report["photos"]["total"]), (200, 6))
-        status, footprints = server.json("GET", base + "/photos.geojson")
-        self.assertEqual((status, len(footprints["features"])), (200, 6))
+        self.assertEqual(server.json("GET", base + "/report", code=200)[1]["photos"]["total"], 6)
+        self.assertEqual(len(server.json("GET", base + "/photos.geojson", code=200)[1]["features"]), 6)
         _, headers, whole = server.request("GET", base + "/download.mbtiles")
         self.assertTrue(whole.startswith(b"SQLite format 3"))
         self.assertEqual(int(headers["Content-Length"]), len(whole))
@@ -141,10 +137,8 @@ class Flow(ServerTestCase):
         with socket.create_connection(("127.0.0.1", server.port)) as client:
             client.sendall((f"PUT {files}/big.jpg HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 3221225472\r\n\r\n"
                             + "x" * 5000).encode())
-        _, listed = server.json("GET", files)
-        self.assertEqual(listed["files"], [])
-        _, flights = server.json("GET", "/api/v1/flights")
-        self.assertEqual(len(flights["flights"]), 1)
+        self.assertEqual(server.json("GET", files)[1]["files"], [])
+        self.assertEqual(len(server.json("GET", "/api/v1/flights")[1]["flights"]), 1)
 
     def test_errors_are_problem_documents(self):
         server = self.serve()

@@ -61,8 +61,7 @@ class Kills(ServerTestCase):
         finally:
             signal.signal(signal.SIGCHLD, before)
         for _ in range(2):  # a worker makes one map, and another is started when it has ended
-            _, job_id = server.begun(self.photos)
-            server.ended(job_id)
+            server.ended(server.begun(self.photos)[1])
         self.assertEqual(server.stop(), 0)
 
     def test_a_job_waits_for_a_worker_across_restarts(self):
@@ -81,8 +80,7 @@ class Kills(ServerTestCase):
             server.kill()
         again = self.serve()
         self.assertEqual(again.garbage(), [])
-        _, listed = again.json("GET", f"/api/v1/flights/{flight['id']}/files")
-        self.assertEqual(listed["files"], [])
+        self.assertEqual(again.json("GET", f"/api/v1/flights/{flight['id']}/files")[1]["files"], [])
 
     def test_a_cancelled_job_is_dismissed(self):
         server = self.serve()

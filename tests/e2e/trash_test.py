@@ -59,8 +59,7 @@ class TrashCase(ServerTestCase):
         return rows[0] if rows else None
 
     def trash_of(self, server):
-        _, trash = server.json("GET", "/api/v1/trash", code=200)
-        return trash
+        return server.json("GET", "/api/v1/trash", code=200)[1]
 
     def flights_of(self, server):
         return [flight["id"] for flight in server.json("GET", "/api/v1/flights")[1]["flights"]]
@@ -95,8 +94,7 @@ class Trash(TrashCase):
         server.kill()
         server = self.serve()
         self.assertEqual(self.names_of(flight), before)
-        _, restored = server.json("POST", f"/api/v1/flights/{flight}/restore", code=200)
-        self.assertEqual(restored["state"], "ready")
+        self.assertEqual(server.json("POST", f"/api/v1/flights/{flight}/restore", code=200)[1]["state"], "ready")
         self.assertEqual(server.json("GET", f"/tiles/{flight}.json")[1]["bounds"], tilejson["bounds"])
         self.assertEqual(self.trash_of(server)["flights"], [])
         self.assertEqual(server.request("POST", f"/api/v1/flights/{flight}/restore")[0], 404)
@@ -189,8 +187,7 @@ class Trash(TrashCase):
 
     def test_a_node_puts_removed_tasks_into_the_same_trash(self):
         server = self.serve("--workers", "0")
-        _, _, answer = server.request("POST", "/task/new", form(files=self.photos[:1], part="images"), FORM)
-        uuid = json.loads(answer)["uuid"]
+        uuid = json.loads(server.request("POST", "/task/new", form(files=self.photos[:1], part="images"), FORM)[2])["uuid"]
         flight = self.flights_of(server)[0]
         _, _, answer = server.request("POST", "/task/remove", f"uuid={uuid}", {"Content-Type": "application/x-www-form-urlencoded"})
         self.assertEqual(json.loads(answer), {"success": True})

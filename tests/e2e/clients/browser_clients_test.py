@@ -126,8 +126,7 @@ class BrowserClients(BrowserTestCase):
         name, content = self.photos[0]
         headers = bearer(token) if token else {}
         as_json = {**headers, **AS_JSON}
-        _, _, made = server.request("POST", "/api/v1/flights", json.dumps({"name": "From elsewhere"}), as_json)
-        flight = json.loads(made)["id"]
+        flight = json.loads(server.request("POST", "/api/v1/flights", json.dumps({"name": "From elsewhere"}), as_json)[2])["id"]
         told, _ = self.run_clients(["uppy"], port, server, token, flight=flight, file=name)
         self.assertEqual(told["uppy"].get("answer"), {"sent": [name], "bytes": len(content)}, told)
         status, _, files = server.request("GET", f"/api/v1/flights/{flight}/files", headers=headers)

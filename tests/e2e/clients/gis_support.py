@@ -120,8 +120,7 @@ class MapFileTestCase(GdalTestCase):
     def setUpClass(cls):
         super().setUpClass()
         for kind in ("mbtiles", "tif"):
-            _, _, content = cls.server.request("GET", f"/api/v1/flights/{cls.flight_id}/download.{kind}")
-            cls.path(kind).write_bytes(content)
+            cls.path(kind).write_bytes(cls.server.request("GET", f"/api/v1/flights/{cls.flight_id}/download.{kind}")[2])
 
     @classmethod
     def path(cls, kind):

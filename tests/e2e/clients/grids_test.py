@@ -20,8 +20,7 @@ class Grids(MapFileTestCase):
         cls.utm = f"UTM{cls.zone:02}WGS84Quad"
 
     def document(self, path):
-        _, document = self.server.json("GET", path, code=200)
-        return document
+        return self.server.json("GET", path, code=200)[1]
 
     def warped(self, dataset):
         """The MBTiles by GDAL, on the pixels of a dataset."""

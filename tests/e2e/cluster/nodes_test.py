@@ -102,8 +102,7 @@ class NodesTest(ServerTestCase):
 
     def test_an_upload_goes_on_where_a_killed_node_left_it(self):
         first, second = self.nodes[:2]
-        _, _, answer = self.ask("POST", "/api/v1/flights", "{}", AS_JSON, first.port)
-        flight = json.loads(answer)["id"]
+        flight = json.loads(self.ask("POST", "/api/v1/flights", "{}", AS_JSON, first.port)[2])["id"]
         for name, content in self.photos[1:]:
             self.assertEqual(self.ask("PUT", f"/api/v1/flights/{flight}/files/{name}", content)[0] // 100, 2)
         name, content = self.photos[0]

@@ -46,8 +46,7 @@ class SharedCatalogue(SharedCatalogueCase):
         server.wait_for_job(job_id, until=lambda job: job["stage"] != "")
         self.postgres.stop(signal.SIGQUIT)  # as a crash
         server.json("GET", "/api/v1/flights", code=503)
-        _, answer = server.upload(self.photos, code=503)
-        self.assertNotIn("FATAL", str(answer))
+        self.assertNotIn("FATAL", str(server.upload(self.photos, code=503)[1]))
         time.sleep(3)
         self.postgres.start()
         wait_until(lambda: server.json("GET", "/api/v1/flights")[0] == 200, "the server did not come back: " + server.errors())
@@ -61,8 +60,7 @@ class SharedCatalogue(SharedCatalogueCase):
         server = self.serve_shared(workers=1)
         flight_id, job_id = self.upload(server)
         server.ended(job_id)
-        _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
-        tile = middle_tile(tilejson)
+        tile = middle_tile(server.json("GET", f"/tiles/{flight_id}.json")[1])
         sound = server.request("GET", tile)[2]
         frozen = [self.postgres.process.pid, *children_of(self.postgres.process.pid)]
         for pid in frozen:

@@ -77,7 +77,6 @@ class SharedCatalogueCase(ServerTestCase):
     def check_map(self, server, flight_id):
         _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
         self.assertEqual(flight["state"], "ready", server.errors())
-        _, tilejson = server.json("GET", flight["tilejson"], code=200)
-        _, _, bytes_of_tile = server.request("GET", middle_tile(tilejson), code=200)
+        _, _, bytes_of_tile = server.request("GET", middle_tile(server.json("GET", flight["tilejson"], code=200)[1]), code=200)
         self.assertGreater(len(bytes_of_tile), 100)
         self.assertEqual(self.query("SELECT count(*) FROM revision"), "1")

@@ -57,8 +57,7 @@ class Layers(ServerTestCase):
         flight_id = self.map_of(server, {"layers": ["error"]})
         _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
         self.assertEqual([layer["id"] for layer in tilejson["layers"]], ["error"])
-        _, problem = server.json("GET", f"/tiles/{flight_id}/height.json", code=404)
-        self.assertIn('"layers": ["height"]', problem["detail"])
+        self.assertIn('"layers": ["height"]', server.json("GET", f"/tiles/{flight_id}/height.json", code=404)[1]["detail"])
         for path in (f"/tiles/{flight_id}/depth.json", f"/tiles/{flight_id}/depth/1/0/0", f"/tiles/{flight_id}/error",
                      f"/tiles/{flight_id}/height/1/0/0"):
             self.assertEqual(server.request("GET", path)[0], 404, path)
@@ -69,8 +68,7 @@ class Layers(ServerTestCase):
     def test_what_is_no_list_of_layers_is_refused(self):
         server = self.serve()
         for layers in ("photo", ["photo", "photo"], ["depth"], [1], {"photo": True}):
-            _, answer = server.upload(self.photos[:1], options=json.dumps({"layers": layers}), code=422)
-            self.assertIn("layers", answer["detail"])
+            self.assertIn("layers", server.upload(self.photos[:1], options=json.dumps({"layers": layers}), code=422)[1]["detail"])
 
 
 if __name__ == "__main__":

@@ -55,8 +55,7 @@ class Exports(ServerTestCase):
 
     def test_a_job_cuts_its_map_to_an_area_and_refuses_what_is_none(self):
         server, flight = self.serve_map()
-        _, whole = server.json("GET", f"/api/v1/flights/{flight}")
-        west, south, east, north = whole["bounds"]
+        west, south, east, north = server.json("GET", f"/api/v1/flights/{flight}")[1]["bounds"]
         middle = [west + (east - west) / 3, south + (north - south) / 3, east - (east - west) / 3, north - (north - south) / 3]
         def begin(options):
             return server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": options})

@@ -21,8 +21,7 @@ class PlaceOnTheServer(ServerTestCase):
         return server.stitched(self.photos[:6])["flight"]["id"]
 
     def place(self, server, flight, pairs):
-        _, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": pairs}}, code=202)
-        return server.wait_for_job(job["id"])
+        return server.wait_for_job(server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": pairs}}, code=202)[1]["id"])
 
     def bounds(self, server, flight):
         west, south, east, north = server.json("GET", f"/api/v1/flights/{flight}")[1]["bounds"]

@@ -14,12 +14,10 @@ from server_support import ServerTestCase  # noqa: E402
 
 class Tags(ServerTestCase):
     def flight(self, server, **fields):
-        _, made = server.json("POST", "/api/v1/flights", fields, code=201)
-        return made
+        return server.json("POST", "/api/v1/flights", fields, code=201)[1]
 
     def tagged(self, server, tag, more=""):
-        _, page = server.json("GET", "/api/v1/flights?tag=" + urllib.parse.quote(tag) + more, code=200)
-        return page
+        return server.json("GET", "/api/v1/flights?tag=" + urllib.parse.quote(tag) + more, code=200)[1]
 
     def test_flights_are_found_by_their_tags(self):
         server = self.serve("--workers", "0")
@@ -51,8 +49,7 @@ class Tags(ServerTestCase):
         for tags in ("a", [1], [""], ["a,b"], [" a"], ["a\n"], ["x" * 41], [f"t{i}" for i in range(21)], None, {"a": 1}):
             _, problem = server.json("PATCH", f"/api/v1/flights/{flight}", {"name": "renamed", "tags": tags}, code=422)
             self.assertIn("tag", problem["detail"])
-        status, problem = server.json("PATCH", f"/api/v1/flights/{flight}", {"keep": "yes"})
-        self.assertEqual((status, "keep" in problem["detail"]), (422, True))
+        self.assertIn("keep", server.json("PATCH", f"/api/v1/flights/{flight}", {"keep": "yes"}, code=422)[1]["detail"])
         for tag in ("", "a,b", "x" * 41, "%00", "%0A"):
             self.assertEqual(server.json("GET", f"/api/v1/flights?tag={tag}")[0], 400, tag)
         self.assertEqual((lambda one: (one["name"], one["tags"]))(server.json("GET", f"/api/v1/flights/{flight}")[1]), ("f", ["a"]))
