@@ -155,8 +155,7 @@ TEST_F(HungPreview, OneThatBeginsPhotosForEverHasNoTimeForEver) {
   const Result<bool> drawn = drawing.Step();
   unsetenv(kBeginsForEver);
   ASSERT_TRUE(drawn) << drawn.error().detail;
-  const auto again = test::ValueOf(previews_.Claim(3));
-  EXPECT_FALSE(again) << "its photo is passed over";
+  EXPECT_FALSE(test::ValueOf(previews_.Claim(3))) << "its photo is passed over";
 }
 
 TEST_F(HungPreview, AStopEndsItAndItsPhotoWaitsAgain) {

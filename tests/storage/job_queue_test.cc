@@ -341,8 +341,7 @@ TEST_F(JobQueueTest, PublishesARevisionAndForgetsAllButTheOneBefore) {
   for (int i = 1; i <= 3; ++i) {
     ASSERT_TRUE(queue_.Add(flight, "{}", now_));
     const Lease lease = Claimed();
-    const auto number = queue_.ReserveRevision(lease);
-    ASSERT_EQ(**number, i);
+    ASSERT_EQ(**queue_.ReserveRevision(lease), i);
     ASSERT_TRUE(*queue_.Publish(lease, Made(i), now_));
     EXPECT_EQ((*catalogue_.ActiveRevision(flight))->revision, i);
   }

@@ -121,8 +121,7 @@ TEST(RepairData, CompletesACatalogueFromAnOlderBackup) {
   fs::copy_file(copy, scratch.path() / "catalogue.db", fs::copy_options::overwrite_existing);
   fs::remove(copy);
   EXPECT_FALSE(OpenDataFolder(scratch.path()));
-  const auto repaired = test::ValueOf(RepairData(scratch.path(), Now()));
-  EXPECT_FALSE(repaired.made_catalogue);
+  EXPECT_FALSE(test::ValueOf(RepairData(scratch.path(), Now())).made_catalogue);
   ExpectAllBack(scratch.path(), sample);
 }
 

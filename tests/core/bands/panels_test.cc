@@ -319,8 +319,7 @@ TEST_F(CalibrateByPanelsTest, BandsThatNothingKnownTellsOfAreNamedWhereOthersAre
   std::vector<flight::Remark> warnings;
   ScaleBand(captures_, "red", {.by_group = {{"", std::vector<double>{1.2}}}}, HeldAgainst::kTargets,
             "by 1 target", warnings);
-  const auto told = test::ValueOf(BandsHeldAgainstNothing(captures_));
-  EXPECT_THAT(InWords(told), HasSubstr("for nir:"));
+  EXPECT_THAT(InWords(test::ValueOf(BandsHeldAgainstNothing(captures_))), HasSubstr("for nir:"));
   captures_.bands[1].calibration = Calibration::kKelvin;
   EXPECT_FALSE(BandsHeldAgainstNothing(captures_)) << "temperatures need nothing known";
 }

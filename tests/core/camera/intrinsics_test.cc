@@ -26,8 +26,7 @@ TEST(Intrinsics, ProjectUndoesUnprojectAllOverTheImage) {
   for (int y = 0; y < camera.height_px; y += 111) {
     for (int x = 0; x < camera.width_px; x += 111) {
       const Eigen::Vector2d pixel(x, y);
-      const auto back = test::ValueOf(camera.Project(7.0 * camera.Unproject(pixel)));
-      EXPECT_LT((back - pixel).norm(), 1e-8);
+      EXPECT_LT((test::ValueOf(camera.Project(7.0 * camera.Unproject(pixel))) - pixel).norm(), 1e-8);
     }
   }
 }

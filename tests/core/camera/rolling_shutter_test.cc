@@ -34,8 +34,7 @@ TEST(RollingShutter, SeesAPointFromWhereTheCameraWasWhileItsRowWasRead) {
       const double share = (seen.y() + 0.5) / 600.0 - 0.5;
       const geo::Rigid3 there = geo::Rigid3::FromRotationAndTargetOrigin(
           Pose().rotation, Pose().TargetOriginInSource() + share * motion_m);
-      const auto from_there = test::ValueOf(Lens().Project(there * point));
-      EXPECT_LT((seen - from_there).norm(), 1e-3);
+      EXPECT_LT((seen - test::ValueOf(Lens().Project(there * point))).norm(), 1e-3);
       EXPECT_LT((PoseAtRow(Pose(), {motion_m, {}}, seen.y(), 600).TargetOriginInSource() -
                  there.TargetOriginInSource())
                     .norm(),
@@ -73,8 +72,7 @@ TEST(RollingShutter, SeesAPointThroughTheCameraAsItIsTurnedAtItsRow) {
       const geo::Rigid3 there = geo::Rigid3::FromRotationAndTargetOrigin(
           geo::RotationFromVector(turn_rad) * Pose().rotation,
           Pose().TargetOriginInSource() + share * motion.shift_in_enu_m);
-      const auto from_there = test::ValueOf(Lens().Project(there * point));
-      EXPECT_LT((seen - from_there).norm(), 0.01);
+      EXPECT_LT((seen - test::ValueOf(Lens().Project(there * point))).norm(), 0.01);
       most_px = std::max(most_px, (seen - *Lens().Project(Pose() * point)).norm());
     }
   }

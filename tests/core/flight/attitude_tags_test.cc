@@ -298,16 +298,14 @@ TEST(VelocityFromTags, TurnsEveryFrameToEastNorthUp) {
   ASSERT_TRUE(dji.AddPacket(XmpPacket(kDjiNamespace + std::string("drone-dji:FlightXSpeed=\"+3.0\" "
                                                                   "drone-dji:FlightYSpeed=\"-4.0\" "
                                                                   "drone-dji:FlightZSpeed=\"+0.5\""))));
-  const auto from_ned = test::ValueOf(VelocityFromTags(dji));
-  EXPECT_EQ(from_ned, Eigen::Vector3d(-4.0, 3.0, -0.5));
+  EXPECT_EQ(test::ValueOf(VelocityFromTags(dji)), Eigen::Vector3d(-4.0, 3.0, -0.5));
 
   XmpTags sequoia;
   ASSERT_TRUE(sequoia.AddPacket(XmpPacket("xmlns:Camera=\"http://pix4d.com/camera/1.0/\"",
                                           "<Camera:IMULinearVelocity><rdf:Seq><rdf:li>1.5</"
                                           "rdf:li><rdf:li>-2</rdf:li><rdf:li>0.25</rdf:li></rdf:Seq>"
                                           "</Camera:IMULinearVelocity>")));
-  const auto from_enu = test::ValueOf(VelocityFromTags(sequoia));
-  EXPECT_EQ(from_enu, Eigen::Vector3d(1.5, -2.0, 0.25));
+  EXPECT_EQ(test::ValueOf(VelocityFromTags(sequoia)), Eigen::Vector3d(1.5, -2.0, 0.25));
 }
 
 TEST(VelocityFromTags, RefusesAllZeroAndImpossibleSpeeds) {

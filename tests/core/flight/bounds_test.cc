@@ -215,8 +215,7 @@ TEST(PngHeader, OneExifAndFewPacketsAreRead) {
   for (int i = 0; i < 20; ++i) chunk("iTXt", text);
   chunk("IEND", {});
   CountingBytes source(png);
-  const auto header = test::ValueOf(ReadImageHeader(source));
-  EXPECT_LE(header.xmp_packets.size(), 4U);
+  EXPECT_LE(test::ValueOf(ReadImageHeader(source)).xmp_packets.size(), 4U);
   EXPECT_LT(source.bytes_read, 500'000U);
 }
 
@@ -237,8 +236,7 @@ TEST(TiffDirectories, ChainsAreCountedOnlySoFar) {
        {std::tuple{3U, false, 3}, {64U, false, 64}, {65U, false, 65}, {60'000U, false, 65}, {2U, true, 65}}) {
     const Bytes tiff = chain(length, closes);
     CountingBytes source(tiff);
-    const auto counted = test::ValueOf(CountTiffDirectories(source, 64));
-    EXPECT_EQ(counted, count);
+    EXPECT_EQ(test::ValueOf(CountTiffDirectories(source, 64)), count);
     EXPECT_LT(source.reads, 200U);
   }
   const test::TemporaryFolder folder;

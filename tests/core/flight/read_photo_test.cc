@@ -112,8 +112,7 @@ TEST(ReadPhoto, ReadsPropertiesThatStandInNoDescription) {
 }
 
 TEST(ReadPhoto, TakesTheHeightAboveTakeOff) {
-  const auto photo = ValueOf(ReadPhotoFromBytes("a.jpg", RichPhoto()));
-  EXPECT_EQ(photo.position->height_above_takeoff_m, 40.0);
+  EXPECT_EQ(ValueOf(ReadPhotoFromBytes("a.jpg", RichPhoto())).position->height_above_takeoff_m, 40.0);
 }
 
 // Programs that write the EXIF block anew keep the maker note byte for byte.
@@ -312,14 +311,12 @@ TEST(ReadTiffTags, StopsAtLoopsAndHugeCounts) {
   loop.Long(ExifIfd::kImage, 0x8769, 8).Long(ExifIfd::kImage, 0x8825, 8).Long(ExifIfd::kImage, 0x0100, 32);
   Bytes looping = loop.Write();
   MemoryBytes source(looping);
-  const auto table = ValueOf(ReadTiffTags(source));
-  EXPECT_EQ(table.values().size(), 3u);
+  EXPECT_EQ(ValueOf(ReadTiffTags(source)).values().size(), 3u);
   // One entry that claims four thousand million rationals.
   Bytes huge = ExifWriter().Rational(ExifIfd::kImage, 0x0100, {{1, 1}}).Write();
   for (int i = 0; i < 4; ++i) huge[8 + 2 + 4 + i] = 0xFF;
   MemoryBytes huge_source(huge);
-  const auto huge_table = ValueOf(ReadTiffTags(huge_source));
-  EXPECT_TRUE(huge_table.values().empty());
+  EXPECT_TRUE(ValueOf(ReadTiffTags(huge_source)).values().empty());
 }
 
 TEST(XmpTags, RefusesBrokenAndBottomlessXml) {

@@ -92,8 +92,7 @@ TEST(PictureFormat, SaysWhetherAWebpHasAlpha) {
   const auto lossy = EncodeWebp(RowsOf(image), 80.0F);
   EXPECT_TRUE(IsWebpWithAlpha(Text(lossy)));
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;
-  const auto opaque = EncodeWebp(RowsOf(image), 80.0F);
-  EXPECT_FALSE(IsWebpWithAlpha(Text(opaque)));
+  EXPECT_FALSE(IsWebpWithAlpha(Text(EncodeWebp(RowsOf(image), 80.0F))));
   cv::Mat colors(20, 30, CV_8UC4, cv::Scalar(10, 200, 30, 255));
   std::vector<std::uint8_t> lossless;
   cv::imencode(".webp", colors, lossless, {cv::IMWRITE_WEBP_QUALITY, 101});

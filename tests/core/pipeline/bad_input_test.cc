@@ -87,8 +87,7 @@ TEST_F(BadInput, AJpegDamagedInTheMiddleNeverFailsTheFlight) {
   for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 4000 && i < bytes.size() - 2; ++i)
     bytes[i] = '\xff';
   Write("damaged.jpg", bytes);
-  const auto built = test::ValueOf(Build());
-  EXPECT_GE(built.report.photos_pose_only, 4);
+  EXPECT_GE(test::ValueOf(Build()).report.photos_pose_only, 4);
 }
 
 TEST_F(BadInput, APhotoWithoutGpsIsLeftOut) {
@@ -102,8 +101,7 @@ TEST_F(BadInput, APhotoWithoutGpsIsLeftOut) {
 TEST_F(BadInput, OnePhotoMakesAMap) {
   for (const char* name : {"SIM_0002.JPG", "SIM_0003.JPG", "SIM_0004.JPG"})
     std::filesystem::remove(photos_ / name);
-  const auto built = test::ValueOf(Build());
-  EXPECT_EQ(built.report.photos_pose_only, 1);
+  EXPECT_EQ(test::ValueOf(Build()).report.photos_pose_only, 1);
   EXPECT_FALSE(map_.tiles.empty());
 }
 

@@ -116,8 +116,7 @@ TEST(FlightFacts, CutOffAnywhereAreRefusedAndNeverBelieved) {
 TEST(FlightFacts, OfPosesAloneHaveNoFiguresOfAnAlignment) {
   FlightFacts facts = SomeFacts();
   facts.align_report.reset();
-  const auto read = test::ValueOf(ParseFacts(WriteFacts(facts)));
-  EXPECT_FALSE(read.align_report);
+  EXPECT_FALSE(test::ValueOf(ParseFacts(WriteFacts(facts))).align_report);
 }
 
 TEST(FlightFacts, WithNamesThatAreNoTextAreReadAgain) {

@@ -254,8 +254,7 @@ TEST(PlaceByLists, AddsUpHowFarPointsMovedTheMap) {
 
 TEST(PlaceByLists, PlacesAMapThatLiesNowhereByThreePoints) {
   const Adrift flight;
-  const auto placed = ValueOf(PlaceByLists(flight.known, flight.Survey(3)));
-  EXPECT_TRUE(placed.is_placed);
+  EXPECT_TRUE(ValueOf(PlaceByLists(flight.known, flight.Survey(3))).is_placed);
   bool contradict = false;
   EXPECT_EQ(ErrorOf(PlaceByLists(flight.known, flight.Survey(2), &contradict)).code,
             ErrorCode::kUnprocessable);

@@ -416,8 +416,7 @@ TEST(EstimatePoses, TakesAbsoluteHeightsOverTheElevationModelWhereNoneIsRelative
   const Slope dem;
   EstimatePosesOptions options;
   options.dem = &dem;
-  const auto posed = ValueOf(Estimate(flight, options));
-  EXPECT_NEAR(posed.photos.at(0).height_above_ground_m, 70.0, 0.5);
+  EXPECT_NEAR(ValueOf(Estimate(flight, options)).photos.at(0).height_above_ground_m, 70.0, 0.5);
 }
 
 TEST(JoinLogs, LaysLogsOnOneClockAndFillsWhatTheLeaderLacks) {

@@ -128,8 +128,7 @@ TEST(PaperLiteralForm, DoubleIntegrationWithoutGravityAndRotationFallsFromTheSky
     hover.push_back({0.01 * k, Vector3d::Zero(), {0.0, 0.0, -kStandardGravityMps2}});
   StrapdownState start;
   start.enu_from_body = EnuFromNed();  // nose north, level
-  const auto right = test::ValueOf(IntegrateStrapdown(hover, start));
-  EXPECT_LT(right.back().position_in_enu_m.norm(), 1e-9);
+  EXPECT_LT(test::ValueOf(IntegrateStrapdown(hover, start)).back().position_in_enu_m.norm(), 1e-9);
   double velocity = 0.0, position = 0.0;
   for (std::size_t k = 1; k < hover.size(); ++k) {
     const double next =

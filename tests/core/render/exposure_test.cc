@@ -263,8 +263,7 @@ TEST(LightModel, APhotoOfOnePixelHasAShade) {
   photo.intrinsics = camera::Intrinsics::Centered(1, 1, 1.0);
   const Shade shade = ShadeOf(light, photo, {});
   for (const float term : shade.terms[0]) EXPECT_TRUE(std::isfinite(term));
-  const auto drawn = ShadeGrid(shade, photo.intrinsics).At(0.0f, 0.0f);
-  EXPECT_GT(drawn[0], 0.1f);
+  EXPECT_GT(ShadeGrid(shade, photo.intrinsics).At(0.0f, 0.0f)[0], 0.1f);
 }
 
 TEST(ShadePowers, AreAllProductsUpToTheDegree) {

@@ -93,8 +93,7 @@ TEST(StandingObject, OneSeesBelowACrownButNotThroughIt) {
     };
     ASSERT_TRUE(across(tree.ground_m + 0.6 * tree.outline.height_m).has_value());
     // Below the leaves only the trunk stands.
-    const auto low = test::ValueOf(across(tree.ground_m + 0.05 * tree.outline.height_m));
-    EXPECT_NEAR(low.distance_m, side_m, 0.35);
+    EXPECT_NEAR(test::ValueOf(across(tree.ground_m + 0.05 * tree.outline.height_m)).distance_m, side_m, 0.35);
   }
   EXPECT_GT(trees, 20);
 }

@@ -171,8 +171,7 @@ TEST(MatchSurface, TakesNoPhotosThatAreNotAligned) {
 TEST(MatchSurface, DoesWithoutADamagedPhoto) {
   SyntheticScene scene = Scene(3, 3);
   scene.flight.photos[4].photo.name = "damaged";
-  const auto surface = test::ValueOf(Match(scene, Around(-5, -5, 5, 5)));
-  EXPECT_LT(OffIn(surface, scene, kAll).median_m, 0.5 * kGsdM);
+  EXPECT_LT(OffIn(test::ValueOf(Match(scene, Around(-5, -5, 5, 5))), scene, kAll).median_m, 0.5 * kGsdM);
 }
 
 TEST(MatchSurface, IsTheSameWithAnyNumberOfThreads) {

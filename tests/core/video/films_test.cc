@@ -115,8 +115,7 @@ TEST_F(FilmsTest, NameSubtitlesThatBelongToNoneOfThemWhereOneHasNone) {
   folder_.Write("DJI_0001.SRT", Subtitles(2));
   folder_.Write("flight.SRT", Subtitles(2));
   const std::vector<flight::InputFile> files{File("DJI_0001.MP4"), File("DJI_0001.SRT"), File("flight.SRT")};
-  const auto whole = test::ValueOf(Replace(files));
-  EXPECT_TRUE(whole.warnings.empty());
+  EXPECT_TRUE(test::ValueOf(Replace(files)).warnings.empty());
   std::vector<flight::InputFile> more = files;
   more.push_back(File("DJI_0002.MP4"));
   const auto given = test::ValueOf(Replace(more));

@@ -86,8 +86,7 @@ TEST_F(VideoFileTest, EndsWhereAFilmIsDamaged) {
 }
 
 TEST_F(VideoFileTest, HasNoSubtitlesUnlessTheCameraWroteThem) {
-  const auto text = test::ValueOf(VideoFile::Subtitles(path_));
-  EXPECT_EQ(text, "");
+  EXPECT_EQ(test::ValueOf(VideoFile::Subtitles(path_)), "");
 }
 
 }  // namespace

@@ -125,8 +125,7 @@ TEST_P(EachBlobStore, GivesBackWhatWasPut) {
   const fs::path file = FileOf(bytes);
   for (const char* key : {"flights/a/files/x", "flights/a b=c&d+e/r1/é~(1)$.tif"}) {
     ASSERT_TRUE(blobs_->Put(key, file)) << key;
-    const auto found = test::ValueOf(blobs_->Find(key));
-    EXPECT_EQ(found.bytes, 100'000);
+    EXPECT_EQ(test::ValueOf(blobs_->Find(key)).bytes, 100'000);
     EXPECT_EQ(*blobs_->ReadRange(key, 0, 100'000), bytes);
     EXPECT_EQ(*blobs_->ReadRange(key, 99'990, 500), bytes.substr(99'990));
     EXPECT_EQ(*blobs_->ReadRange(key, 500, 10), bytes.substr(500, 10));
@@ -179,8 +178,7 @@ TEST_P(EachBlobStore, ListsMoreThanAPage) {
     EXPECT_TRUE(blobs_->Put("flights/a/files/" + std::to_string(i), file)) << i;
   });
   EXPECT_EQ(blobs_->List("flights/a/")->size(), kCount);
-  const auto removed = test::ValueOf(blobs_->RemoveBelow("flights/a/"));
-  EXPECT_EQ(removed, kCount);
+  EXPECT_EQ(test::ValueOf(blobs_->RemoveBelow("flights/a/")), kCount);
   EXPECT_TRUE(blobs_->List("flights/")->empty());
 }
 
@@ -247,8 +245,7 @@ TEST_P(EachBlobStore, GivesNothingButWhatWasPublished) {
   // Once it is put back it is read again: nothing of the others was kept.
   ASSERT_TRUE(other_->Put(map, file));
   ASSERT_TRUE(other_->Put(report, file));
-  const auto again = test::ValueOf(read());
-  EXPECT_EQ(again, test::BytesOf(file).substr(300'000, 1'000));
+  EXPECT_EQ(test::ValueOf(read()), test::BytesOf(file).substr(300'000, 1'000));
   EXPECT_TRUE(s3_->Local(map));
   EXPECT_TRUE(s3_->Local(report));
   // Of maps of which nothing is known the store's word counts, and a name that was not published is refused.

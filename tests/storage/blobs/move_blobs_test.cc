@@ -136,8 +136,7 @@ TEST_F(MovedBlobs, AreRemovedWhereTheyWereCopiedAndNothingElseIs) {
   EXPECT_NE(moved.message.find(late), std::string::npos);
   EXPECT_EQ(far_.List("flights/")->size(), 4U);
   EXPECT_EQ(**SettledAt(dir_), "s3://far/");
-  const auto again = test::ValueOf(Move(far_, near_, true));
-  EXPECT_EQ(again.removed, 4);
+  EXPECT_EQ(test::ValueOf(Move(far_, near_, true)).removed, 4);
   EXPECT_EQ(*near_.ReadRange(late, 0, 10), "late");
 }
 

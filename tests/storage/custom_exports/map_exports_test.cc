@@ -105,8 +105,7 @@ TEST_F(MapExportsTest, TheSameWishIsTheSameExport) {
   EXPECT_NE(Ask(flight, "{}").id, first.id);
   EXPECT_NE(Ask(flight, R"({"format":"kmz"})", 2).id, first.id);
   // One that failed is made again.
-  const auto claimed = *exports_.Claim(Now());
-  EXPECT_TRUE(*exports_.Fail(*claimed, {ErrorCode::kOutOfSpace, "no room", ""}, Now()));
+  EXPECT_TRUE(*exports_.Fail(**exports_.Claim(Now()), {ErrorCode::kOutOfSpace, "no room", ""}, Now()));
   EXPECT_EQ(exports_.Get(flight, first.id)->error_message, "no room");
   EXPECT_NE(Ask(flight).id, first.id);
 }

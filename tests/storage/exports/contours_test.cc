@@ -34,8 +34,7 @@ TEST(Contours, AreRoundTheirConeAtTheirHeightInEachFormat) {
   const test::TemporaryFolder folder;
   SilentProgress progress;
   WriteHeights(folder.path() / "dtm.tif", kSide, ConeAt);
-  const auto interval_m = test::ValueOf(WriteContours(folder.path() / "dtm.tif", 0.2, progress));
-  EXPECT_EQ(interval_m, 0.2);
+  EXPECT_EQ(test::ValueOf(WriteContours(folder.path() / "dtm.tif", 0.2, progress)), 0.2);
   const auto gpkg = OpenLines(folder.path() / "contours.gpkg");
   ASSERT_NE(gpkg, nullptr);
   OGRLayer* layer = gpkg->GetLayerByName("contours");
@@ -79,8 +78,7 @@ TEST(Contours, OfLevelAndOfUnknownGroundAreFilesWithoutLines) {
        {+[](double, double) { return 3.04; }, +[](double, double) { return std::nan(""); }}) {
     const test::TemporaryFolder folder;
     WriteHeights(folder.path() / "dtm.tif", kSide, height_at);
-    const auto interval_m = test::ValueOf(WriteContours(folder.path() / "dtm.tif", 0.5, progress));
-    EXPECT_EQ(interval_m, 0.1);
+    EXPECT_EQ(test::ValueOf(WriteContours(folder.path() / "dtm.tif", 0.5, progress)), 0.1);
     for (const char* name : {"contours.gpkg", "contours.geojson", "contours.dxf"}) {
       const auto lines = OpenLines(folder.path() / name);
       ASSERT_NE(lines, nullptr) << name;

@@ -327,8 +327,7 @@ TEST_F(UnitQueueTest, AJobWhoseUnitsAreAllThereIsClaimedAtOnce) {
   EXPECT_TRUE(*units_.Cut(lease, "look", 2, 100, {0.0, 0.4, "check"}, {0, 1}));
   EXPECT_EQ(*units_.UnitsOf(lease.job_id), lease.job_id);
   EXPECT_FALSE(*units_.Claim("w", now_));
-  const auto again = test::ValueOf(*queue_.Claim("w", now_ + seconds(1)));
-  EXPECT_EQ(again.attempt, 1);
+  EXPECT_EQ(test::ValueOf(*queue_.Claim("w", now_ + seconds(1))).attempt, 1);
 }
 
 TEST_F(UnitQueueTest, CancellingEndsTheUnits) {

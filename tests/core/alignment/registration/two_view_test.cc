@@ -32,12 +32,10 @@ TEST(TwoView, TheTurnIsFoundOverFlatGroundAndOverRelief) {
   options.any_yaw = true;
   options.relief_m = 0.0;
   const SyntheticScene flat = MakeScene(options);
-  const auto of_flat = test::ValueOf(View(flat, 0, 1));
-  EXPECT_LT(TurnError(flat, 0, 1, of_flat), 0.02);
+  EXPECT_LT(TurnError(flat, 0, 1, test::ValueOf(View(flat, 0, 1))), 0.02);
   options.relief_m = 15.0;
   const SyntheticScene hills = MakeScene(options);
-  const auto of_hills = test::ValueOf(View(hills, 0, 1));
-  EXPECT_LT(TurnError(hills, 0, 1, of_hills), 0.01);
+  EXPECT_LT(TurnError(hills, 0, 1, test::ValueOf(View(hills, 0, 1))), 0.01);
 }
 
 // A camera far to the side sees level ground as one that turned sees ground along its edge.

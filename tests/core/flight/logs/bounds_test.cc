@@ -42,8 +42,7 @@ TEST(UlogTypes, EachMemberIsLookedAtOnce) {
   EXPECT_LE(types.steps(), 7 * 101 + 1);
   UlogTypes sized = Nested(3, 10);
   EXPECT_EQ(sized.SizeOf("t3"), 8U * 111U);
-  const auto field = ValueOf(sized.Find("t3", "timestamp"));
-  EXPECT_EQ(field.offset, 8U * 110U);
+  EXPECT_EQ(ValueOf(sized.Find("t3", "timestamp")).offset, 8U * 110U);
 }
 
 TEST(UlogTypes, QuestionsBetweenDefinitionsEnd) {

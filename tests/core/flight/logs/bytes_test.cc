@@ -26,8 +26,7 @@ TEST(UtcFromGpsWeek, AppliesTheLeapSecondsOfItsDay) {
 TEST(UtcFromGpsWeek, StepsAtTheLeapSecondItself) {
   // 2017-01-01 00:00:00 UTC is 18 s into that GPS day, which began in week 1930.
   const auto before = UtcFromGpsWeek(1930, 16'500'000);
-  const auto after = UtcFromGpsWeek(1930, 18'000'000);
-  EXPECT_EQ(*after, *UtcFromCivil(2017, 1, 1, 0, 0, 0.0));
+  EXPECT_EQ(*UtcFromGpsWeek(1930, 18'000'000), *UtcFromCivil(2017, 1, 1, 0, 0, 0.0));
   EXPECT_EQ(*before, *UtcFromCivil(2016, 12, 31, 23, 59, 59.5));
 }
 
@@ -93,8 +92,7 @@ TEST(ParseWrittenTime, TakesTheLeapSecondsOffGpsTime) {
   EXPECT_TRUE(gps.names_zone);
   EXPECT_EQ(ParseWrittenTime("1.1.2017", "00:00:10 gpst", DateOrder::kDayFirst)->time,
             *UtcFromCivil(2016, 12, 31, 23, 59, 53.0));
-  const auto other = test::ValueOf(ParseWrittenTime("2024-05-01 10:00:00 GPSTimestamp"));
-  EXPECT_FALSE(other.names_zone);
+  EXPECT_FALSE(test::ValueOf(ParseWrittenTime("2024-05-01 10:00:00 GPSTimestamp")).names_zone);
 }
 
 TEST(ParseWrittenTime, RefusesDatesInAnotherOrder) {

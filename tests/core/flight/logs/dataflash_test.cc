@@ -124,8 +124,7 @@ TEST(ParseDataflash, KnowsUtcFromTheGpsWeekWithLeapSeconds) {
   const auto log = ValueOf(ParseDataflash("flight.BIN", ModernLog()));
   ASSERT_TRUE(log.utc_at_zero.has_value());
   // Week 2300 began on 2024-02-04; four days in, minus 18 leap seconds, minus the 5 s since boot.
-  const auto expected = UtcFromCivil(2024, 2, 7, 23, 59, 37.0);
-  EXPECT_EQ(*log.utc_at_zero, *expected);
+  EXPECT_EQ(*log.utc_at_zero, *UtcFromCivil(2024, 2, 7, 23, 59, 37.0));
   EXPECT_GE(log.utc_sigma_s, 0.1);
 }
 

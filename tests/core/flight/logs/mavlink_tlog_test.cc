@@ -65,8 +65,7 @@ TEST(ParseMavlinkTlog, ReadsBothProtocolsAlike) {
     ASSERT_TRUE(LooksLikeMavlinkTlog(bytes));
     const auto log = ValueOf(ParseMavlinkTlog("t.tlog", bytes));
     ASSERT_EQ(log.attitude.size(), 100u) << "one vehicle only";
-    const auto expected = NedFromYawPitchRoll(1.5, -0.2, 0.1);
-    EXPECT_LT(expected.angularDistance(log.attitude[3].ned_from_body), 1e-6);
+    EXPECT_LT(NedFromYawPitchRoll(1.5, -0.2, 0.1).angularDistance(log.attitude[3].ned_from_body), 1e-6);
     EXPECT_DOUBLE_EQ(log.attitude[3].t_s, 60.75) << "the vehicle's clock, without the delay of the link";
     ASSERT_EQ(log.gnss.size(), 100u);
     EXPECT_NEAR(log.gnss[0].position.lat_deg, -35.363261, 1e-9);

@@ -103,8 +103,7 @@ TEST(ParseAss, ReadsDialogues) {
 TEST(ParseAss, TakesTheOrderOfFieldsFromTheFormatLine) {
   const std::string text =
       "[Events]\nFormat: Start, Layer, Text\nDialogue: 0:00:02.25,0,GPS(E: 8.5, N: 47.5, 400), more\n";
-  const auto log = ValueOf(ParseAss("a.ass", BytesOf(text)));
-  EXPECT_DOUBLE_EQ(log.gnss.at(0).t_s, 2.25);
+  EXPECT_DOUBLE_EQ(ValueOf(ParseAss("a.ass", BytesOf(text))).gnss.at(0).t_s, 2.25);
 }
 
 TEST(ParseAss, QuotesWhatHoldsNoPosition) {
@@ -128,8 +127,7 @@ std::string Lapse(int clock_step_s) {
 }
 
 TEST(ParseDjiSrt, FollowsTheClockWhereTheFilmIsShorter) {
-  const auto steady = ValueOf(ParseDjiSrt("a.srt", BytesOf(Lapse(7))));
-  EXPECT_DOUBLE_EQ(steady.gnss.back().t_s, 133.0);
+  EXPECT_DOUBLE_EQ(ValueOf(ParseDjiSrt("a.srt", BytesOf(Lapse(7)))).gnss.back().t_s, 133.0);
   const auto lapse = ValueOf(ParseDjiSrt("a.srt", BytesOf(Lapse(30))));
   ASSERT_EQ(lapse.gnss.size(), 20U);
   EXPECT_DOUBLE_EQ(lapse.gnss.back().t_s, 570.0);

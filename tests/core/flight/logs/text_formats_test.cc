@@ -178,8 +178,7 @@ TEST(ParseGcpList, AsksForASystemThatIsMissingOrUnknown) {
   const Error refused = ErrorOf(ParseGcpList("gcp_list.txt", BytesOf(without)));
   EXPECT_NE(refused.message.find("EPSG:32632"), std::string::npos) << refused.message;
   EXPECT_EQ(WhyOf(refused).code, RemarkCode::kPointsNameNoSystem);
-  const auto written = ValueOf(ParseWrittenGcpList("gcp_list.txt", BytesOf(without)));
-  EXPECT_FALSE(written.points.at(0).has_position);
+  EXPECT_FALSE(ValueOf(ParseWrittenGcpList("gcp_list.txt", BytesOf(without))).points.at(0).has_position);
   const std::string unknown = "EPSG:99999\n" + without;
   ASSERT_TRUE(LooksLikeGcpList(BytesOf(unknown)));
   EXPECT_NE(ParseGcpList("gcp_list.txt", BytesOf(unknown)).error().message.find("\"EPSG:99999\""),

@@ -212,8 +212,7 @@ TEST(ParseUlog, RefusesHostileTypeDefinitions) {
   w.Subscribe(1, "huge");
   w.Subscribe(2, "vehicle_air_data");
   w.Data(2, Pack(1'000'000, 5.0f));
-  const auto log = ValueOf(ParseUlog("hostile.ulg", w.bytes()));
-  EXPECT_TRUE(log.baro.empty());
+  EXPECT_TRUE(ValueOf(ParseUlog("hostile.ulg", w.bytes())).baro.empty());
 }
 
 }  // namespace
