@@ -92,8 +92,7 @@ TEST(Access, WithoutTokensAllIsOpen) {
 
 TEST(Access, WhoComesByTheNetworkNeedsATokenAlsoWhereNobodyElseDoes) {
   SampleService sample;
-  const std::string flight = sample.NewFlight();
-  ASSERT_EQ(sample.Send(Method::kPost, "/api/v1/flights/" + flight + "/shares").status, 201);
+  ASSERT_EQ(sample.Send(Method::kPost, "/api/v1/flights/" + sample.NewFlight() + "/shares").status, 201);
   for (const auto& [method, route] : sample.router().Routes()) {
     Request request;
     request.method = method;

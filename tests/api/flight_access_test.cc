@@ -317,8 +317,7 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
       }
     }
   }
-  const Response list = world.sample.Get("/api/v1/flights", share);
-  EXPECT_NE(list.body.find(world.ended_flight), std::string::npos);
+  EXPECT_NE(world.sample.Get("/api/v1/flights", share).body.find(world.ended_flight), std::string::npos);
   EXPECT_NE(world.sample.Get("/api/v1/jobs", share).body.find(world.ended_job), std::string::npos);
   EXPECT_EQ(world.sample.Get("/api/v1/jobs?flight=" + world.flight, share).body, R"({"jobs":[]})");
   EXPECT_EQ(world.sample.Get("/api/v1/events?flight=" + world.flight, share).status, 404);

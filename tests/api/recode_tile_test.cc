@@ -62,15 +62,13 @@ TEST(CutTile, KeepsThePixels) {
 
 TEST(CutTile, IsEmptyWhereNothingCanBeSeen) {
   const std::string bytes = EncodeTile(Slopes(512, true), image::PictureFormat::kPng);
-  const TileCut last = CutOf(*geo::TileId::Make(1, 1, 1), 1, 512);
-  EXPECT_EQ(*CutTile(bytes, last, image::PictureFormat::kPng), "");
+  EXPECT_EQ(*CutTile(bytes, CutOf(*geo::TileId::Make(1, 1, 1), 1, 512), image::PictureFormat::kPng), "");
 }
 
 TEST(CutTile, RefusesDamagedTilesAndOthersThanTheMapsOwn) {
   const TileCut cut = CutOf(*geo::TileId::Make(1, 1, 0), 1, 512);
   for (const auto format : {image::PictureFormat::kPng, image::PictureFormat::kJpeg}) {
-    const std::string good = EncodeTile(Slopes(512, false), format);
-    EXPECT_FALSE(CutTile(good.substr(0, 60), cut, format));
+    EXPECT_FALSE(CutTile(EncodeTile(Slopes(512, false), format).substr(0, 60), cut, format));
     EXPECT_FALSE(CutTile(EncodeTile(Slopes(256, false), format), cut, format));
     EXPECT_FALSE(CutTile("", cut, format));
   }

@@ -146,8 +146,7 @@ TEST_F(JobQueueTest, KeepsWhyAJobFailedAsACode) {
   const Job quick = NewJob();
   const Error few = flight::Because(ErrorCode::kUnprocessable, {flight::RemarkCode::kFailFewPoints,
                                                                 {{"points", 4}, {"used", 2}, {"needed", 3}}});
-  const Lease lease = Claimed();
-  ASSERT_TRUE(*queue_.Fail(lease, few, false, now_));
+  ASSERT_TRUE(*queue_.Fail(Claimed(), few, false, now_));
   EXPECT_EQ(queue_.Get(quick.id)->error->message, few.message);
   EXPECT_EQ(queue_.Get(quick.id)->error->reason,
             R"({"code":"fail_few_points","values":{"needed":3,"points":4,"used":2}})");
@@ -169,8 +168,7 @@ TEST_F(JobQueueTest, ShowsTheWishToCancelToTheWorker) {
 }
 
 TEST_F(JobQueueTest, DismissesAWaitingJobAtOnce) {
-  const Job job = NewJob();
-  EXPECT_EQ(queue_.Cancel(job.id, now_)->state, JobState::kDismissed);
+  EXPECT_EQ(queue_.Cancel(NewJob().id, now_)->state, JobState::kDismissed);
   EXPECT_FALSE(queue_.Claim("w", now_)->has_value());
 }
 

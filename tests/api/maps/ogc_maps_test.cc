@@ -201,8 +201,7 @@ TEST_F(OgcMaps, SizesFollowFromWhatIsSaid) {
   EXPECT_GT(Compare(wide, OfMerc), 30'000);
   // A scale: of 0.28 millimetres a pixel on the ground, or as said.
   const double ground_m = 416.0;  // the map is about so wide
-  const Drawn scaled = Draw("scale-denominator=5000");
-  EXPECT_NEAR(scaled.picture.width_px * 0.00028 * 5000, ground_m, 4.0);
+  EXPECT_NEAR(Draw("scale-denominator=5000").picture.width_px * 0.00028 * 5000, ground_m, 4.0);
   EXPECT_NEAR(Draw("scale-denominator=5000&mm-per-pixel=0.56").picture.width_px * 0.00056 * 5000, ground_m,
               4.0);
   const auto& [west, south, east, north] = map_.bounds();

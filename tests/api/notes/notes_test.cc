@@ -86,8 +86,7 @@ TEST_F(Notes, AreNeverReplacedByWhoDoesNotSayWhatHeReplaces) {
     EXPECT_THAT(refused.body, HasSubstr("If-Match"));
   }
   EXPECT_EQ(json::parse(server_.Get(Address()).body), ExampleNotes());
-  const Response cleared = Put(Collected(json::array()), tag);
-  EXPECT_EQ(cleared.status, 200);
+  EXPECT_EQ(Put(Collected(json::array()), tag).status, 200);
   EXPECT_TRUE(json::parse(server_.Get(Address()).body)["features"].empty());
   // Where none are, none can be lost.
   EXPECT_EQ(Put(ExampleNotes()).status, 200);

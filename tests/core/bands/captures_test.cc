@@ -298,8 +298,7 @@ TEST_F(CapturesTest, AFileThatIsGoneIsLeftOut) {
   AddGreenAndNir({"a", "b"});
   flight::Flight flight = Read();
   std::filesystem::remove(folder_ / "b_NIR.TIF");
-  const Captures apart = SetBandsApart(flight, 2);
-  ASSERT_EQ(apart.captures.size(), 2U);
+  ASSERT_EQ(SetBandsApart(flight, 2).captures.size(), 2U);
   ASSERT_EQ(flight.left_out.size(), 1U);
   EXPECT_EQ(flight.left_out[0].name, "b_NIR.TIF");
 }

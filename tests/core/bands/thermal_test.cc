@@ -141,8 +141,7 @@ TEST(FlirTemperatureTest, LevelsOfAnotherSizeAreBroughtToThePicturesSize) {
 TEST(FlirTemperatureTest, EmissivityCounts) {
   FlirPhoto photo = TruePhoto();
   const double level = LevelOf(photo.constants, 320.0);
-  const double blackened = FlirTemperature(photo.constants)->planck->KelvinOf(level);
-  EXPECT_NEAR(blackened, 320.0, 1e-3);
+  EXPECT_NEAR(FlirTemperature(photo.constants)->planck->KelvinOf(level), 320.0, 1e-3);
   photo.constants.emissivity = 1.0;
   EXPECT_LT(FlirTemperature(photo.constants)->planck->KelvinOf(level), 318.5);
 }

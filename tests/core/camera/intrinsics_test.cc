@@ -32,8 +32,7 @@ TEST(Intrinsics, ProjectUndoesUnprojectAllOverTheImage) {
 }
 
 TEST(Intrinsics, RefusesRaysBehindTheCameraAndBeyondTheFold) {
-  const Intrinsics camera = BentCamera();
-  EXPECT_FALSE(camera.Project({0.0, 0.0, -1.0}).has_value());
+  EXPECT_FALSE(BentCamera().Project({0.0, 0.0, -1.0}).has_value());
   // k1 = -0.5 alone folds at r^2 = 2/3: a ray further out would land inside the image again.
   Intrinsics folding = Intrinsics::Centered(1000, 1000, 800.0);
   folding.k1 = -0.5;

@@ -52,8 +52,7 @@ TEST(CamFromEnu, LooksAtTheHorizonInTheDirectionOfTheYaw) {
 TEST(CamFromEnu, OfALevelAirframeIsTheNadirGimbal) {
   for (const double yaw_deg : {-170.0, -20.0, 0.0, 133.0}) {
     const Eigen::Quaterniond body = CamFromEnu(Angles(AttitudeKind::kAirframe, yaw_deg, 0, 0));
-    const Eigen::Quaterniond gimbal = CamFromEnu(Angles(AttitudeKind::kGimbal, yaw_deg, -90, 0));
-    EXPECT_LT(body.angularDistance(gimbal), 1e-9);
+    EXPECT_LT(body.angularDistance(CamFromEnu(Angles(AttitudeKind::kGimbal, yaw_deg, -90, 0))), 1e-9);
     EXPECT_LT(body.angularDistance(NadirCamFromEnu(DegToRad(yaw_deg))), 1e-9);
   }
 }

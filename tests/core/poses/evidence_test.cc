@@ -84,8 +84,7 @@ TEST(RepeatedPositions, CountOnceAndMoveOnToTheNext) {
     EXPECT_EQ(position.sigma_horizontal_m.has_value(), position.is_repeated) << k;
     const double north_m = (position.position.lat_deg - 47.4) * kMetresOfDegree;
     EXPECT_NEAR(north_m, 20.0 * (k < 6 ? k : 6), 0.01) << k;  // after the last nothing says where to
-    const double sigma_m = position.sigma_horizontal_m.value_or(0.0);
-    EXPECT_NEAR(sigma_m, 20.0 * (k % 3), 0.3) << k;
+    EXPECT_NEAR(position.sigma_horizontal_m.value_or(0.0), 20.0 * (k % 3), 0.3) << k;
   }
 }
 

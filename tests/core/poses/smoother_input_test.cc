@@ -174,8 +174,7 @@ TEST(SmootherInput, TakesTheSlowErrorOfTheAirframeOutOfTheGimbal) {
         std::pow(CamFromEnu(*recorded.photos[k].attitude).angularDistance(recorded.TrueGimbal(k)), 2);
   }
   recorded_error = std::sqrt(recorded_error / static_cast<double>(cameras.size()));
-  const Errors errors = Compare(recorded, cameras, &Recorded::TrueGimbal);
-  EXPECT_LT(errors.rotation_rad, 0.7 * recorded_error);
+  EXPECT_LT(Compare(recorded, cameras, &Recorded::TrueGimbal).rotation_rad, 0.7 * recorded_error);
 }
 
 // The same flight without any position, to be reckoned from where it started.

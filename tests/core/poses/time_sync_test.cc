@@ -168,8 +168,7 @@ TEST(MatchPhotosToLog, SaysWhenAConstantIntervalLeavesTheShiftOpen) {
   std::vector<double> events(survey.exposures_s.begin() + 1, survey.exposures_s.end());
   const auto photos = PhotosOf({survey.exposures_s.begin(), survey.exposures_s.end() - 1}, 50.0, 1.0);
   const auto sync = ValueOf(MatchPhotosToLog(photos, LogOf(survey, events, 1.0, 3)));
-  const double error_s = std::abs(*sync.camera_ahead_of_utc_s - 50.0);
-  EXPECT_LT(error_s, 3.0 * sync.sigma_s + 0.1) << "the sigma admits it";
+  EXPECT_LT(std::abs(*sync.camera_ahead_of_utc_s - 50.0), 3.0 * sync.sigma_s + 0.1) << "the sigma admits it";
 }
 
 TEST(MatchPhotosToLog, UsesNamesThatEventsCarry) {

@@ -99,8 +99,7 @@ TEST(EncodeFringe, MakesTheSameOfAPngAsOfThePixels) {
 }
 
 TEST(EncodeFringe, TakesTheLeastQualityAndTheLeastTile) {
-  const RgbaImage tile = Fringe(16);
-  EXPECT_EQ(Decoded(image::EncodeFringe(tile, 1)).width_px, 16);
+  EXPECT_EQ(Decoded(image::EncodeFringe(Fringe(16), 1)).width_px, 16);
   EXPECT_EQ(Decoded(image::EncodeFringe(RgbaImage::Transparent(1, 1), 100)).Pixel(0, 0)[3], 0);
 }
 

@@ -42,8 +42,7 @@ TEST(Gimbal, AnglesGiveTheirRotationBack) {
     const YawPitchRoll gimbal{random.Uniform(-geo::kPi, geo::kPi), -0.5 * geo::kPi + lean * random.Uniform(),
                               random.Uniform(-geo::kPi, geo::kPi)};
     const Eigen::Quaterniond rotation = CamFromEnuOfGimbal(gimbal);
-    const Eigen::Quaterniond again = CamFromEnuOfGimbal(GimbalOfCamFromEnu(rotation));
-    EXPECT_LT(rotation.angularDistance(again), 2e-8) << i;
+    EXPECT_LT(rotation.angularDistance(CamFromEnuOfGimbal(GimbalOfCamFromEnu(rotation))), 2e-8) << i;
   }
   const Eigen::Quaterniond nadir = CamFromEnuOfGimbal({0.7, -0.5 * geo::kPi, 0.0});
   EXPECT_NEAR(GimbalOfCamFromEnu(nadir).yaw_rad, 0.7, 1e-6);

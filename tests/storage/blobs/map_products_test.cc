@@ -112,8 +112,7 @@ class CheckedMaps : public PublishedMapTest {
   }
   DataCheck Check() {
     DataCheck check;
-    const Result<void> compared = CheckMaps(*db_, far_, check, progress_);
-    EXPECT_TRUE(compared.ok());
+    EXPECT_TRUE(CheckMaps(*db_, far_, check, progress_).ok());
     return check;
   }
 
