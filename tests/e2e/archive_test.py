@@ -113,8 +113,7 @@ class Archives(ServerTestCase):
         self.put("lying.zip", bytes(lying))  # taken or refused: what counts is that no more comes out than went in
         self.assertLessEqual(sum(self.listed().values()), 2000)
         self.assertEqual(self.server.garbage(), [])
-        flight = self.files.split("/")[4]
-        self.assertEqual(len(photos_of(self.server.data, flight)), len(self.listed()))
+        self.assertEqual(len(photos_of(self.server.data, self.files.split("/")[4])), len(self.listed()))
 
     def unpacker(self):
         """The process that unpacks, once there is one."""
@@ -141,8 +140,7 @@ class Archives(ServerTestCase):
         self.assertIn("archive", problem["detail"])
         self.assertEqual(self.listed(), before)
         self.assertEqual(self.server.garbage(), [])
-        flight = self.files.split("/")[4]
-        self.assertEqual(len(photos_of(self.server.data, flight)), len(before))
+        self.assertEqual(len(photos_of(self.server.data, self.files.split("/")[4])), len(before))
 
     def test_a_digest_is_checked(self):
         digest = lambda content: {"Content-Digest": f"sha-256=:{base64.b64encode(hashlib.sha256(content).digest()).decode()}:"}

@@ -170,8 +170,7 @@ class Load(ServerTestCase):
             client.close()
         # Nothing is lost, and the next one starts.
         stored.unlink()
-        again = self.serve("--workers", "0")
-        self.assertEqual(again.json("GET", f"/api/v1/flights/{flight}")[1]["id"], flight)
+        self.assertEqual(self.serve("--workers", "0").json("GET", f"/api/v1/flights/{flight}")[1]["id"], flight)
 
 
 if __name__ == "__main__":

@@ -34,8 +34,7 @@ class Node(ServerTestCase):
         made = self.ask(server, "POST", "/task/new/init", form(fields), {**FORM, **(headers or {})})
         uuid = made["uuid"]
         for photo in self.photos:
-            answer = self.ask(server, "POST", f"/task/new/upload/{uuid}", form(files=[photo]), FORM)
-            self.assertEqual(answer, {"success": True})
+            self.assertEqual(self.ask(server, "POST", f"/task/new/upload/{uuid}", form(files=[photo]), FORM), {"success": True})
         self.assertEqual(self.ask(server, "POST", f"/task/new/commit/{uuid}"), {"uuid": uuid})
         return uuid
 
@@ -94,8 +93,7 @@ class Node(ServerTestCase):
         self.check_archive(server, uuid)
         # A restart of the server loses nothing, whichever way it went down.
         server.kill()
-        again = self.serve()
-        self.assertEqual(self.ask(again, "GET", f"/task/{uuid}/info")["status"]["code"], 40)
+        self.assertEqual(self.ask(self.serve(), "GET", f"/task/{uuid}/info")["status"]["code"], 40)
 
     def check_archive(self, server, uuid):
         path = f"/task/{uuid}/download/all.zip"
@@ -181,8 +179,7 @@ class Node(ServerTestCase):
         self.assertRegex(self.ask(server, "POST", "/task/new/init", b"")["uuid"], UUID)
         for uuid, (body, headers) in zip(uuids_made, ((form, FORM), (urllib.parse.urlencode, AS_FORM), (json.dumps, AS_JSON))):
             for call in ("cancel", "restart", "cancel", "remove"):
-                answer = self.ask(server, "POST", f"/task/{call}", body({"uuid": uuid}), headers)
-                self.assertEqual(answer, {"success": True})
+                self.assertEqual(self.ask(server, "POST", f"/task/{call}", body({"uuid": uuid}), headers), {"success": True})
         self.assertEqual(self.ask(server, "GET", "/task/list"), [{"uuid": uuids_made[3]}])
 
     def test_states_are_those_that_clients_wait_for(self):
@@ -194,8 +191,7 @@ class Node(ServerTestCase):
         self.assertEqual(code(uuid), 50)
         self.assertEqual(self.ask(server, "POST", "/task/restart", f"uuid={uuid}"), {"success": True})
         self.assertEqual(code(uuid), 20)
-        waiting = self.start(server)
-        self.assertEqual(code(waiting), 10)
+        self.assertEqual(code(self.start(server)), 10)
         self.wait(server, uuid, 40)
         # A task that is done becomes one that was cancelled; what it made is still there.
         self.assertEqual(self.ask(server, "POST", "/task/cancel", f"uuid={uuid}"), {"success": True})
@@ -246,8 +242,7 @@ class Node(ServerTestCase):
         self.assertEqual(made["ignoredOptions"], ["warp-speed"])
         uuid = made["uuid"]
         for file in (*self.photos, ("torn.jpg", b"")):
-            answer = self.ask(server, "POST", f"/task/new/upload/{uuid}", form(files=[file]), FORM)
-            self.assertEqual(answer, {"success": True})
+            self.assertEqual(self.ask(server, "POST", f"/task/new/upload/{uuid}", form(files=[file]), FORM), {"success": True})
         self.assertEqual(self.ask(server, "POST", f"/task/new/commit/{uuid}"), {"uuid": uuid})
         whole = self.ask(server, "POST", "/task/new", form(options, [("torn.jpg", b""), *self.photos]), FORM)["uuid"]
         for task in (uuid, whole):
@@ -278,8 +273,7 @@ class Node(ServerTestCase):
         self.assertIn("error", self.ask(server, "POST", "/task/new/init", b"[]", AS_JSON))
         for call in ("cancel", "remove", "restart"):
             self.assertEqual(self.ask(server, "POST", f"/task/{call}", b""), {"error": "uuid param missing."})
-            answer = self.ask(server, "POST", f"/task/{call}", f"uuid={nobody}")
-            self.assertFalse(answer["success"])
+            self.assertFalse(self.ask(server, "POST", f"/task/{call}", f"uuid={nobody}")["success"])
         empty = self.ask(server, "POST", "/task/new/init", form(), FORM)["uuid"]
         self.assertTrue(self.ask(server, "POST", f"/task/new/upload/{empty}", form(), FORM)["noRetry"])
         nothing = form(files=[("a.jpg", b"")])

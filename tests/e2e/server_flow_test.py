@@ -13,8 +13,7 @@ class Flow(ServerTestCase):
         _, made = server.upload(self.photos, name="Demo field", options='{"quality": 80}', code=202)
         self.assertIn(made["flight"]["state"], ("queued", "processing"))  # a free worker takes it at once
         self.assertEqual(len(made["files"]), 6)
-        job = server.ended(made["job"]["id"])
-        self.assertEqual(job["progress"], 1)
+        self.assertEqual(server.ended(made["job"]["id"])["progress"], 1)
         flight_id = made["flight"]["id"]
         _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
         self.assertEqual(flight["state"], "ready")

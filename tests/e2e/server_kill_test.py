@@ -31,14 +31,12 @@ class Kills(ServerTestCase):
         flight_id, job_id = server.begun(self.photos)
         self.wait_for_stage(server, job_id)
         for pid in server.workers():
-            limits = limits_of(pid)
-            self.assertEqual(limits["Max core file size"], "0")
+            self.assertEqual(limits_of(pid)["Max core file size"], "0")
             # A worker that held the server's port would keep it from the next server for as long as it lives.
             if POSTGRES is None:  # else it has sockets of its own
                 self.assertEqual([held for held in open_files_of(pid) if held.startswith("socket:")], [])
             os.kill(pid, signal.SIGKILL)
-        job = self.check_ended_well(server, flight_id, job_id)
-        self.assertLessEqual(job["attempts"], 2)
+        self.assertLessEqual(self.check_ended_well(server, flight_id, job_id)["attempts"], 2)
 
     def test_a_killed_server_takes_its_job_up_again(self):
         server = self.serve()

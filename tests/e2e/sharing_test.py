@@ -124,8 +124,7 @@ class Sharing(ServerTestCase):
         for path, headers, body in receiver.heard:
             self.assertEqual(path, "/hook?x=1")
             at, signature = (part.split("=", 1)[1] for part in headers["X-Skyquilt-Signature"].split(","))
-            expected = hmac.new(hook["secret"].encode(), f"{at}.".encode() + body, hashlib.sha256).hexdigest()
-            self.assertEqual(signature, expected)
+            self.assertEqual(signature, hmac.new(hook["secret"].encode(), f"{at}.".encode() + body, hashlib.sha256).hexdigest())
         first = json.loads(receiver.heard[0][2])
         again = [json.loads(body) for _, _, body in receiver.heard[1:]]
         self.assertIn(first, again)  # what was refused came a second time

@@ -153,8 +153,7 @@ class Installed(unittest.TestCase):
         data.mkdir()
         (data / "note.txt").write_text("mine")
         self.install()
-        said = self.system.apt("purge", "skyquilt")
-        self.assertIn("/var/lib/skyquilt are kept", said)
+        self.assertIn("/var/lib/skyquilt are kept", self.system.apt("purge", "skyquilt"))
         self.assertEqual((data / "note.txt").read_text(), "mine")
         self.assertEqual(data.stat().st_uid, 0)
 

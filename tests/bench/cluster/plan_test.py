@@ -61,8 +61,7 @@ class ByHand(unittest.TestCase):
         self.assertEqual(of(store_gbit=10).phase_s["look"], 2 * (2 + 2))  # 5 Gbit/s for each of two
 
     def test_placing_grows_with_its_power_and_not_with_workers(self):
-        sixteen = of("least", flight=FLIGHT._replace(photos=16), workers=4)
-        self.assertEqual(sixteen.phase_s["place"], 4 * 4 ** 1.5)
+        self.assertEqual(of("least", flight=FLIGHT._replace(photos=16), workers=4).phase_s["place"], 4 * 4 ** 1.5)
 
 
 class Program(unittest.TestCase):

@@ -187,8 +187,7 @@ class PythonClient(ServerTestCase):
         first = seen[0]
         self.assertEqual(flight.points(first["name"], [(first["x"], first["y"])] * 2), [flight.ground_at(first["name"], first["x"], first["y"])] * 2)
         self.assertEqual(len(flight.footprints()["features"]), len(self.photos))
-        tiles = flight.tile_json()
-        self.assertEqual(flight.tile_url(), tiles["tiles"][0].split("?")[0])
+        self.assertEqual(flight.tile_url(), flight.tile_json()["tiles"][0].split("?")[0])
         self.assertEqual(flight.rename("Field 8").refresh().name, "Field 8")
         flight.delete()
         self.assertEqual((client.flights(), [one["id"] for one in client.trash()]), ([], [flight.id]))

@@ -161,8 +161,7 @@ class StacSchemas(ServerTestCase):
         self.assertEqual(found["GET", "/stac/conformance", None]["conformsTo"], found["GET", "/stac", None]["conformsTo"])
 
     def test_a_catalogue_without_maps(self):
-        found = self.walk(self.serve())
-        self.assertEqual(found["GET", "/stac/search?limit=1", None]["features"], [])
+        self.assertEqual(self.walk(self.serve())["GET", "/stac/search?limit=1", None]["features"], [])
 
     def test_what_no_camera_knew_has_the_time_it_was_made(self):
         for flight in (self.placeless, self.imported):

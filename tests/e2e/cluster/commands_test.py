@@ -130,8 +130,7 @@ class SlurmTest(SharedCatalogueCase):
         self.assertEqual(self.wait_for(array), [0, 0])
         for _, job in made:
             server.ended(job)
-        late = self.slurm.submit("--array=3", "--wrap", self.command("--once"))
-        self.assertEqual(self.wait_for(late), [NOTHING_TO_DO])
+        self.assertEqual(self.wait_for(self.slurm.submit("--array=3", "--wrap", self.command("--once"))), [NOTHING_TO_DO])
 
     def test_workers_that_stay_make_a_flight_that_is_cut_and_end_when_told(self):
         server = self.serve_shared()

@@ -127,8 +127,7 @@ class Places(S3TestCase):
         server = self.serve("--workers", "0")
         self.assertEqual(server.upload(self.photos[:1])[0], 202)
         self.assertEqual(server.stop(), 0)
-        said = self.refusal("--listen", "127.0.0.1:0", "--blobs", self.store.address("fresh"))
-        self.assertIn("skyquilt data move", said)
+        self.assertIn("skyquilt data move", self.refusal("--listen", "127.0.0.1:0", "--blobs", self.store.address("fresh")))
         self.data = other
         self.serve_s3("--workers", "0")
 
@@ -159,8 +158,7 @@ class Places(S3TestCase):
         self.assertEqual(deep.returncode, 2, deep.stdout + deep.stderr)
         self.assertIn(f"flights/{mine}/r1/mosaic.pmtiles", deep.stdout)
         server = self.serve_s3()
-        server = swap()
-        self.assertEqual(self.tiles_of(server, mine), tiles)
+        self.assertEqual(self.tiles_of(swap(), mine), tiles)
 
     def test_a_folder_moves_out_and_back(self):
         server = self.serve("--trash-days", "0")
@@ -170,8 +168,7 @@ class Places(S3TestCase):
         before = {path: pathlib.Path(self.data, path).read_bytes() for path in self.kept() if path.startswith("flights/")}
 
         def move(*arguments):
-            moved = run("data", "move", "--data", self.data, *arguments)
-            return moved.stdout
+            return run("data", "move", "--data", self.data, *arguments).stdout
 
         self.assertIn("The originals are still there", move("--to", self.address()))
         self.assertIn(f"{len(before) - 1} originals were removed", move("--to", self.address(), "--remove-source"))
@@ -183,8 +180,7 @@ class Places(S3TestCase):
         self.assertEqual(self.keys(), [])
         after = {path: pathlib.Path(self.data, path).read_bytes() for path in self.kept() if path.startswith("flights/")}
         self.assertEqual(after, before)
-        server = self.serve()
-        self.assertEqual(self.tiles_of(server, flight_id), tiles)
+        self.assertEqual(self.tiles_of(self.serve(), flight_id), tiles)
         self.assertIn("--to s3://bucket/prefix", run("data", "move", "--data", self.data, code=None).stderr)
 
     def test_what_is_no_store_is_told_with_what_to_do(self):
@@ -215,8 +211,7 @@ class Places(S3TestCase):
         for path in pathlib.Path(self.data).glob("catalogue.db-[ws]*"):
             path.unlink()
         pathlib.Path(self.data, "catalogue.db").write_bytes(backup)
-        said = self.refusal("--listen", "127.0.0.1:0", "--blobs", self.address())
-        self.assertIn("older than what is on disk", said)
+        self.assertIn("older than what is on disk", self.refusal("--listen", "127.0.0.1:0", "--blobs", self.address()))
         self.assertEqual(len(self.keys("flights/")), 3)
         self.assertIn(f"below {self.address()}/flights/", run("data", "repair", "--data", self.data, code=1).stderr)
         # As the sentence says.

@@ -172,8 +172,7 @@ class UnitsTest(ScratchCase):
         self.server.ended(job, "dismissed")
         wait_until(lambda: not any(children_of(worker.pid) for worker in self.workers), "a unit went on")
         # Whoever is started next has nothing to do.
-        once = self.start_worker(*CUT, "--until-empty")
-        self.assertEqual(once.wait(timeout=60), 0)
+        self.assertEqual(self.start_worker(*CUT, "--until-empty").wait(timeout=60), 0)
 
 
 @unittest.skipIf(find_binaries() is None, "PostgreSQL is not installed")

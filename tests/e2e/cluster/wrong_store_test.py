@@ -24,8 +24,7 @@ class WrongStore(SharedCatalogueCase):
         self.right = ("--blobs", self.store.address(self.prefix))
 
     def refused(self, command, data, *words, catalogue=None):
-        said = run(command, "--data", data, "--catalogue", catalogue or self.catalogue, *words, code=1, timeout=120)
-        return said.stderr
+        return run(command, "--data", data, "--catalogue", catalogue or self.catalogue, *words, code=1, timeout=120).stderr
 
     def test_a_mistyped_prefix_takes_no_job_and_leaves_nothing(self):
         server = self.serve_shared(*self.right)
@@ -67,8 +66,7 @@ class WrongStore(SharedCatalogueCase):
                       if key == f"{self.prefix}/skyquilt-data.json")
         text = marker.read_bytes()
         marker.unlink()
-        said = self.refused("serve", self.data, "--listen", "127.0.0.1:0", *self.right)
-        self.assertIn("skyquilt-data.json", said)
+        self.assertIn("skyquilt-data.json", self.refused("serve", self.data, "--listen", "127.0.0.1:0", *self.right))
         self.assertNotIn(f"{self.prefix}/skyquilt-data.json", self.store.keys(self.prefix))
         marker.write_bytes(text)
         self.serve_shared(*self.right)

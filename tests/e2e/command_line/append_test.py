@@ -110,8 +110,7 @@ class Append(ScratchCase):
         again = self.stitch(self.first, out)
         self.assertEqual(again["blocks"]["kept"], again["blocks"]["total"])
         # Who wants PNG again has it rendered: what WebP lost is gone.
-        report = self.stitch(self.first, out, "--format", "jpeg-png", "--overwrite")
-        self.assertEqual(report["blocks"]["kept"], 0)
+        self.assertEqual(self.stitch(self.first, out, "--format", "jpeg-png", "--overwrite")["blocks"]["kept"], 0)
         self.assertEqual(tiles_of(out), before)
 
     def test_the_new_photo_lies_where_a_whole_alignment_puts_it(self):

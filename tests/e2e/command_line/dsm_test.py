@@ -25,8 +25,7 @@ class Dsm(ScratchCase):
 
     @classmethod
     def stitch(cls, out, *options):
-        done = run("stitch", cls.flight / "photos", "-o", out, *options)
-        return done.stdout
+        return run("stitch", cls.flight / "photos", "-o", out, *options).stdout
 
     def test_heights_are_those_of_the_world(self):
         gdal, truth_of = self.imported("GDAL's Python package with numpy is not installed", "osgeo.gdal", "heights_against_truth")

@@ -25,12 +25,10 @@ class HardenedProgram(unittest.TestCase):
     def test_the_release_is_hardened(self):
         head = self.read("-h")
         self.assertIn("DYN (Position-Independent Executable", head)
-        dynamic = self.read("-d")
-        self.assertRegex(dynamic, r"BIND_NOW|FLAGS.*NOW")
+        self.assertRegex(self.read("-d"), r"BIND_NOW|FLAGS.*NOW")
         segments = self.read("-l")
         self.assertIn("GNU_RELRO", segments)
-        stack = next(line for line in segments.splitlines() if "GNU_STACK" in line)
-        self.assertNotIn("RWE", stack)
+        self.assertNotIn("RWE", next(line for line in segments.splitlines() if "GNU_STACK" in line))
         symbols = self.read("--dyn-syms")
         self.assertIn("__stack_chk_fail", symbols)
         self.assertRegex(symbols, r"__\w+_chk\b")  # FORTIFY

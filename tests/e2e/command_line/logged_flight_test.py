@@ -78,8 +78,7 @@ class LoggedFlightTest(ScratchCase):
         self.assertLess(rms(result.across), 3.0)
         self.assertLess(rms(result.height), 2.0)
         self.assertLess(rms(result.turn), 1.0)
-        within = sum(a <= 3 * r for a, r in zip(result.across, result.radius))
-        self.assertGreaterEqual(within, 59)
+        self.assertGreaterEqual(sum(a <= 3 * r for a, r in zip(result.across, result.radius)), 59)
 
     def test_places_photos_by_a_dataflash_log(self):
         self.check(self.stitch("flight.BIN", "--method", "imu"))
@@ -120,8 +119,7 @@ class LoggedFlightTest(ScratchCase):
             self.assertEqual((status, verdict["photos_placeable"]), (200, 60))
             self.assertEqual(verdict["logs"][0]["format"], "dataflash")
             server.ended(job)
-            placed = server.json("GET", f"/api/v1/flights/{flight}")[1]["photos"]
-            self.assertEqual(placed["left_out"], 0)
+            self.assertEqual(server.json("GET", f"/api/v1/flights/{flight}")[1]["photos"]["left_out"], 0)
 
 
 class ExposureLogTest(unittest.TestCase):
@@ -176,8 +174,7 @@ class HopWithoutGnssTest(ScratchCase):
             results.append(self.stitch(name, seed, "--origin", f"{start['lat_deg']},{start['lon_deg']}", *more))
         # The radius is one sigma of both directions together: 1.73 of it hold 95 %.
         photos = [photo for result in results for photo in zip(result.across, result.radius)]
-        within = sum(error <= 1.73 * radius for error, radius in photos)
-        self.assertGreaterEqual(within, 0.95 * len(photos))
+        self.assertGreaterEqual(sum(error <= 1.73 * radius for error, radius in photos), 0.95 * len(photos))
         for result in results:
             self.assertEqual(result.count, 8)
             self.assertTrue(result.report["is_placed"])

@@ -39,8 +39,7 @@ SCENARIOS = [
 
 
 def foretold_mib(photos):
-    told = run("inspect", "--json", photos)
-    return json.loads(told.stdout)["expected_memory_mib"]
+    return json.loads(run("inspect", "--json", photos).stdout)["expected_memory_mib"]
 
 
 def peak_mib(photos, out):

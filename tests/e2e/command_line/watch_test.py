@@ -118,8 +118,7 @@ class Watch(ServerTestCase):
         shutil.copytree(self.card, moved)
         self.assertEqual(self.contents(), before)
         self.card = moved
-        again = self.once(server)
-        self.assertIn("0 new flights, 0 files sent", again.stdout)
+        self.assertIn("0 new flights, 0 files sent", self.once(server).stdout)
         self.assertEqual(self.flights(server), flights)
         # One photo more joins its flight.
         self.fill("DCIM/field_7/images", [("more.JPG", self.photos[3][1])])

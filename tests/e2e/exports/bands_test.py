@@ -70,8 +70,7 @@ class Bands(unittest.TestCase):
     def test_colour_alone_has_no_bands(self):
         run("simulate", "-o", self.scratch / "sim", "--photos", "4", "--size", "640x480", "--no-world")
         (self.scratch / "map").mkdir()
-        report = stitch(self.scratch / "map", self.scratch / "sim" / "photos")
-        self.assertNotIn("bands", report)
+        self.assertNotIn("bands", stitch(self.scratch / "map", self.scratch / "sim" / "photos"))
         self.assertFalse((self.scratch / "map" / "bands.tif").exists())
 
 

@@ -34,8 +34,7 @@ class Accuracy(ServerTestCase):
 
     def stitched(self, *inputs):
         out = pathlib.Path(self.scratch_of_test(), "map")
-        done = run("stitch", *inputs, "-o", out)
-        return done.stdout, report_of(out), out
+        return run("stitch", *inputs, "-o", out).stdout, report_of(out), out
 
     def reported(self, folder, ending):
         """The report of a map, with a small picture: its words are looked at."""
@@ -75,8 +74,7 @@ class Accuracy(ServerTestCase):
         # The server, which stitches the same photos itself.
         server = self.serve()
         name = server.stitched([(photo.name, photo.read_bytes()) for photo in photos])["flight"]["id"]
-        document = server.json("GET", f"/api/v1/flights/{name}")[1]
-        self.assertEqual(document["quality"], report["quality"])
+        self.assertEqual(server.json("GET", f"/api/v1/flights/{name}")[1]["quality"], report["quality"])
         listed = server.json("GET", "/api/v1/flights")[1]["flights"]
         self.assertEqual([one["quality"] for one in listed if one["id"] == name], [report["quality"]])
         self.assertEqual(server.json("GET", f"/api/v1/flights/{name}/report")[1]["quality"], report["quality"])

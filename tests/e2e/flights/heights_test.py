@@ -110,8 +110,7 @@ class Heights(ServerTestCase):
         good = {"type": "LineString", "coordinates": line}
         self.assertEqual(self.ask(server, flight, good, "text/plain")[0], 415)
         self.assertEqual(self.ask(server, "01JZZZZZZZZZZZZZZZZZZZZZZZ", good)[0], 404)
-        empty = server.json("POST", "/api/v1/flights", {"name": "empty"})[1]["id"]
-        self.assertEqual(self.ask(server, empty, good)[0], 404)
+        self.assertEqual(self.ask(server, server.json("POST", "/api/v1/flights", {"name": "empty"})[1]["id"], good)[0], 404)
 
     def check_import(self, server, flight):
         foreign = pathlib.Path(self.scratch, "foreign.tif")

@@ -15,8 +15,7 @@ class MadeFlights(unittest.TestCase):
         self.assertEqual(len(list((made_flights.small_flight() / "photos").iterdir())), 6)
         self.assertTrue((made_flights.small_map() / "mosaic.pmtiles").exists())
         with tempfile.TemporaryDirectory() as data:
-            flight = put_map(data)
-            self.assertTrue(pathlib.Path(data, "flights", flight, "r1", "mosaic.mbtiles").exists())
+            self.assertTrue(pathlib.Path(data, "flights", put_map(data), "r1", "mosaic.mbtiles").exists())
         with self.assertRaisesRegex(RuntimeError, "must not be made again"):
             made_flights.made("not_there", self.refuse)
         self.assertFalse((made_flights.small_map().parent / "not_there").exists())

@@ -167,8 +167,7 @@ class RealAccuracy(unittest.TestCase):
         if not COPR.exists():
             self.skipTest(f"{COPR} is not here")
         self.check("copr_41 with check points", COPR / "images", with_checks(self.scratch))
-        quality = report_of(self.scratch / "map")["quality"]
-        self.assertEqual(quality["absolute"]["by"], "check_points")
+        self.assertEqual(report_of(self.scratch / "map")["quality"]["absolute"]["by"], "check_points")
 
     def test_garfield_in_colours(self):
         self.check("garfield, colours", DATA / "garfield_rgb_8")

@@ -144,8 +144,7 @@ class ServerImport(ServerTestCase):
         done = by(owner)
         self.assertEqual(done.returncode, 0, done.stderr)
         flight = next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("flight "))
-        other = self.token("other", "--scope", "upload")
-        self.assertEqual(by(other, "--flight", flight).returncode, 1)
+        self.assertEqual(by(self.token("other", "--scope", "upload"), "--flight", flight).returncode, 1)
         _, listed = server.json("GET", f"/api/v1/flights/{flight}/files", headers=bearer(owner), code=200)
         self.assertEqual([file["name"] for file in listed["files"]], ["north field.tif"])
 

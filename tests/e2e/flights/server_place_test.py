@@ -78,8 +78,7 @@ class PlaceOnTheServer(ServerTestCase):
         self.assertEqual(len(server.json("GET", address)[1]["points"]), 3)
         before = self.bounds(server, flight)
         job = server.remade(flight, {"place": "control"})
-        after = self.bounds(server, flight)
-        self.assertAlmostEqual(after["south_west"][1] - before["south_west"][1], 0.001, delta=1e-4)
+        self.assertAlmostEqual(self.bounds(server, flight)["south_west"][1] - before["south_west"][1], 0.001, delta=1e-4)
         report = server.json("GET", f"/api/v1/flights/{flight}/report")[1]
         control = report["alignment"]["ground_control"]
         self.assertEqual([point["is_used"] for point in control], [True] * 3)

@@ -25,8 +25,7 @@ class Upright(ScratchCase):
 
     @classmethod
     def stitch(cls, out, *options):
-        done = run("stitch", cls.flight / "photos", "-o", out, *options)
-        return done.stdout
+        return run("stitch", cls.flight / "photos", "-o", out, *options).stdout
 
     @staticmethod
     def tiles(folder):

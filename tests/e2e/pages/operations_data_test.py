@@ -44,8 +44,7 @@ class OperationsData(OperationsCase):
         self.run_page(check)
         # A backup of the catalogue saves the token too.
         (data / "catalogue.db").write_bytes(catalogue)
-        server = self.serve("--workers", "0")
-        self.assertEqual(self.status(server), 401)
+        self.assertEqual(self.status(self.serve("--workers", "0")), 401)
 
     def test_backup(self):
         flight = put_map(self.data)
@@ -149,8 +148,7 @@ class OperationsData(OperationsCase):
             self.assertEqual((status, "private address" in problem["detail"]), (422, True), (url, problem))
         self.assertEqual(name(server, "http://93.184.216.34/")[0], 201)
         server.stop()
-        server = self.serve_page(public.replace("public", any_address))
-        self.assertEqual(name(server, "http://10.0.0.1/")[0], 201)
+        self.assertEqual(name(self.serve_page(public.replace("public", any_address)), "http://10.0.0.1/")[0], 201)
 
     @replays("serve --basemap", "--basemap-attribution", r"openstreetmap|opentopomap|[a-z]+-(?:light|dark|imagery)", "--basemap none")
     def test_basemaps(self, option, attribution, names, none):

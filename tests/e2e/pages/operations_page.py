@@ -55,8 +55,7 @@ class OperationsCase(ServerTestCase):
         words = shlex.split(command.removeprefix("skyquilt ").removeprefix("serve "))
         options = dict(zip(words, words[1:]))
         words = [word for before, word in zip(["", *words], words) if not {before, word} & {"--data", "--listen"}]
-        listen = options.get("--listen", "127.0.0.1:0").replace("8080", "0")
-        return self.serve("--workers", "0", *words, *more, listen=listen)
+        return self.serve("--workers", "0", *words, *more, listen=options.get("--listen", "127.0.0.1:0").replace("8080", "0"))
 
     def token(self, scope, *more):
         return bearer(self.run_page(shlex.join(["skyquilt", "token", "add", scope, "--data", "data", "--scope", scope, *more])))

@@ -160,8 +160,7 @@ class Operations(OperationsCase):
         self.assertEqual([answer.status for answer in answers], [200, 429, 200, 200, 200])
         server.stop()
         who = self.token("read")
-        server = self.serve("--workers", "0")
-        self.assertIsNotNone(allowed(server, "https://any.example", **who))
+        self.assertIsNotNone(allowed(self.serve("--workers", "0"), "https://any.example", **who))
 
     @replays("--base-path /skyquilt", "location /skyquilt .*")
     def test_below_a_path(self, base_path, location):
