@@ -191,8 +191,7 @@ test('outlines of the land lie below the map until nothing is chosen, and that i
   const { page, mock, flight } = await setUpFlight('Meadow');
   const layers = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getStyle().layers.map((/** @type {any} */ { id }) => id));
   await openMap(page, `${mock.url}#/flights/${flight.id}`);
-  const before = await layers();
-  assert.deepEqual(before.slice(0, 3), ['ground', 'basemap-land', 'basemap-coast'], 'below the mosaic');
+  assert.deepEqual((await layers()).slice(0, 3), ['ground', 'basemap-land', 'basemap-coast'], 'below the mosaic');
   await page.click('#tool-layers');
   assert.deepEqual(await page.locator('#basemap option').allTextContents(), ['None', 'Coastlines']);
   await page.selectOption('#basemap', 'none');

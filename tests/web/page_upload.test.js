@@ -45,8 +45,7 @@ test('dropped photos become a map, its photos open by click, and the flight can 
   assert.ok(middle.colours > 60, `only ${middle.colours} colours in the middle of the map`);
   const pond = middle.share(62, 96, 104, 40);
   assert.ok(pond > 0.01 && pond < 0.4, `the pond covers ${pond} of the middle`);
-  const corner = await screenshotPixels(page, { x: box.x + 2, y: box.y + 2, width: 20, height: 20 });
-  assert.deepEqual(corner.at(10, 10), [0xdf, 0xe4, 0xe0]);
+  assert.deepEqual((await screenshotPixels(page, { x: box.x + 2, y: box.y + 2, width: 20, height: 20 })).at(10, 10), [0xdf, 0xe4, 0xe0]);
 
   // The ground first: nothing lies over it until it is asked for.
   assert.equal(await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getLayoutProperty('cameras', 'visibility')), 'none');

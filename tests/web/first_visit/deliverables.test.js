@@ -111,8 +111,7 @@ for (const [name, context] of visitors) {
     assert.equal(tiff.bytes.subarray(0, 2).toString('latin1'), 'II');
     assert.match(tiff.name, /\.tif$/);
     await click(kClose);
-    const zones = await fetched('#zones-shp');
-    assert.equal(zones.bytes.subarray(0, 2).toString('latin1'), 'PK');
+    assert.equal((await fetched('#zones-shp')).bytes.subarray(0, 2).toString('latin1'), 'PK');
     assertFew();
   });
 }
