@@ -67,17 +67,11 @@ struct Recorded {
   // yaw.
   flight::RecordedAttitude Gimbal(std::size_t k) const {
     const Vector3d nose = sensors.photo_attitudes[k].enu_from_body * Vector3d::UnitX();
-    flight::RecordedAttitude attitude;
-    attitude.yaw_rad = std::atan2(nose.x(), nose.y());
-    attitude.pitch_rad = -1.047;
-    return attitude;
+    return {.yaw_rad = std::atan2(nose.x(), nose.y()), .pitch_rad = -1.047, .source = ""};
   }
   Quaterniond TrueGimbal(std::size_t k) const {
     const Vector3d nose = flight.At(flight.photo_times_s()[k]).enu_from_body * Vector3d::UnitX();
-    flight::RecordedAttitude attitude;
-    attitude.yaw_rad = std::atan2(nose.x(), nose.y());
-    attitude.pitch_rad = -1.047;
-    return CamFromEnu(attitude);
+    return CamFromEnu({.yaw_rad = std::atan2(nose.x(), nose.y()), .pitch_rad = -1.047, .source = ""});
   }
   Quaterniond TrueFixed(std::size_t k) const {  // to the airframe
     return CamFromBody() * flight.At(flight.photo_times_s()[k]).enu_from_body.conjugate();

@@ -76,10 +76,7 @@ TEST(PlanLawnmower, KeepsTheOverlapsAskedFor) {
 }
 
 TEST(PlanLawnmower, LeansNoMoreThanAskedAndUsesTheRange) {
-  TrajectoryOptions options;
-  options.photos = 300;
-  options.max_tilt_rad = DegToRad(15.0);
-  options.yaw_rule = YawRule::kAnywhere;
+  TrajectoryOptions options{.photos = 300, .yaw_rule = YawRule::kAnywhere, .max_tilt_rad = DegToRad(15.0)};
   const auto poses = test::ValueOf(PlanLawnmower(options, kLens));
   double largest = 0.0;
   for (const TruePose& pose : poses) {

@@ -10,10 +10,7 @@ namespace skyquilt::alignment {
 namespace {
 
 TEST(Appearance, PhotosThatOverlapMostAreMostAlike) {
-  SyntheticOptions options;
-  options.columns = 12;
-  options.rows = 1;
-  const SyntheticScene scene = MakeScene(options);
+  const SyntheticScene scene = MakeScene({.columns = 12, .rows = 1});
   std::vector<const PhotoFeatures*> features;
   for (const PhotoFeatures& photo : scene.features) features.push_back(&photo);
   const Appearance appearance = Appearance::Learn(features, 1);
@@ -28,10 +25,7 @@ TEST(Appearance, PhotosThatOverlapMostAreMostAlike) {
 }
 
 TEST(Appearance, APhotoWithoutFeaturesIsLikeNone) {
-  SyntheticOptions options;
-  options.columns = 3;
-  options.rows = 1;
-  const SyntheticScene scene = MakeScene(options);
+  const SyntheticScene scene = MakeScene({.columns = 3, .rows = 1});
   const PhotoFeatures empty;
   const Appearance appearance =
       Appearance::Learn({&scene.features[0], nullptr, &scene.features[1], &empty}, 1);

@@ -53,31 +53,16 @@ void ExpectAllRight(const SyntheticOptions& options, double max_off_m, double fo
 
 TEST(RegisterPhotos, ALevelFlightWithoutAnyRecord) { ExpectAllRight({}, 0.5); }
 
-TEST(RegisterPhotos, ObliquePhotosTurnedAllWays) {
-  SyntheticOptions options;
-  options.any_yaw = true;
-  options.tilt_rad = 0.3;
-  ExpectAllRight(options, 0.7);
-}
+TEST(RegisterPhotos, ObliquePhotosTurnedAllWays) { ExpectAllRight({.tilt_rad = 0.3, .any_yaw = true}, 0.7); }
 
 TEST(RegisterPhotos, AClimbByFiveTimes) {
-  SyntheticOptions options;
-  options.columns = 30;
-  options.rows = 1;
-  options.step_m = 4.0;
-  options.climb_from_share = 0.2;
-  options.points_per_m2 = 1.0;
-  ExpectAllRight(options, 1.0);
+  ExpectAllRight({.columns = 30, .rows = 1, .step_m = 4.0, .climb_from_share = 0.2, .points_per_m2 = 1.0},
+                 1.0);
 }
 
 // Across the gap no point is seen by three photos: what two show alike is projected to the ground.
 TEST(RegisterPhotos, ALineWithAGapThatOnlyTwoPhotosLookAcross) {
-  SyntheticOptions options;
-  options.columns = 10;
-  options.rows = 1;
-  options.step_m = 13.0;
-  options.relief_m = 1.0;
-  SyntheticScene scene = MakeScene(options);
+  SyntheticScene scene = MakeScene({.columns = 10, .rows = 1, .step_m = 13.0, .relief_m = 1.0});
   scene.cam_from_enu.erase(scene.cam_from_enu.begin() + 4, scene.cam_from_enu.begin() + 6);
   scene.features.erase(scene.features.begin() + 4, scene.features.begin() + 6);
   const Judged judged = Judge(scene, Register(InputOf(scene)));
@@ -87,10 +72,7 @@ TEST(RegisterPhotos, ALineWithAGapThatOnlyTwoPhotosLookAcross) {
 }
 
 TEST(RegisterPhotos, AFocalLengthThatIsTenPercentOffIsCorrected) {
-  SyntheticOptions options;
-  options.any_yaw = true;
-  options.tilt_rad = 0.3;
-  options.relief_m = 6.0;
+  SyntheticOptions options{.relief_m = 6.0, .tilt_rad = 0.3, .any_yaw = true};
   const SyntheticScene scene = MakeScene(options);
   const Registration found = Register(InputOf(scene, 1.1));
   EXPECT_EQ(Judge(scene, found).in_first_block, options.columns * options.rows);
@@ -99,9 +81,7 @@ TEST(RegisterPhotos, AFocalLengthThatIsTenPercentOffIsCorrected) {
 }
 
 TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
-  SyntheticOptions options;
-  options.columns = 5;
-  options.rows = 2;
+  SyntheticOptions options{.columns = 5, .rows = 2};
   const SyntheticScene here = MakeScene(options);
   options.columns = 4;
   options.seed = 2;
@@ -114,10 +94,7 @@ TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
 }
 
 TEST(RegisterPhotos, TheSameForAnyNumberOfThreads) {
-  SyntheticOptions options;
-  options.columns = 4;
-  options.rows = 2;
-  const SyntheticScene scene = MakeScene(options);
+  const SyntheticScene scene = MakeScene({.columns = 4, .rows = 2});
   const Registration one = Register(InputOf(scene), 1), three = Register(InputOf(scene), 3);
   ASSERT_EQ(one.photos.size(), three.photos.size());
   for (std::size_t i = 0; i < one.photos.size(); ++i) {

@@ -26,11 +26,7 @@ double TurnError(const SyntheticScene& scene, int i, int j, const GraphPair& vie
 }
 
 TEST(TwoView, TheTurnIsFoundOverFlatGroundAndOverRelief) {
-  SyntheticOptions options;
-  options.columns = 2;
-  options.rows = 1;
-  options.any_yaw = true;
-  options.relief_m = 0.0;
+  SyntheticOptions options{.columns = 2, .rows = 1, .relief_m = 0.0, .any_yaw = true};
   const SyntheticScene flat = MakeScene(options);
   EXPECT_LT(TurnError(flat, 0, 1, test::ValueOf(View(flat, 0, 1))), 0.02);
   options.relief_m = 15.0;
@@ -40,11 +36,7 @@ TEST(TwoView, TheTurnIsFoundOverFlatGroundAndOverRelief) {
 
 // A camera far to the side sees level ground as one that turned sees ground along its edge.
 TEST(TwoView, OfTwoGroundsTheOneUnderTheCamerasComesFirst) {
-  SyntheticOptions options;
-  options.columns = 2;
-  options.rows = 1;
-  options.relief_m = 0.0;
-  options.tilt_rad = 0.02;
+  SyntheticOptions options{.columns = 2, .rows = 1, .relief_m = 0.0, .tilt_rad = 0.02};
   for (const double step_m : {6.0, 15.0, 25.0}) {
     options.step_m = step_m;
     const SyntheticScene scene = MakeScene(options);
@@ -58,12 +50,7 @@ TEST(TwoView, OfTwoGroundsTheOneUnderTheCamerasComesFirst) {
 }
 
 TEST(TwoView, ACameraThatOnlyTurnedHasNoParallax) {
-  SyntheticOptions options;
-  options.columns = 2;
-  options.rows = 1;
-  options.step_m = 0.0;
-  options.any_yaw = true;
-  SyntheticScene scene = MakeScene(options);
+  SyntheticScene scene = MakeScene({.columns = 2, .rows = 1, .step_m = 0.0, .any_yaw = true});
   // The same place: the second is the first, turned in the picture's plane and seen anew.
   scene.features[1] = scene.features[0];
   for (Keypoint& keypoint : scene.features[1].keypoints) {
@@ -78,9 +65,7 @@ TEST(TwoView, ACameraThatOnlyTurnedHasNoParallax) {
 }
 
 TEST(TwoView, PhotosOfDifferentPlacesAreNotTied) {
-  SyntheticOptions options;
-  options.columns = 2;
-  options.rows = 1;
+  SyntheticOptions options{.columns = 2, .rows = 1};
   SyntheticScene scene = MakeScene(options);
   options.seed = 99;
   scene.features[1] = MakeScene(options).features[1];
