@@ -342,7 +342,7 @@ class BadInput(ServerTestCase):
         """Another program holds it: what is read is answered, what is written waits its turn."""
         with sqlite3.connect(self.shared.data / "catalogue.db", isolation_level=None) as catalogue:
             catalogue.execute("BEGIN IMMEDIATE")
-            written = threading.Thread(target=self.new_flight)
+            written = threading.Thread(target=self.shared.new_flight)
             written.start()
             self.assertEqual(self.shared.request("GET", tile)[0], 200)
             catalogue.execute("ROLLBACK")
