@@ -72,9 +72,8 @@ Response Unauthorized(const Request& request, std::string_view pattern, bool has
 }
 
 Response Forbidden(const Request& request, std::string_view pattern, Scope needed) {
-  const Error error{
-      ErrorCode::kForbidden,
-      std::string("This token may not do that: it needs the scope \"") + storage::ScopeName(needed) + "\"."};
+  const Error error{ErrorCode::kForbidden, std::string("This token may not do that: it needs the scope \"") +
+                                               storage::ScopeName(needed) + "\"."};
   return IsNode(pattern) ? NodeRefusal(error.message) : Problem(error, request);
 }
 

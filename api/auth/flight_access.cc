@@ -107,8 +107,7 @@ std::optional<Response> CheckFlightAccess(Service& service, const Request& reque
   const Result<std::optional<std::string>> flight = FlightOf(service, request);
   if (!flight) return refuse(flight.error());
   if (!request.only_flight.empty() && !IsOpenToOneFlight(request, route.pattern, *flight)) {
-    return refuse(
-        {ErrorCode::kNotFound, "This token opens one flight, and there is nothing of it here."});
+    return refuse({ErrorCode::kNotFound, "This token opens one flight, and there is nothing of it here."});
   }
   if (!changes || !*flight) return std::nullopt;
   const Result<void> may = CheckMayChange(service, request, **flight);

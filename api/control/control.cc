@@ -24,8 +24,7 @@ struct KeptControl {
 Result<std::string> ReadStoredList(Service& service, const std::string& flight_id,
                                    const std::string& stored_name) {
   SKYQUILT_TRY_ASSIGN(const storage::LocalBlob blob, service.store.Fetch(flight_id, stored_name));
-  if (!service.read_control)
-    return Error{ErrorCode::kUnavailable, "This server reads no control points."};
+  if (!service.read_control) return Error{ErrorCode::kUnavailable, "This server reads no control points."};
   return service.read_control(blob.path);
 }
 

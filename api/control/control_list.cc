@@ -132,8 +132,7 @@ std::string NoControlJson() {
 Result<std::string> ControlListText(std::string_view json) {
   SKYQUILT_TRY(CheckJsonText(json, kMaxControlBytes));
   const Value document = ParseOrderedJson(json);
-  if (document.is_discarded())
-    return Error{ErrorCode::kInvalidArgument, "The control points are not JSON."};
+  if (document.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The control points are not JSON."};
   if (!document.is_object()) return RefuseControl("The control points must be a JSON object.");
   for (const auto& [field, value] : document.items()) {
     if (field != "reference_system" && field != "points" && field != "warnings")

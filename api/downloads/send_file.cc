@@ -171,8 +171,7 @@ Result<Response> SendParts(const Request& request, std::uint64_t size, const std
 
 Response Downloaded(Result<Response> sent, const Request& request) {
   if (sent || sent.error().code != ErrorCode::kRangeNotSatisfiable) return Answered(std::move(sent), request);
-  Response response =
-      Problem({ErrorCode::kRangeNotSatisfiable, "The range lies outside the file."}, request);
+  Response response = Problem({ErrorCode::kRangeNotSatisfiable, "The range lies outside the file."}, request);
   response.headers.Add("Content-Range", sent.error().message);
   return response;
 }

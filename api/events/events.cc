@@ -29,11 +29,7 @@ class EventStream final : public LiveSource {
  public:
   EventStream(Service& service, const Request& request, std::uint64_t seat, storage::EventFilter filter,
               std::int64_t after)
-      : service_(service),
-        owner_(request.owner),
-        seat_(seat),
-        filter_(std::move(filter)),
-        after_(after) {}
+      : service_(service), owner_(request.owner), seat_(seat), filter_(std::move(filter)), after_(after) {}
   ~EventStream() override { service_.event_hub.Leave(seat_); }
 
   void OnNews(std::function<void()> wake) override { service_.event_hub.OnNews(seat_, std::move(wake)); }

@@ -170,9 +170,9 @@ Result<Response> DownloadExport(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const MapExport found, FindExport(service, request));
   const auto format = storage::ExportFormatOfName(found.format);
   if (found.state != ExportState::kSuccessful || !format)
-    return Error{ErrorCode::kConflict,
-                 found.HasEnded() ? "This export failed: " + found.error_message
-                                  : "This export is not made yet. Ask its address for its state."};
+    return Error{ErrorCode::kConflict, found.HasEnded()
+                                           ? "This export failed: " + found.error_message
+                                           : "This export is not made yet. Ask its address for its state."};
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(found.flight_id));
   SKYQUILT_TRY_ASSIGN(Response sent,
                       SendBlob(request, service.store.blobs(), storage::ExportKey(found),

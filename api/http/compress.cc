@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/common/accept.h"
+#include "api/http/accept.h"
 #include "core/base/try.h"
 #include "storage/pmtiles/pmtiles_archive.h"
 

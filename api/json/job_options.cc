@@ -148,11 +148,8 @@ Result<void> CheckImport(const nlohmann::json& given, const pipeline::MosaicOpti
 
 using OptionSetter = Result<void> (*)(const nlohmann::json&, pipeline::MosaicOptions*);
 constexpr std::pair<std::string_view, OptionSetter> kOthers[] = {
-    {"origin", SetOrigin},
-    {"boundary", SetBoundary},
-    {"place", SetPlace},
-    {"layers", SetLayers},
-    {"import_file", SetImport},
+    {"origin", SetOrigin}, {"boundary", SetBoundary},  {"place", SetPlace},
+    {"layers", SetLayers}, {"import_file", SetImport},
 };
 
 std::string KnownOptions() {

@@ -69,8 +69,7 @@ Result<FeatureQuery> ParseFeatureQuery(const Request& request) {
                       ParseLimit(request.Query("limit").value_or(""), kUsualFeatures, kMaxFeatures));
   if (const auto text = request.Query("offset")) {
     const auto offset = ParseNumber<std::size_t>(*text);
-    if (!offset)
-      return Error{ErrorCode::kInvalidArgument, "\"offset\" must be a whole number from 0 on."};
+    if (!offset) return Error{ErrorCode::kInvalidArgument, "\"offset\" must be a whole number from 0 on."};
     query.offset = *offset;
   }
   return query;

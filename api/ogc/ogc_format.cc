@@ -4,7 +4,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
-#include "api/common/accept.h"
+#include "api/http/accept.h"
 #include "api/http/links.h"
 #include "api/http/responses.h"
 #include "core/base/check.h"

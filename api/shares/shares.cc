@@ -51,9 +51,8 @@ Result<std::optional<int>> ParseDays(const std::string& body) {
 }
 
 nlohmann::ordered_json Described(const storage::Token& token) {
-  nlohmann::ordered_json described = {{"id", token.id},
-                                      {"created_at", FormatTime(token.created)},
-                                      {"expires_at", nullptr}};
+  nlohmann::ordered_json described = {
+      {"id", token.id}, {"created_at", FormatTime(token.created)}, {"expires_at", nullptr}};
   if (token.expires) described["expires_at"] = FormatTime(*token.expires);
   return described;
 }

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "api/common/accept.h"
+#include "api/http/accept.h"
 #include "api/http/conditional.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"

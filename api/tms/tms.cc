@@ -19,9 +19,9 @@ namespace skyquilt::api {
 namespace {
 
 Response Root(const Request& request) {
-  return Xml(fmt::format(
-      "<Services><TileMapService title=\"Skyquilt\" version=\"1.0.0\" href=\"{}\"/></Services>\n",
-      XmlText(LinkTo(request, "/tms/1.0.0"))));
+  return Xml(
+      fmt::format("<Services><TileMapService title=\"Skyquilt\" version=\"1.0.0\" href=\"{}\"/></Services>\n",
+                  XmlText(LinkTo(request, "/tms/1.0.0"))));
 }
 
 // Maps of larger tiles have those of 256 pixels where programs look first.
@@ -46,10 +46,10 @@ Result<Response> Maps(Service& service, const Request& request) {
                           XmlText(listed.Link(PathOf(map.shown.flight_id, stored_px, side_px))));
     }
   }
-  return Xml(fmt::format(
-      "<TileMapService version=\"1.0.0\"><Title>Skyquilt</Title><Abstract>{}</Abstract>"
-      "<TileMaps>\n{}</TileMaps></TileMapService>\n",
-      XmlText(listed.Note()), maps));
+  return Xml(
+      fmt::format("<TileMapService version=\"1.0.0\"><Title>Skyquilt</Title><Abstract>{}</Abstract>"
+                  "<TileMaps>\n{}</TileMaps></TileMapService>\n",
+                  XmlText(listed.Note()), maps));
 }
 
 // The whole world, and every zoom from 0 on: programs number tiles from the box and tilesets from the first

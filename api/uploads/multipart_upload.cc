@@ -79,9 +79,8 @@ Result<void> FormDigest::EndPart() {
 Error NothingUsable(const std::vector<FileOutcome>& files) {
   if (files.empty())
     return {ErrorCode::kUnprocessable, "The form has no files. Add photos and send it again."};
-  return {ErrorCode::kUnprocessable,
-          "None of the files could be taken. The first, \"" + files.front().name +
-              "\": " + files.front().error->message};
+  return {ErrorCode::kUnprocessable, "None of the files could be taken. The first, \"" + files.front().name +
+                                         "\": " + files.front().error->message};
 }
 
 // Files into a flight that is there.

@@ -103,9 +103,9 @@ class PutFile final : public BodySink {
   Response Finish() override {
     const std::int64_t bytes = upload_.bytes();
     if (sha256_ && digest_.Finish() != *sha256_) {
-      return Problem({ErrorCode::kDigestMismatch,
-                      "The bytes are not those that Content-Digest says. Send them again."},
-                     request_);
+      return Problem(
+          {ErrorCode::kDigestMismatch, "The bytes are not those that Content-Digest says. Send them again."},
+          request_);
     }
     Result<std::string> stored = upload_.Finish();
     if (!stored) return Problem(stored.error(), request_);
@@ -187,8 +187,7 @@ UploadBegun BeginPut(Service& service, const Request& request) {
   std::optional<std::string> sha256;
   if (request.headers.Has("Content-Digest")) {
     sha256 = Sha256OfContentDigest(request.headers.Find("Content-Digest"));
-    if (!sha256)
-      return Error{ErrorCode::kInvalidArgument, "Content-Digest has no sha-256 that can be read."};
+    if (!sha256) return Error{ErrorCode::kInvalidArgument, "Content-Digest has no sha-256 that can be read."};
   }
   return std::make_unique<PutFile>(service, request, std::move(upload), std::move(incoming),
                                    std::move(sha256));

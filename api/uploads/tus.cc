@@ -176,12 +176,9 @@ Result<Response> GetUpload(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const SpooledUpload upload,
                       service.spool.Find(request.Parameter("upload"), service.db.ages().Now()));
   if (upload.file) SKYQUILT_TRY(UnpackOnly(service, upload.flight_id, *upload.file));
-  nlohmann::ordered_json described = {{"id", upload.id},
-                                      {"flight_id", upload.flight_id},
-                                      {"name", upload.name},
-                                      {"offset", upload.offset},
-                                      {"length", nullptr},
-                                      {"is_done", upload.is_done}};
+  nlohmann::ordered_json described = {{"id", upload.id},     {"flight_id", upload.flight_id},
+                                      {"name", upload.name}, {"offset", upload.offset},
+                                      {"length", nullptr},   {"is_done", upload.is_done}};
   if (upload.IsPart()) described["flight_id"] = nullptr;
   if (upload.length) described["length"] = *upload.length;
   Response response = TusAnswer(JsonOf(200, described));

@@ -46,9 +46,8 @@ Result<NewWebhook> ParseNewWebhook(const std::string& body) {
 }
 
 nlohmann::ordered_json Described(const storage::Webhook& webhook, bool with_secret) {
-  nlohmann::ordered_json described = {{"id", webhook.id},
-                                      {"url", webhook.url},
-                                      {"created_at", FormatTime(webhook.created)}};
+  nlohmann::ordered_json described = {
+      {"id", webhook.id}, {"url", webhook.url}, {"created_at", FormatTime(webhook.created)}};
   if (with_secret) described["secret"] = webhook.secret;
   return described;
 }

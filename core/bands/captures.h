@@ -77,7 +77,7 @@ struct BandsReport {
 // By which factors a band's values are wrong, as several witnesses say: pictures of a panel, targets on the
 // ground.
 struct WitnessedFactors {
-  std::map<std::string, std::vector<double>> by_group;  // of the photos that they are said of
+  std::map<std::string, std::vector<double>> by_group;                  // of the photos that they are said of
   std::function<std::string(const flight::Photo&)> group_of = nullptr;  // null: all are one, called ""
 };
 

@@ -52,11 +52,10 @@ void CalibrateByTargets(const BandedMap& map, const ground::GroundSurface& groun
   for (std::size_t i = 0; i < captures.bands.size(); ++i) {
     const std::vector<double>& all = factors.by_band[i];
     if (all.empty()) continue;
-    const double factor =
-        bands::ScaleBand(captures, captures.bands[i].name, {.by_group = {{"", all}}},
-                         bands::HeldAgainst::kTargets,
-                         fmt::format("by {} target{} on the ground", all.size(), all.size() == 1 ? "" : "s"),
-                         cameras.warnings);
+    const double factor = bands::ScaleBand(
+        captures, captures.bands[i].name, {.by_group = {{"", all}}}, bands::HeldAgainst::kTargets,
+        fmt::format("by {} target{} on the ground", all.size(), all.size() == 1 ? "" : "s"),
+        cameras.warnings);
     for (render::BandedCapture& capture : cameras.captures) {
       if (capture.cameras[i]) capture.cameras[i]->radiometry.per_level *= factor;
     }

@@ -26,9 +26,8 @@ geo::LatLon ParseLatLon(const char* command, const char* option, const std::stri
 geo::Boundary ReadBoundary(const char* command, const fs::path& file) {
   std::error_code error;  // what cannot be read says so below
   if (fs::file_size(file, error) > storage::kMaxBoundaryBytes && !error) {
-    Fail(command, {ErrorCode::kTooLarge,
-                   fmt::format("{} has more than {} MiB; simplify the boundary.", file.string(),
-                               storage::kMaxBoundaryBytes >> 20)});
+    Fail(command, {ErrorCode::kTooLarge, fmt::format("{} has more than {} MiB; simplify the boundary.",
+                                                     file.string(), storage::kMaxBoundaryBytes >> 20)});
   }
   const std::string bytes = OrFail(command, storage::ReadWholeFile(file));
   Result<geo::Boundary> boundary = storage::ParseBoundaryFile(bytes);

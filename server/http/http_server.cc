@@ -97,8 +97,7 @@ struct HttpServer::State {
 
   // On the first lane, as all that touches listeners once it runs.
   Result<void> OpenNetwork() {
-    if (context.service.is_draining)
-      return skyquilt::Error{ErrorCode::kUnavailable, "The server is ending."};
+    if (context.service.is_draining) return skyquilt::Error{ErrorCode::kUnavailable, "The server is ending."};
     bool is_open = false;
     Result<void> failed = skyquilt::Error{
         ErrorCode::kConflict, "This computer is in no network. Connect it to one, and try again."};

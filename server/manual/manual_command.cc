@@ -48,10 +48,9 @@ void WritePage(const std::filesystem::path& folder, const std::string& name, con
   file << text;
   file.close();
   if (!file) {
-    Fail(
-        "skyquilt man",
-        {ErrorCode::kIo,
-         fmt::format("{} cannot be written. Give --out a folder that you may write to.", path.string())});
+    Fail("skyquilt man",
+         {ErrorCode::kIo,
+          fmt::format("{} cannot be written. Give --out a folder that you may write to.", path.string())});
   }
 }
 
@@ -63,9 +62,8 @@ const DescribedCommand& CommandToShow(const DescribedCommand& program, const std
     names.push_back(command.path.back());
   }
   const std::optional<std::string> near = NearWord(name, names);
-  Fail("skyquilt man",
-       {ErrorCode::kNotFound,
-        fmt::format("There is no command \"{}\".{}", name, near ? " Did you mean " + *near + "?" : "")});
+  Fail("skyquilt man", {ErrorCode::kNotFound, fmt::format("There is no command \"{}\".{}", name,
+                                                          near ? " Did you mean " + *near + "?" : "")});
 }
 
 void Man(CLI::App& app, const std::string& version, const ManualOptions& options) {

@@ -51,13 +51,13 @@ constexpr const char* kTilesOfLevel =
 // Whether each content is what its key says: what a power cut kept from the disk may lie within a tile, where
 // SQLite does not see it.
 Result<void> CheckContents(SqliteDb& tiles) {
-  constexpr std::int64_t kMostOfOneKey = 16;
+  constexpr std::int64_t kMaxOfOneKey = 16;
   SKYQUILT_TRY_ASSIGN(Statement contents, tiles.Prepare("SELECT tile_data_id, tile_data FROM tiles_data"));
   while (true) {
     SKYQUILT_TRY_ASSIGN(const bool row, contents.Step());
     if (!row) return {};
     const std::int64_t behind = contents.ColumnInt64(0) - ContentIdOf(contents.ColumnBlob(1));
-    if (behind < 0 || behind > kMostOfOneKey)
+    if (behind < 0 || behind > kMaxOfOneKey)
       return Error{ErrorCode::kCorrupt, "a tile that a killed run left is not the one that was put", ""};
   }
 }

@@ -89,8 +89,7 @@ TEST(OpenElevationModel, RefusesTheOneThatWasAskedFor) {
   const flight::InputFile good = WriteModel(folder.path(), "b.tif", true);
   EXPECT_FALSE(OpenElevationModel(bad.path.string(), {good}).ok());
   const auto named = test::ValueOf(OpenElevationModel(good.path.string(), {bad}));
-  EXPECT_THAT(InWords(named.warnings), ElementsAre(HasSubstr("a.tif")))
-      << "it is not used, and that is said";
+  EXPECT_THAT(InWords(named.warnings), ElementsAre(HasSubstr("a.tif"))) << "it is not used, and that is said";
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "core/alignment/from_images/grow_block.h"
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cstdint>
@@ -8,6 +6,7 @@
 #include <utility>
 
 #include "core/alignment/estimators/absolute_pose.h"
+#include "core/alignment/from_images/grow_block.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/geo/rigid3.h"

@@ -44,10 +44,10 @@ PartnersByPhoto LookingAlike(const PairQuestion& question) {
     std::vector<int> chosen;
     for (const int j : partners[i]) {
       if (static_cast<int>(chosen.size()) >= most) break;
-      const bool is_covered =
-          std::abs(j - i) <= options.apart_in_order ||
-          std::any_of(chosen.begin(), chosen.end(),
-                      [&](int other) { return std::abs(other - j) < options.apart_in_order; });
+      const bool is_covered = std::abs(j - i) <= options.apart_in_order ||
+                              std::any_of(chosen.begin(), chosen.end(), [&](int other) {
+                                return std::abs(other - j) < options.apart_in_order;
+                              });
       if (!is_covered) chosen.push_back(j);
     }
     partners[i] = std::move(chosen);

@@ -54,7 +54,7 @@ struct PhotoFeatures {
   double sigma_px = 1.0;  // how well a keypoint is located, in full-size pixels
   PictureDetail detail;
   std::string unreadable;  // why nothing is known of it; empty: it was read
-  double decode_s = 0.0;  // wall seconds
+  double decode_s = 0.0;   // wall seconds
   double detect_s = 0.0;
 };
 

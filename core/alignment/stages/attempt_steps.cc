@@ -187,8 +187,7 @@ Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const 
     const PhotoFeatures& one = extracted.features[i];
     extracted.readable.push_back(one.unreadable.empty() ? &one : nullptr);
     TraceDecision(extracted.readable[i] ? "photo read" : "photo unreadable",
-                  {{"photo", i}, {"keypoints", one.keypoints.size()}},
-                  extracted.posed.photos[i].photo.name);
+                  {{"photo", i}, {"keypoints", one.keypoints.size()}}, extracted.posed.photos[i].photo.name);
   }
   extracted.gyros = TieGyrosToRows(extracted.posed, extracted.readable, options.threads);
   extracted.lines = FindLines(EastNorthOf(extracted.posed.photos));

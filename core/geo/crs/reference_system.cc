@@ -63,7 +63,7 @@ std::size_t PastJoin(const std::string& lower, std::size_t at) {
   return at;
 }
 
-constexpr std::size_t kFewestDigits = 4, kMostDigits = 6;  // of a code
+constexpr std::size_t kMinDigits = 4, kMaxDigits = 6;  // of a code
 
 // Past "epsg" at `at`, what joins it to a code and the version of the register: "epsg-code: ", "epsg.io/",
 // "epsg/0/", "epsg:9.8.5:".
@@ -78,7 +78,7 @@ std::size_t PastAuthority(const std::string& lower, std::size_t at) {
     if (lower.compare(at, word.size(), word) == 0) at = past(kBetween, at + word.size());
   }
   const std::size_t end = past("0123456789.", at);
-  const bool is_version = DigitsAt(lower, at).size() < kFewestDigits && end < lower.size() &&
+  const bool is_version = DigitsAt(lower, at).size() < kMinDigits && end < lower.size() &&
                           (lower[end] == ':' || lower[end] == '/');
   return is_version ? past(kBetween, end) : at;
 }
@@ -89,18 +89,18 @@ std::optional<EpsgCode> FindEpsgCode(const std::string& lower) {
   const std::size_t begin = lower.find("epsg");
   if (begin == std::string::npos) return std::nullopt;
   const std::string_view code = DigitsAt(lower, PastAuthority(lower, begin));
-  if (code.size() < kFewestDigits) return std::nullopt;
+  if (code.size() < kMinDigits) return std::nullopt;
   const auto end_of = [&](std::string_view digits) {
     return static_cast<std::size_t>(digits.data() - lower.data()) + digits.size();
   };
   std::string definition = "EPSG:" + std::string(code);
-  bool may_be_known = code.size() <= kMostDigits;
+  bool may_be_known = code.size() <= kMaxDigits;
   std::size_t end = end_of(code);
   if (const std::size_t joined = PastJoin(lower, end); joined != end) {
     const std::string_view vertical = DigitsAt(lower, PastAuthority(lower, joined));
-    const bool is_code = vertical.size() >= kFewestDigits;
+    const bool is_code = vertical.size() >= kMinDigits;
     definition += "+" + std::string(vertical);
-    may_be_known = may_be_known && is_code && vertical.size() <= kMostDigits;
+    may_be_known = may_be_known && is_code && vertical.size() <= kMaxDigits;
     end = is_code ? end_of(vertical) : lower.size();
   }
   return EpsgCode{begin, end - begin, may_be_known ? definition : std::string()};

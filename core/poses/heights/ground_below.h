@@ -27,8 +27,8 @@ void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>&
 // hill, or heights that count from another zero. Their spacing is then the better measure.
 void PutGroundBelow(PosedFlight& posed);
 
-// Without the geoid at the flight (`geoid_m`) heights above the sea count as above the ellipsoid, which is said;
-// what the flight's heights count from is not known then. `log`: null where none places photos.
+// Without the geoid at the flight (`geoid_m`) heights above the sea count as above the ellipsoid, which is
+// said; what the flight's heights count from is not known then. `log`: null where none places photos.
 // `is_zero_of_sea`: the take-off's height is given, or an elevation model's.
 void TellLackOfGeoid(const std::optional<double>& geoid_m, const std::vector<flight::Photo>& photos,
                      const flight::FlightLog* log, bool is_zero_of_sea, PosedFlight& posed);

@@ -28,8 +28,7 @@ void AddPhoto(const alignment::AlignedPhoto& photo, const PhotoTone& tone, Hashe
   hasher.Add(static_cast<int>(photo.placement)).Add(photo.error_radius_m).Add(photo.height_above_ground_m);
   hasher.Add(photo.max_look_rad);
   // The same file in another range is another picture.
-  if (photo.photo.sample_range)
-    hasher.Add(photo.photo.sample_range->low).Add(photo.photo.sample_range->high);
+  if (photo.photo.sample_range) hasher.Add(photo.photo.sample_range->low).Add(photo.photo.sample_range->high);
   for (const double gain : tone.gain) hasher.Add(gain);
   hasher.AddBytes(tone.shade.terms.data(), sizeof(tone.shade.terms));
   for (const float at : tone.shade.spot_place) hasher.Add(at);

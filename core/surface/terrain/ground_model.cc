@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kWidestThingM = 60.0;  // what is wider than this counts as ground
 constexpr double kSlope = 0.3;          // that ground may have
-constexpr double kLeastHeightM = 0.3;   // what stands less high than this is ground
-constexpr double kMostStepM = 2.5;      // what stands higher is none, however wide the square
-constexpr double kLeastPitM = 1.0;      // deeper within a few cells: no ground either, but a mistake
+constexpr double kMinHeightM = 0.3;     // what stands less high than this is ground
+constexpr double kMaxStepM = 2.5;       // what stands higher is none, however wide the square
+constexpr double kMinPitM = 1.0;        // deeper within a few cells: no ground either, but a mistake
 constexpr int kPitReach = 2;            // cells: a pit is no wider than twice that and one
 
 // The least (or greatest) of 2 * reach + 1 values about each, by two running ones that begin anew every
@@ -112,7 +112,7 @@ void TakePitsAway(GroundModel& ground, int columns, int rows) {
   for (float& height : closed) height = height == -kNone ? kNone : height;
   ChooseInSquares(closed, columns, rows, kPitReach, [](float a, float b) { return std::min(a, b); });
   for (std::size_t i = 0; i < closed.size(); ++i) {
-    if (ground.is_ground[i] != 0 && closed[i] - ground.heights_m[i] > kLeastPitM) ground.is_ground[i] = 0;
+    if (ground.is_ground[i] != 0 && closed[i] - ground.heights_m[i] > kMinPitM) ground.is_ground[i] = 0;
   }
 }
 
@@ -148,7 +148,7 @@ GroundModel GroundUnder(const std::vector<float>& heights_m, int columns, int ro
     ChooseInSquares(opened, columns, rows, reach, [](float a, float b) { return std::min(a, b); });
     ChooseInSquares(opened, columns, rows, reach, [](float a, float b) { return std::max(a, b); });
     const double climb_m = kSlope * 2.0 * (reach - before) * cell_m;
-    const float most_m = static_cast<float>(std::min(kMostStepM, kLeastHeightM + climb_m));
+    const float most_m = static_cast<float>(std::min(kMaxStepM, kMinHeightM + climb_m));
     for (std::size_t i = 0; i < opened.size(); ++i) {
       if (last[i] - opened[i] > most_m) ground.is_ground[i] = 0;
     }

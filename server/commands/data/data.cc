@@ -50,8 +50,7 @@ Held Hold(const DataOptions& options) {
   const storage::FolderSurvey survey = OrFail("skyquilt data", storage::SurveyFolder(at));
   const Result<std::optional<std::string>> marker = storage::ReadMarker(at);
   if (!marker && marker.error().code == ErrorCode::kCorrupt) {
-    Fail("skyquilt data",
-         {ErrorCode::kCorrupt, marker.error().message + " " + storage::RepairAdvice(at)});
+    Fail("skyquilt data", {ErrorCode::kCorrupt, marker.error().message + " " + storage::RepairAdvice(at)});
   }
   if (!marker) Fail("skyquilt data", marker.error());
   if (!*marker && !survey.has_flights && !survey.has_catalogue) {

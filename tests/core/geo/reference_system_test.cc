@@ -12,14 +12,29 @@ namespace skyquilt::geo {
 namespace {
 
 TEST(ReferenceSystem, IsReadInTheFormsThatPeopleWrite) {
-  for (const char* line :
-       {"EPSG:32615", "epsg 32615", "EPSG: 32615", "# EPSG:32615", "\"EPSG:32615\"", "32615",
-        "urn:ogc:def:crs:EPSG::32615", "urn:ogc:def:crs:EPSG:9.8.5:32615", "EPSG-Code: 32615",
-        "https://www.opengis.net/def/crs/EPSG/0/32615", "https://www.opengis.net/def/crs/EPSG/9.9.1/32615",
-        "https://epsg.io/32615", "EPSG:32615+5773", "EPSG:32615+EPSG:5773",
-        "urn:ogc:def:crs,crs:EPSG::32615,crs:EPSG::5773", "WGS84 UTM 15N", "wgs84 utm zone 15 north",
-        "WGS 84 / UTM zone 15N", "UTM 15N", "WGS84_UTM_Zone_15N",
-        "+proj=utm +zone=15 +datum=WGS84 +units=m +no_defs", "NAD83 / UTM zone 15N", "nad83 utm 15n"}) {
+  for (const char* line : {"EPSG:32615",
+                           "epsg 32615",
+                           "EPSG: 32615",
+                           "# EPSG:32615",
+                           "\"EPSG:32615\"",
+                           "32615",
+                           "urn:ogc:def:crs:EPSG::32615",
+                           "urn:ogc:def:crs:EPSG:9.8.5:32615",
+                           "EPSG-Code: 32615",
+                           "https://www.opengis.net/def/crs/EPSG/0/32615",
+                           "https://www.opengis.net/def/crs/EPSG/9.9.1/32615",
+                           "https://epsg.io/32615",
+                           "EPSG:32615+5773",
+                           "EPSG:32615+EPSG:5773",
+                           "urn:ogc:def:crs,crs:EPSG::32615,crs:EPSG::5773",
+                           "WGS84 UTM 15N",
+                           "wgs84 utm zone 15 north",
+                           "WGS 84 / UTM zone 15N",
+                           "UTM 15N",
+                           "WGS84_UTM_Zone_15N",
+                           "+proj=utm +zone=15 +datum=WGS84 +units=m +no_defs",
+                           "NAD83 / UTM zone 15N",
+                           "nad83 utm 15n"}) {
     const auto system = ReferenceSystem::Parse(line);
     ASSERT_TRUE(system.ok()) << line;
     const auto place = system->ToLatLon(576667.1, 5188164.6);

@@ -90,16 +90,15 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
 // The systems that a column of zones names in its rows ("33N"), each once; of words that are none, nothing.
 std::vector<std::string_view> ZonesOfRows(const CsvHeader& header, LineReader lines) {
   constexpr std::array<std::string_view, 5> kNames = {"zone", "utmzone", "zoneutm", "zona", "huso"};
-  const auto column =
-      std::find_if(header.columns.begin(), header.columns.end(), [&](const CsvColumn& one) {
-        return one.meaning == M::kIgnored && IsOneOf(LettersAndDigits(LowerCase(one.header)), kNames);
-      });
+  const auto column = std::find_if(header.columns.begin(), header.columns.end(), [&](const CsvColumn& one) {
+    return one.meaning == M::kIgnored && IsOneOf(LettersAndDigits(LowerCase(one.header)), kNames);
+  });
   std::vector<std::string_view> seen, zones, cells;
   if (column == header.columns.end()) return zones;
   const auto at = static_cast<std::size_t>(column - header.columns.begin());
   std::vector<std::string> systems;
-  constexpr std::size_t kMostLookedUp = 8;
-  while (seen.size() < kMostLookedUp && NextRow(lines, header.separator, cells)) {
+  constexpr std::size_t kMaxLookedUp = 8;
+  while (seen.size() < kMaxLookedUp && NextRow(lines, header.separator, cells)) {
     if (at >= cells.size() || cells[at].empty() || IsOneOf(cells[at], seen)) continue;
     seen.push_back(cells[at]);
     const auto system = geo::ReferenceSystem::Parse(cells[at]);
@@ -115,10 +114,9 @@ Result<void> TakeZoneOfRows(std::string_view name, LineReader lines, CsvHeader& 
   if (header.system.is_certain || !HasPlane(header.columns)) return {};
   const std::vector<std::string_view> zones = ZonesOfRows(header, lines);
   if (zones.size() > 1) {
-    return Because(
-        ErrorCode::kUnsupportedFormat,
-        {RemarkCode::kListOfSeveralZones,
-         {{"file", name}, {"first", Quoted(zones[0])}, {"other", Quoted(zones[1])}}});
+    return Because(ErrorCode::kUnsupportedFormat,
+                   {RemarkCode::kListOfSeveralZones,
+                    {{"file", name}, {"first", Quoted(zones[0])}, {"other", Quoted(zones[1])}}});
   }
   if (!zones.empty()) header.system = {zones.front(), true};
   return {};

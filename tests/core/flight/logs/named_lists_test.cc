@@ -39,9 +39,9 @@ constexpr const char* kWkt =
 
 TEST(NamedLists, AColumnOfZonesNamesTheSystem) {
   for (const char* zone : {"15N", "15T", "UTM 15N"}) {
-    const FlightLog log = ReadList(std::string("image,easting,northing,zone,altitude\n") +
-                                   "a.jpg,576667.1,5188164.6," + zone + ",198.3\n" +
-                                   "b.jpg,576691.6,5188169.6,15T,198.3\n");
+    const FlightLog log =
+        ReadList(std::string("image,easting,northing,zone,altitude\n") + "a.jpg,576667.1,5188164.6," + zone +
+                 ",198.3\n" + "b.jpg,576691.6,5188169.6,15T,198.3\n");
     EXPECT_EQ(log.written_system, "EPSG:32615") << zone;
     ASSERT_EQ(log.events.size(), 2u) << zone;
     ASSERT_TRUE(log.events[0].position) << zone;

@@ -306,9 +306,9 @@ std::vector<std::string> Times(const std::string& before, const std::string& aft
 TEST(WrittenTables, ReadsClocksInAllTheirColumns) {
   ExpectTrack(Track("Date/Time (UTC),lat,lon,alt", Times("6/23/2016 09:31:", " PM")), true);
   ExpectTrack(Track("Date/Time (UTC+00:00),lat,lon,alt", Times("6/23/2016 09:31:", " PM")), true);
-  for (const char* local : {"Date/Time (UTC+2)", "Date/Time (GMT -07:00)", "Time [UTC+05:30]",
-                            "Time (UTC + 2)", "Date/Time (GMT - 07:00)", "UTC time (UTC+2)",
-                            "Time UTC (UTC+02:00)"})
+  for (const char* local :
+       {"Date/Time (UTC+2)", "Date/Time (GMT -07:00)", "Time [UTC+05:30]", "Time (UTC + 2)",
+        "Date/Time (GMT - 07:00)", "UTC time (UTC+2)", "Time UTC (UTC+02:00)"})
     ExpectTrack(Track(std::string(local) + ",lat,lon,alt", Times("6/23/2016 09:31:", " PM")), false);
   ExpectTrack(Track("datetime,lat,lon,alt", Times("23.06.2016 21:31:", "")), false);
   ExpectTrack(Track("date,time,lat,lon,alt", Times("2016-06-23,21:31:", "")), false);

@@ -1,4 +1,4 @@
-#include "api/common/accept.h"
+#include "api/http/accept.h"
 
 #include <charconv>
 #include <cmath>
