@@ -2,7 +2,7 @@
 # Installs what is missing, builds, tests.
 #   ./test.sh         the short suite, for every change: units, rules, each capability once from end to end
 #   ./test.sh --all   everything: after it the long tests, units and server under ASan and UBSan, what has threads and a
-#                     flight's whole way under TSan, and each fuzz target for a minute; hours
+#                     flight's whole way under TSan, and each fuzz target for half a minute; hours
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '2,5p' "$0" | cut -c3-; exit 0 ;; esac
 cd "$(dirname "$(realpath "$0")")"
@@ -33,8 +33,8 @@ timed ctest --preset long -j $((jobs + 1))
 echo "== AddressSanitizer and UndefinedBehaviorSanitizer: the units, and the server from end to end with its sandboxed processes"
 cmake --preset asan >/dev/null
 cmake --build --preset asan -j "$jobs"
-timed ctest --preset asan -j "$jobs" -LE "long|web|e2e" -E "^Architecture"
-timed ctest --preset asan -j "$jobs" -L "^server$" -LE cluster
+timed ctest --preset asan -j $((jobs + 1)) -LE "long|web|e2e" -E "^Architecture"
+timed ctest --preset asan -j $((jobs + 1)) -L "^server$" -LE cluster
 
 echo "== ThreadSanitizer: what has threads, and a flight from its upload to its tiles"
 cmake --preset tsan >/dev/null
@@ -44,8 +44,8 @@ timed ctest --preset tsan -j "$jobs" -L concurrency -LE long
 echo "== fuzz targets"
 cmake --preset fuzz >/dev/null
 cmake --build --preset fuzz -j "$jobs"
-fuzz() {  # one target for a minute; what it says where it finds something, a line where it does not
-  if "$1" -max_total_time=60 -rss_limit_mb=4096 -artifact_prefix=build/fuzz/ >"$1.log" 2>&1; then
+fuzz() {  # one target for half a minute; what it says where it finds something, a line where it does not
+  if "$1" -max_total_time=30 -rss_limit_mb=4096 -artifact_prefix=build/fuzz/ >"$1.log" 2>&1; then
     echo "$(basename "$1"): $(tail -n 1 "$1.log")"
   else
     tail -n 60 "$1.log" >&2
