@@ -367,7 +367,7 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
         without_record.Add(i);
     }
   }
-  for (const VerifiedPair& link : registration.links) {
+  for (const PhotoPair& link : registration.links) {
     if (!placed.Has(link.first)) continue;
     second.matched.links.push_back(link);
     second.matched.pairs.push_back({link.first, link.second, 0.0});

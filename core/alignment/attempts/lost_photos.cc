@@ -84,14 +84,14 @@ struct Pairing {
   KeypointMatch match;  // first: of the lost photo
 };
 
-std::vector<VerifiedPair> LinksOf(const std::vector<Pairing>& pairings, const std::vector<int>& inliers,
-                                  int lost) {
+std::vector<PhotoPair> LinksOf(const std::vector<Pairing>& pairings, const std::vector<int>& inliers,
+                               int lost) {
   std::map<int, std::vector<KeypointMatch>> of_partner;
   for (const int k : inliers) {
     const Pairing& one = pairings[k];
     of_partner[one.partner].push_back(one.match);
   }
-  std::vector<VerifiedPair> links;
+  std::vector<PhotoPair> links;
   for (auto& [partner, matches] : of_partner) {
     if (static_cast<int>(matches.size()) < kMinMatchesOfALink) continue;
     for (KeypointMatch& match : matches) {
@@ -229,8 +229,7 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
   for (const RegisteredLost& one : found) {
     const int i = one.photo;
-    std::erase_if(linked.links,
-                  [&](const VerifiedPair& link) { return link.first == i || link.second == i; });
+    std::erase_if(linked.links, [&](const PhotoPair& link) { return link.first == i || link.second == i; });
     linked.links.insert(linked.links.end(), one.links.begin(), one.links.end());
     if (problem.photos[i].is_fixed) continue;  // it stays, and holds those that it is tied to
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},

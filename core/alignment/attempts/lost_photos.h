@@ -28,7 +28,7 @@ struct LostInput {
 struct RegisteredLost {
   int photo = 0;
   geo::Rigid3 cam_from_enu;
-  std::vector<VerifiedPair> links;  // to aligned photos; matches that follow the pose
+  std::vector<PhotoPair> links;  // to aligned photos; matches that follow the pose
 };
 
 // Their keypoints are matched to those of aligned photos wherever they lie in the picture (no ground window,

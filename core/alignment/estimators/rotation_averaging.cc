@@ -18,14 +18,14 @@ constexpr double kMinResidualRad = 1e-4;
 constexpr double kWidthRad = 0.087;  // 5 degrees: beyond it a pair loses its say
 constexpr double kStillRad = 1e-5;
 
-const Quaterniond& RotationOf(const GraphPair& pair) { return pair.poses.front().rotation; }
+const Quaterniond& RotationOf(const PhotoPair& pair) { return pair.poses.front().rotation; }
 
 // How well the pair is supported.
-double Weight(const GraphPair& pair) {
+double Weight(const PhotoPair& pair) {
   return std::min(1.0, static_cast<double>(pair.matches.size()) / 100.0);
 }
 
-Vector3d Residual(const GraphPair& pair, const std::vector<Quaterniond>& rotations) {
+Vector3d Residual(const PhotoPair& pair, const std::vector<Quaterniond>& rotations) {
   const Quaterniond expected = rotations[pair.second] * rotations[pair.first].conjugate();
   // In the world's axes: R_second' (R12 R1 R2') R_second
   const Quaterniond apart = RotationOf(pair) * expected.conjugate();
@@ -34,7 +34,7 @@ Vector3d Residual(const GraphPair& pair, const std::vector<Quaterniond>& rotatio
 }
 
 // Best supported pairs first, from the photo that most hang on.
-void FollowTree(int photos, const std::vector<GraphPair>& pairs, AveragedRotations& averaged) {
+void FollowTree(int photos, const std::vector<PhotoPair>& pairs, AveragedRotations& averaged) {
   std::vector<std::vector<int>> of_photo(photos);
   std::vector<double> support(photos, 0.0);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
@@ -50,7 +50,7 @@ void FollowTree(int photos, const std::vector<GraphPair>& pairs, AveragedRotatio
   for (const int root : order) {
     if (reached.Has(root) || of_photo[root].empty()) continue;
     reached.Add(root);
-    FollowStrongest(pairs, of_photo, {root}, &Weight, [&](const GraphPair& pair, int from, int to) {
+    FollowStrongest(pairs, of_photo, {root}, &Weight, [&](const PhotoPair& pair, int from, int to) {
       const Quaterniond to_from = from == pair.first ? RotationOf(pair) : RotationOf(pair).conjugate();
       averaged.cam_from_world[to] = (to_from * averaged.cam_from_world[from]).normalized();
       reached.Add(to);
@@ -60,14 +60,14 @@ void FollowTree(int photos, const std::vector<GraphPair>& pairs, AveragedRotatio
 
 // One weighted step of all rotations; the largest turn. Every photo is held a little where it is, which fixes
 // what no pair tells.
-double Step(const std::vector<GraphPair>& pairs, const std::vector<double>& weights,
+double Step(const std::vector<PhotoPair>& pairs, const std::vector<double>& weights,
             std::vector<Quaterniond>& rotations) {
   const auto count = static_cast<Eigen::Index>(rotations.size());
   std::vector<Eigen::Triplet<double>> terms;
   Eigen::Matrix<double, Eigen::Dynamic, 3> right = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(count, 3);
   for (Eigen::Index i = 0; i < count; ++i) terms.emplace_back(i, i, 1e-9);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const GraphPair& pair = pairs[p];
+    const PhotoPair& pair = pairs[p];
     const double weight = weights[p];
     // Rotations turn as R <- R Exp(w): the residual becomes residual - (w2 - w1).
     const Eigen::RowVector3d residual = Residual(pair, rotations).transpose();
@@ -95,7 +95,7 @@ double Step(const std::vector<GraphPair>& pairs, const std::vector<double>& weig
 
 }  // namespace
 
-AveragedRotations AverageRotations(int photos, const std::vector<GraphPair>& pairs) {
+AveragedRotations AverageRotations(int photos, const std::vector<PhotoPair>& pairs) {
   AveragedRotations averaged;
   averaged.cam_from_world.assign(photos, Quaterniond::Identity());
   FollowTree(photos, pairs, averaged);
@@ -116,7 +116,7 @@ AveragedRotations AverageRotations(int photos, const std::vector<GraphPair>& pai
     });
     if (Step(pairs, weights, averaged.cam_from_world) < kStillRad) break;
   }
-  for (const GraphPair& pair : pairs)
+  for (const PhotoPair& pair : pairs)
     averaged.residual_rad.push_back(Residual(pair, averaged.cam_from_world).norm());
   return averaged;
 }

@@ -16,6 +16,6 @@ struct AveragedRotations {
   std::vector<double> residual_rad;                // by pair
 };
 
-AveragedRotations AverageRotations(int photos, const std::vector<GraphPair>& pairs);
+AveragedRotations AverageRotations(int photos, const std::vector<PhotoPair>& pairs);
 
 }  // namespace skyquilt::alignment

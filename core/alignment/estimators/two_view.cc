@@ -217,7 +217,7 @@ double Frontal(const geo::Rigid3& pose, const std::vector<RayPair>& pairs, const
   return std::min(std::abs(of_plane.z()), std::abs((pose.rotation * of_plane).z()));
 }
 
-void TakeMatches(const std::vector<KeypointMatch>& matches, const std::vector<int>& chosen, GraphPair& view) {
+void TakeMatches(const std::vector<KeypointMatch>& matches, const std::vector<int>& chosen, PhotoPair& view) {
   std::vector<int> sorted = chosen;
   std::sort(sorted.begin(), sorted.end());
   for (const int k : sorted) view.matches.push_back(matches[k]);
@@ -236,7 +236,7 @@ std::vector<Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrin
   return rays;
 }
 
-std::optional<GraphPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
+std::optional<PhotoPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
                                         const std::vector<KeypointMatch>& matches, std::uint64_t seed,
                                         double tolerance_sigmas) {
   const int least = kMinTwoViewMatches;
@@ -253,7 +253,7 @@ std::optional<GraphPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoView
                                     second.features->sigma_px / second.lens->MeanFocalPx());
   Sampler sampler(seed);
   const RobustFit flat = FindHomography(pairs, loose, 2.0 * tolerance, sampler);
-  GraphPair view;
+  PhotoPair view;
   if (static_cast<int>(flat.inliers.size()) >= least) {
     const Eigen::Quaterniond turn = FitTurn(pairs, flat.inliers);
     const double angle_rad = MedianAngle(turn, pairs, flat.inliers);

@@ -30,7 +30,7 @@ inline constexpr int kMinTwoViewMatches = 15;  // fewer are no geometry
 std::vector<Eigen::Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most);
 
 // tolerance_sigmas: of a keypoint's place, each photo.
-std::optional<GraphPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
+std::optional<PhotoPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
                                         const std::vector<KeypointMatch>& matches, std::uint64_t seed,
                                         double tolerance_sigmas = 8.0);
 

@@ -32,7 +32,7 @@ struct InitialPair {
 std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const PhotoSet& used) {
   std::vector<std::pair<double, std::size_t>> ranked;
   for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
-    const GraphPair& pair = graph.pairs[p];
+    const PhotoPair& pair = graph.pairs[p];
     if (used.Has(pair.first) || used.Has(pair.second)) continue;
     if (pair.angle_rad < kMinAngleRad) continue;
     const double score =
@@ -45,7 +45,7 @@ std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const PhotoSet& us
   std::vector<InitialPair> chosen;
   for (const auto& [score, p] : ranked) {
     if (chosen.size() >= kMaxInitialPairs) break;
-    const GraphPair& pair = graph.pairs[p];
+    const PhotoPair& pair = graph.pairs[p];
     int& first = begun[pair.first];
     int& second = begun[pair.second];
     if (first >= 2 || second >= 2) continue;
@@ -200,7 +200,7 @@ struct Tried {
 std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph, const SceneTracks& scene,
                          const std::vector<BundleLens>& lenses, const PhotoSet& used,
                          const InitialPair& initial_pair, int threads) {
-  const GraphPair& pair = graph.pairs[initial_pair.pair];
+  const PhotoPair& pair = graph.pairs[initial_pair.pair];
   Block block(input, scene, lenses);
   block.Place(pair.first, geo::Rigid3{});
   block.Place(pair.second, pair.poses[initial_pair.pose]);
@@ -237,7 +237,7 @@ std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph&
   std::optional<Tried>* best = nullptr;
   for (std::size_t b = 0; b < tried.size(); ++b) {
     std::optional<Tried>& one = tried[b];
-    const GraphPair& pair = graph.pairs[initial_pairs[b].pair];
+    const PhotoPair& pair = graph.pairs[initial_pairs[b].pair];
     TraceDecision("initial pair", {{"photo", pair.first},
                                    {"with", pair.second},
                                    {"photos", one ? one->block.size() : 0},

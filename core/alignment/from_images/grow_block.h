@@ -36,7 +36,7 @@ struct GroundedPose {
 // the placed photos is projected to the ground below these. The scale then comes from the ground's being
 // level there, the place from resection. Only where two placed photos agree, or one by many matches. The best
 // supported first. `pairs`: of the whole graph. `left_out`: photos that are not asked for.
-std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<GraphPair>& pairs,
+std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<PhotoPair>& pairs,
                                            const PhotoSet& left_out, int threads);
 
 }  // namespace skyquilt::alignment

@@ -116,10 +116,10 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
     for (Track& track : block.Tracks()) registration.tracks.push_back(std::move(track));
   }
   registration.residual_rms_px = observations > 0 ? std::sqrt(square / observations) : 0.0;
-  for (const GraphPair& pair : graph.pairs) {
+  for (const PhotoPair& pair : graph.pairs) {
     const int block = registration.photos[pair.first].block;
     if (block < 0 || block != registration.photos[pair.second].block) continue;
-    registration.links.push_back({pair.first, pair.second, {}, pair.matches, 0.0});
+    registration.links.push_back(pair);
   }
 }
 

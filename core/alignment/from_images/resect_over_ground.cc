@@ -93,13 +93,13 @@ constexpr int kGroundPoseSamples = 300;
 
 // Where on the ground placed photos show what this one shows; which of them, in `partners`.
 std::vector<PointObservation> ShownOnGround(const Block& block, const BlockGround& ground,
-                                            const std::vector<const GraphPair*>& pairs, int photo,
+                                            const std::vector<const PhotoPair*>& pairs, int photo,
                                             std::vector<int>& partners) {
   std::vector<PointObservation> shown;
   const auto keypoint = [&](int of, int k) -> const Keypoint& {
     return block.input().photos[of].features->keypoints[k];
   };
-  for (const GraphPair* pair : pairs) {
+  for (const PhotoPair* pair : pairs) {
     const bool leads = pair->first == photo;
     const int partner = leads ? pair->second : pair->first;
     for (const KeypointMatch& match : pair->matches) {
@@ -116,7 +116,7 @@ std::vector<PointObservation> ShownOnGround(const Block& block, const BlockGroun
 }
 
 std::optional<GroundedPose> ResectOne(const Block& block, const BlockGround& ground,
-                                      const std::vector<const GraphPair*>& pairs, int photo) {
+                                      const std::vector<const PhotoPair*>& pairs, int photo) {
   std::vector<int> partners;
   const std::vector<PointObservation> observations = ShownOnGround(block, ground, pairs, photo, partners);
   if (static_cast<int>(observations.size()) < kMinOverGround) return std::nullopt;
@@ -143,10 +143,10 @@ std::optional<GroundedPose> ResectOne(const Block& block, const BlockGround& gro
 
 }  // namespace
 
-std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<GraphPair>& pairs,
+std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<PhotoPair>& pairs,
                                            const PhotoSet& left_out, int threads) {
-  std::map<int, std::vector<const GraphPair*>> of_photo;
-  for (const GraphPair& pair : pairs) {
+  std::map<int, std::vector<const PhotoPair*>> of_photo;
+  for (const PhotoPair& pair : pairs) {
     for (const auto& [photo, partner] :
          {std::pair(pair.first, pair.second), std::pair(pair.second, pair.first)}) {
       if (!left_out.Has(photo) && !block.Has(photo) && block.Has(partner)) of_photo[photo].push_back(&pair);
@@ -155,7 +155,7 @@ std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector
   if (of_photo.empty()) return {};
   const BlockGround ground(block);
   if (!ground.is_known()) return {};
-  const std::vector<std::pair<int, std::vector<const GraphPair*>>> asked(of_photo.begin(), of_photo.end());
+  const std::vector<std::pair<int, std::vector<const PhotoPair*>>> asked(of_photo.begin(), of_photo.end());
   std::vector<GroundedPose> poses = ParallelCollect(asked.size(), threads, [&](std::size_t k) {
     return ResectOne(block, ground, asked[k].second, asked[k].first);
   });

@@ -38,21 +38,21 @@ class Verifier {
 
   // Compares and verifies; adds what was found to the graph.
   void Compare(const std::vector<Pair>& pairs, int features, ViewGraph& graph) {
-    std::vector<GraphPair> compared(pairs.size());
+    std::vector<PhotoPair> compared(pairs.size());
     ParallelFor(pairs.size(), threads_, [&](std::size_t p) {
       const auto [first, second] = pairs[p];
-      compared[p] = {first, second, MatchDescriptors(*FeaturesOf(first), *FeaturesOf(second), features), {}};
+      compared[p] = {first, second, {}, MatchDescriptors(*FeaturesOf(first), *FeaturesOf(second), features)};
     });
-    std::erase_if(compared, [](const GraphPair& pair) { return pair.matches.size() < kMinTwoViewMatches; });
+    std::erase_if(compared, [](const PhotoPair& pair) { return pair.matches.size() < kMinTwoViewMatches; });
     Verify(compared, graph.pairs);
-    for (GraphPair& pair : compared) graph.compared.push_back(std::move(pair));
+    for (PhotoPair& pair : compared) graph.compared.push_back(std::move(pair));
     graph.report.pairs_compared += static_cast<int>(pairs.size());
   }
 
-  void Verify(const std::vector<GraphPair>& compared, std::vector<GraphPair>& verified) {
-    std::vector<GraphPair> found =
-        ParallelCollect(compared.size(), threads_, [&](std::size_t p) -> std::optional<GraphPair> {
-          const GraphPair& pair = compared[p];
+  void Verify(const std::vector<PhotoPair>& compared, std::vector<PhotoPair>& verified) {
+    std::vector<PhotoPair> found =
+        ParallelCollect(compared.size(), threads_, [&](std::size_t p) -> std::optional<PhotoPair> {
+          const PhotoPair& pair = compared[p];
           const std::uint64_t seed =
               static_cast<std::uint64_t>(pair.first) * 1000003U + static_cast<std::uint64_t>(pair.second);
           auto agreed = VerifyTwoViews(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed);
@@ -72,7 +72,7 @@ class Verifier {
   std::vector<std::vector<Eigen::Vector2d>> rays_;
 };
 
-PhotoSet WithFewerPartners(const RegistrationInput& input, const std::vector<GraphPair>& pairs, int enough) {
+PhotoSet WithFewerPartners(const RegistrationInput& input, const std::vector<PhotoPair>& pairs, int enough) {
   const std::vector<int> partners = CountPairs(input.photos.size(), pairs);
   PhotoSet fewer;
   for (std::size_t i = 0; i < partners.size(); ++i)
@@ -81,10 +81,10 @@ PhotoSet WithFewerPartners(const RegistrationInput& input, const std::vector<Gra
 }
 
 // Two photos that both show what a third one shows, the best supported first.
-std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs,
+std::vector<Pair> ThroughOthers(int photos, const std::vector<PhotoPair>& pairs,
                                 const std::set<Pair>& tried) {
   std::vector<std::map<int, double>> neighbours(photos);
-  for (const GraphPair& pair : pairs) {
+  for (const PhotoPair& pair : pairs) {
     const auto support = static_cast<double>(pair.matches.size());
     neighbours[pair.first][pair.second] = support;
     neighbours[pair.second][pair.first] = support;
@@ -114,13 +114,13 @@ std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs,
   return chosen;
 }
 
-void SortOnce(std::vector<GraphPair>& pairs) {
-  std::sort(pairs.begin(), pairs.end(), [](const GraphPair& a, const GraphPair& b) {
+void SortOnce(std::vector<PhotoPair>& pairs) {
+  std::sort(pairs.begin(), pairs.end(), [](const PhotoPair& a, const PhotoPair& b) {
     return std::pair(a.first, a.second) < std::pair(b.first, b.second);
   });
   // A pair that was compared twice, with all features the second time: the better.
-  std::vector<GraphPair> once;
-  for (GraphPair& pair : pairs) {
+  std::vector<PhotoPair> once;
+  for (PhotoPair& pair : pairs) {
     if (once.empty() || once.back().first != pair.first || once.back().second != pair.second) {
       once.push_back(std::move(pair));
     } else if (pair.matches.size() > once.back().matches.size()) {
@@ -137,7 +137,7 @@ void AgreeOnRotations(int photos, ViewGraph& graph) {
   graph.report.pairs_refused = 0;
   AveragedRotations averaged = AverageRotations(photos, graph.pairs);
   bool is_changed = false;
-  for (GraphPair& pair : graph.pairs) {
+  for (PhotoPair& pair : graph.pairs) {
     if (pair.poses.size() < 2) continue;
     const Eigen::Quaterniond expected =
         averaged.cam_from_world[pair.second] * averaged.cam_from_world[pair.first].conjugate();
@@ -151,7 +151,7 @@ void AgreeOnRotations(int photos, ViewGraph& graph) {
   const double refused_rad = std::max(kMinRefusedRad, kRefusedMedians * Median(averaged.residual_rad));
   std::size_t p = 0;
   graph.report.pairs_refused = static_cast<int>(std::erase_if(
-      graph.pairs, [&](const GraphPair&) { return !(averaged.residual_rad[p++] <= refused_rad); }));
+      graph.pairs, [&](const PhotoPair&) { return !(averaged.residual_rad[p++] <= refused_rad); }));
 }
 
 }  // namespace
@@ -172,7 +172,7 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, Progress& 
         CandidatePairs({input.photos, appearance, CandidateOptions::Generous(), wanted, threads});
     // The last time all of their features are compared, also with those that did not agree by the first.
     std::set<Pair> done;
-    for (const GraphPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
+    for (const PhotoPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
     std::erase_if(
         more, [&](const Pair& pair) { return done.contains(pair) || (!is_last && tried.contains(pair)); });
     verifier.Compare(more, is_last ? kFeaturesOfWeak : kFeatures, graph);

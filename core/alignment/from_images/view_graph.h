@@ -12,8 +12,8 @@
 namespace skyquilt::alignment {
 
 struct ViewGraph {
-  std::vector<GraphPair> compared;  // with enough matches for a geometry
-  std::vector<GraphPair> pairs;     // sorted, each agreeing with the others
+  std::vector<PhotoPair> compared;  // with enough matches for a geometry
+  std::vector<PhotoPair> pairs;     // sorted, each agreeing with the others
   RegistrationReport report;
 };
 

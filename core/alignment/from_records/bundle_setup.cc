@@ -174,11 +174,10 @@ double MedianWidthM(const std::vector<View>& views) {
 }
 
 std::vector<CandidatePair> OnlyWithinComponents(const std::vector<CandidatePair>& pairs,
-                                                const std::vector<VerifiedPair>& verified,
-                                                std::size_t photos) {
+                                                const std::vector<PhotoPair>& verified, std::size_t photos) {
   const std::vector<int> component = FindConnectedComponents(photos, verified).of_photo;
   std::map<std::pair<int, int>, double> kept;  // overlap
-  for (const VerifiedPair& pair : verified) {
+  for (const PhotoPair& pair : verified) {
     kept.emplace(std::pair(pair.first, pair.second), 0.0);
   }
   for (const CandidatePair& pair : pairs) {

@@ -70,10 +70,10 @@ GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior&
 
 }  // namespace
 
-double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<VerifiedPair>& pairs) {
+double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<PhotoPair>& pairs) {
   std::array<int, 4> votes{};
   int asked = 0;
-  for (const VerifiedPair& pair : pairs) {
+  for (const PhotoPair& pair : pairs) {
     const Complex first = recorded[pair.first].middle;
     const Complex second = recorded[pair.second].middle;
     const Complex way = second - first;

@@ -18,7 +18,7 @@ namespace skyquilt::alignment {
 // where at least four of five pairs (and no fewer than eight) say so. Between themselves the photos of a
 // camera mounted sideways agree; what gives them away is the way from one to the next, which the pictures
 // show turned against the recorded positions. `pairs` of views as recorded.
-double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<VerifiedPair>& pairs);
+double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<PhotoPair>& pairs);
 
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                           const GroundCorrection& correction);

@@ -185,8 +185,7 @@ std::optional<Track> RegisterDirectly(const MatchingInput& input, int first, int
 }  // namespace
 
 std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                const std::vector<VerifiedPair>& verified, const Relief& relief,
-                                int threads) {
+                                const std::vector<PhotoPair>& verified, const Relief& relief, int threads) {
   const std::vector<int> linked = CountPairs(input.views.size(), verified);
   return ParallelCollect(pairs.size(), threads, [&](std::size_t p) -> std::optional<Track> {
     const CandidatePair& pair = pairs[p];

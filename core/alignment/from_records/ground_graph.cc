@@ -25,7 +25,7 @@ double Cauchy(double residual, double scale) { return 1.0 / (1.0 + (residual / s
 // What the pairs of a flight say, beside what is believed of its photos.
 struct PairGraph {
   const std::vector<GroundPrior>& priors;
-  const std::vector<VerifiedPair>& pairs;
+  const std::vector<PhotoPair>& pairs;
   std::vector<std::vector<int>> of_photo;                        // pairs
   std::vector<std::vector<std::pair<Complex, Complex>>> places;  // by pair; a few matches stand for all
   std::vector<double> tolerances_m;                              // by pair
@@ -45,15 +45,14 @@ struct PairGraph {
 // outwards, which stay as recorded. Photos of other components get no correction.
 std::vector<GroundCorrection> SpreadAlongPairs(const std::vector<int>& roots, const PairGraph& graph) {
   std::vector<GroundCorrection> corrections(graph.priors.size());
-  const auto matches = [](const VerifiedPair& pair) { return pair.matches.size(); };
-  FollowStrongest(
-      graph.pairs, graph.of_photo, roots, matches, [&](const VerifiedPair& pair, int from, int to) {
-        // The corrected grounds agree: C_to * (to_from * z) = C_from * z.
-        const GroundSimilarity to_from =
-            from == pair.first ? pair.second_from_first : pair.second_from_first.Inverse();
-        const GroundSimilarity from_correction = AsSimilarity(corrections[from], graph.priors[from].middle);
-        corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), graph.priors[to].middle);
-      });
+  const auto matches = [](const PhotoPair& pair) { return pair.matches.size(); };
+  FollowStrongest(graph.pairs, graph.of_photo, roots, matches, [&](const PhotoPair& pair, int from, int to) {
+    // The corrected grounds agree: C_to * (to_from * z) = C_from * z.
+    const GroundSimilarity to_from =
+        from == pair.first ? pair.second_from_first : pair.second_from_first.Inverse();
+    const GroundSimilarity from_correction = AsSimilarity(corrections[from], graph.priors[from].middle);
+    corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), graph.priors[to].middle);
+  });
   return corrections;
 }
 
@@ -204,7 +203,7 @@ GroundCorrection AsCorrection(const GroundSimilarity& similarity, Complex middle
   return {similarity.turn_and_scale, similarity * middle - middle, -1};
 }
 
-GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& pairs,
+GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<PhotoPair>& pairs,
                              const std::vector<GroundView>& views, double tolerance_m) {
   const std::size_t count = priors.size();
   GroundGraph solution;
@@ -214,7 +213,7 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
   std::vector<int> agreeing(count, 0);
   PairGraph graph{priors, pairs, std::vector<std::vector<int>>(count), {}, {}};
   for (std::size_t l = 0; l < pairs.size(); ++l) {
-    const VerifiedPair& pair = pairs[l];
+    const PhotoPair& pair = pairs[l];
     for (const int photo : {pair.first, pair.second}) graph.of_photo[photo].push_back(static_cast<int>(l));
     graph.tolerances_m.push_back(tolerance_m *
                                  std::max(priors[pair.first].coarseness, priors[pair.second].coarseness));

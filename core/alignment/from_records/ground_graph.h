@@ -42,7 +42,7 @@ struct GroundGraph {
 };
 
 // `pairs` whose turn is near zero are trusted as starting points; the others only connect further photos.
-GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& pairs,
+GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<PhotoPair>& pairs,
                              const std::vector<GroundView>& views, double tolerance_m);
 
 }  // namespace skyquilt::alignment

@@ -40,7 +40,7 @@ bool IsOpen(const poses::PosedPhoto& posed) {
 }
 
 // Photos of one camera with a gyro that lie nearest to each other, spread over the flight.
-std::vector<GraphPair> NearestPairs(const poses::PosedFlight& posed, const std::vector<std::size_t>& photos) {
+std::vector<PhotoPair> NearestPairs(const poses::PosedFlight& posed, const std::vector<std::size_t>& photos) {
   std::vector<std::pair<int, int>> near;
   for (const std::size_t i : photos) {
     const Eigen::Vector3d place = posed.photos[i].cam_from_enu.TargetOriginInSource();
@@ -53,7 +53,7 @@ std::vector<GraphPair> NearestPairs(const poses::PosedFlight& posed, const std::
   }
   std::sort(near.begin(), near.end());
   near.erase(std::unique(near.begin(), near.end()), near.end());
-  std::vector<GraphPair> pairs;
+  std::vector<PhotoPair> pairs;
   const std::size_t count = std::min(kMaxComparedPairs, near.size());
   for (std::size_t k = 0; k < count; ++k) {
     const auto& [first, second] = near[k * near.size() / count];
@@ -81,7 +81,7 @@ camera::RowMotion TurnsWithLag(const poses::PosedPhoto& posed, std::optional<dou
 }
 
 int Fitting(const poses::PosedFlight& posed, const std::vector<const PhotoFeatures*>& features,
-            const GraphPair& pair, std::optional<double> lag_s, const Effort& effort) {
+            const PhotoPair& pair, std::optional<double> lag_s, const Effort& effort) {
   const flight::Photo& first = posed.photos[pair.first].photo;
   const flight::Photo& second = posed.photos[pair.second].photo;
   const camera::RowMotion of_first = TurnsWithLag(posed.photos[pair.first], lag_s);
@@ -101,7 +101,7 @@ int Fitting(const poses::PosedFlight& posed, const std::vector<const PhotoFeatur
 
 // Summed over all pairs.
 std::vector<int> FittingAt(const poses::PosedFlight& posed, const std::vector<const PhotoFeatures*>& features,
-                           const std::vector<GraphPair>& pairs,
+                           const std::vector<PhotoPair>& pairs,
                            const std::vector<std::optional<double>>& lags_s, const Effort& effort,
                            int threads) {
   std::vector<int> of_each(pairs.size() * lags_s.size());
@@ -121,7 +121,7 @@ std::vector<std::optional<double>> LagsAround(double middle_s, double reach_s, d
 }
 
 void FindLag(const poses::PosedFlight& posed, const std::vector<const PhotoFeatures*>& features,
-             const std::vector<GraphPair>& pairs, int threads, GyroReport& report) {
+             const std::vector<PhotoPair>& pairs, int threads, GyroReport& report) {
   std::vector<std::optional<double>> lags_s = LagsAround(0.0, kMaxLagS, kCoarseStepS);
   std::vector<int> fitting = FittingAt(posed, features, pairs, lags_s, kCoarse, threads);
   const auto best = std::max_element(fitting.begin(), fitting.end());
@@ -167,20 +167,20 @@ std::vector<GyroReport> TieGyrosToRows(poses::PosedFlight& posed,
         readable.push_back(i);
       }
     }
-    std::vector<GraphPair> pairs = NearestPairs(posed, readable);
-    std::erase_if(pairs, [&](const GraphPair& pair) {
+    std::vector<PhotoPair> pairs = NearestPairs(posed, readable);
+    std::erase_if(pairs, [&](const PhotoPair& pair) {
       return !IsOpen(posed.photos[pair.first]) && !IsOpen(posed.photos[pair.second]);
     });
     ParallelFor(pairs.size(), threads, [&](std::size_t k) {
       pairs[k].matches = MatchDescriptors(*features[pairs[k].first], *features[pairs[k].second]);
     });
-    std::erase_if(pairs, [](const GraphPair& pair) { return pair.matches.size() < kMinMatches; });
-    std::stable_sort(pairs.begin(), pairs.end(), [](const GraphPair& a, const GraphPair& b) {
+    std::erase_if(pairs, [](const PhotoPair& pair) { return pair.matches.size() < kMinMatches; });
+    std::stable_sort(pairs.begin(), pairs.end(), [](const PhotoPair& a, const PhotoPair& b) {
       return a.matches.size() > b.matches.size();
     });
     if (pairs.size() > kMaxUsedPairs) pairs.resize(kMaxUsedPairs);
     report.pairs = static_cast<int>(pairs.size());
-    for (const GraphPair& pair : pairs) report.matches += static_cast<int>(pair.matches.size());
+    for (const PhotoPair& pair : pairs) report.matches += static_cast<int>(pair.matches.size());
     if (!pairs.empty()) FindLag(posed, features, pairs, threads, report);
     const bool is_found =
         report.fitting >= kMinFitting && report.fitting > kBetterShare * report.fitting_without;

@@ -98,15 +98,15 @@ std::size_t CountPlaced(const std::vector<GroundCorrection>& corrections) {
                        [](const GroundCorrection& one) { return one.component >= 0; });
 }
 
-std::vector<VerifiedPair> KeepInliers(const GroundGraph& graph, const std::vector<VerifiedPair>& verified) {
-  std::vector<VerifiedPair> kept;
+std::vector<PhotoPair> KeepInliers(const GroundGraph& graph, const std::vector<PhotoPair>& verified) {
+  std::vector<PhotoPair> kept;
   for (std::size_t l = 0; l < verified.size(); ++l) {
     if (graph.is_inlier[l]) kept.push_back(verified[l]);
   }
   return kept;
 }
 
-void ReportRejected(const GroundGraph& graph, const std::vector<VerifiedPair>& verified,
+void ReportRejected(const GroundGraph& graph, const std::vector<PhotoPair>& verified,
                     const poses::PosedFlight& posed, std::vector<AlignPairReport>& told) {
   for (std::size_t l = 0; l < verified.size(); ++l) {
     if (graph.is_inlier[l]) continue;
@@ -147,7 +147,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   };
 
   std::vector<GroundView> projected;
-  std::vector<VerifiedPair> verified;
+  std::vector<PhotoPair> verified;
   const auto match = [&](const MatchingPass& pass) {
     matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat);
     projected = ProjectAllToGround(input, flat, threads);
@@ -155,7 +155,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   };
   const auto match_first_pass = [&] {
     match(kFirstPass);
-    for (VerifiedPair& pair : MatchLostPhotos(input, projected, matched.pairs, verified, threads)) {
+    for (PhotoPair& pair : MatchLostPhotos(input, projected, matched.pairs, verified, threads)) {
       verified.push_back(std::move(pair));
     }
   };

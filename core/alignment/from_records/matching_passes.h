@@ -18,7 +18,7 @@ namespace skyquilt::alignment {
 
 struct MatchedFlight {
   std::vector<CandidatePair> pairs;  // candidates of the last pass
-  std::vector<VerifiedPair> links;   // verified, and not contradicted by the others
+  std::vector<PhotoPair> links;      // verified, and not contradicted by the others
   std::vector<CorrectedPose> corrected;
   std::vector<AlignPairReport> rejected;  // linked by a few matches, contradicted by the rest; of all passes
 };

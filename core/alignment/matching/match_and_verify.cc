@@ -30,10 +30,10 @@ std::vector<GroundView> ProjectAllToGround(const MatchingInput& input, const Rel
   return projected;
 }
 
-std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::vector<GroundView>& projected,
-                                         const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
-                                         int threads) {
-  return ParallelCollect(pairs.size(), threads, [&](std::size_t p) -> std::optional<VerifiedPair> {
+std::vector<PhotoPair> MatchAndVerify(const MatchingInput& input, const std::vector<GroundView>& projected,
+                                      const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
+                                      int threads) {
+  return ParallelCollect(pairs.size(), threads, [&](std::size_t p) -> std::optional<PhotoPair> {
     const int i = pairs[p].first;
     const int j = pairs[p].second;
     if (!projected[i].features || !projected[j].features) return std::nullopt;
@@ -53,7 +53,7 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::
     if (!pass.fit_motion) {
       if (static_cast<int>(matches.size()) < pass.min_matches) return std::nullopt;
       matches.shrink_to_fit();
-      return VerifiedPair{i, j, {}, std::move(matches), 0.0};
+      return PhotoPair{i, j, {}, std::move(matches), 0.0};
     }
     VerificationOptions options;
     options.first_tolerance_m =
@@ -68,15 +68,14 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::
   });
 }
 
-std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input,
-                                          const std::vector<GroundView>& projected,
-                                          const std::vector<CandidatePair>& tried,
-                                          const std::vector<VerifiedPair>& verified, int threads) {
+std::vector<PhotoPair> MatchLostPhotos(const MatchingInput& input, const std::vector<GroundView>& projected,
+                                       const std::vector<CandidatePair>& tried,
+                                       const std::vector<PhotoPair>& verified, int threads) {
   const int count = static_cast<int>(input.views.size());
   std::vector<int> promising(count, 0);
   const std::vector<int> linked = CountPairs(count, verified);
   std::set<std::pair<int, int>> done;
-  for (const VerifiedPair& pair : verified) done.emplace(pair.first, pair.second);
+  for (const PhotoPair& pair : verified) done.emplace(pair.first, pair.second);
   for (const CandidatePair& pair : tried) {
     if (pair.overlap < kPromisingOverlap) continue;
     ++promising[pair.first];

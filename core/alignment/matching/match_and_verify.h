@@ -32,14 +32,13 @@ struct MatchingInput {
 // By photo; those that could not be read have no features.
 std::vector<GroundView> ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads);
 
-std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const std::vector<GroundView>& projected,
-                                         const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
-                                         int threads);
+std::vector<PhotoPair> MatchAndVerify(const MatchingInput& input, const std::vector<GroundView>& projected,
+                                      const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
+                                      int threads);
 
 // `tried` are the candidates matched so far, `verified` those of them that were verified.
-std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input,
-                                          const std::vector<GroundView>& projected,
-                                          const std::vector<CandidatePair>& tried,
-                                          const std::vector<VerifiedPair>& verified, int threads);
+std::vector<PhotoPair> MatchLostPhotos(const MatchingInput& input, const std::vector<GroundView>& projected,
+                                       const std::vector<CandidatePair>& tried,
+                                       const std::vector<PhotoPair>& verified, int threads);
 
 }  // namespace skyquilt::alignment

@@ -117,9 +117,9 @@ GroundSimilarity FitSimilarity(
   return {turn, mean_b - turn * mean_a};
 }
 
-std::optional<VerifiedPair> VerifyOnGround(const std::vector<GroundView>& projected, int first, int second,
-                                           const std::vector<KeypointMatch>& matches,
-                                           const VerificationOptions& options) {
+std::optional<PhotoPair> VerifyOnGround(const std::vector<GroundView>& projected, int first, int second,
+                                        const std::vector<KeypointMatch>& matches,
+                                        const VerificationOptions& options) {
   const std::vector<GroundKeypoint>& of_first = projected[first].projected;
   const std::vector<GroundKeypoint>& of_second = projected[second].projected;
   const int count = static_cast<int>(matches.size());
@@ -172,7 +172,7 @@ std::optional<VerifiedPair> VerifyOnGround(const std::vector<GroundView>& projec
   }
   if (!StandsOut(inliers, places, best, tolerance, options.search_area_m2)) return std::nullopt;
 
-  VerifiedPair pair{first, second, best, {}, 0.0};
+  PhotoPair pair{first, second, best, {}, 0.0};
   double square = 0.0;
   pair.matches.reserve(inliers.size());  // no more: all pairs of a flight are kept
   for (const int k : inliers) {
@@ -183,10 +183,10 @@ std::optional<VerifiedPair> VerifyOnGround(const std::vector<GroundView>& projec
   return pair;
 }
 
-ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& pairs) {
+ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<PhotoPair>& pairs) {
   DisjointSets sets(photos);
   PhotoSet paired(photos);
-  for (const VerifiedPair& pair : pairs) {
+  for (const PhotoPair& pair : pairs) {
     sets.Join(sets.SetOf(pair.first), sets.SetOf(pair.second));
     for (const int photo : {pair.first, pair.second}) paired.Add(photo);
   }

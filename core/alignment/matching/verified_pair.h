@@ -31,9 +31,9 @@ GroundSimilarity FitSimilarity(
     const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places);
 
 // `projected`: by photo.
-std::optional<VerifiedPair> VerifyOnGround(const std::vector<GroundView>& projected, int first, int second,
-                                           const std::vector<KeypointMatch>& matches,
-                                           const VerificationOptions& options);
+std::optional<PhotoPair> VerifyOnGround(const std::vector<GroundView>& projected, int first, int second,
+                                        const std::vector<KeypointMatch>& matches,
+                                        const VerificationOptions& options);
 
 // Of the photos and their verified pairs. What lies in two components is only as right to each other as the
 // records are.
@@ -42,6 +42,6 @@ struct ConnectedComponents {
   std::vector<std::vector<int>> members;  // by component, in the photos' order
 };
 
-ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& pairs);
+ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<PhotoPair>& pairs);
 
 }  // namespace skyquilt::alignment

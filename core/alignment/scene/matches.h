@@ -39,37 +39,30 @@ struct GroundSimilarity {
   }
 };
 
-struct VerifiedPair {
-  int first = 0;
-  int second = 0;
+// What two photos show of each other: what looks the same in both and, once that is verified, the motion over
+// the ground between their poses, or without any record the geometry of two views.
+struct PhotoPair {
+  int first = 0, second = 0;
   GroundSimilarity second_from_first;
-  std::vector<KeypointMatch> matches;  // inliers
-  double rms_m = 0.0;
-};
-
-// What two photos show of each other without any record: what looks the same in both, and once that is
-// verified, the geometry of two views.
-struct GraphPair {
-  int first = 0, second = 0;           // first < second
   std::vector<KeypointMatch> matches;  // all; once verified, those that fit
+  double rms_m = 0.0;                  // of that motion
   // second_from_first, the length of the shift unknown (1, or 0 without parallax); empty: not verified. The
   // likeliest first, or the one that the loops agree with; a second where the matches fit it nearly as well.
-  std::vector<geo::Rigid3> poses;
+  std::vector<geo::Rigid3> poses = {};
   double angle_rad = 0.0;  // between two rays to the same point, in the median
 };
 
 // By photo, of how many of the pairs it is one.
-template <typename Pair>
-std::vector<int> CountPairs(std::size_t photos, const std::vector<Pair>& pairs) {
+inline std::vector<int> CountPairs(std::size_t photos, const std::vector<PhotoPair>& pairs) {
   std::vector<int> counts(photos, 0);
-  for (const Pair& pair : pairs) ++counts[pair.first], ++counts[pair.second];
+  for (const PhotoPair& pair : pairs) ++counts[pair.first], ++counts[pair.second];
   return counts;
 }
 
 // From `roots` outwards along the strongest pairs, of equals the earlier: `place(pair, from, to)` once for
 // each other photo that is reached. of_photo: the numbers of its pairs.
-template <typename Pair, typename Strength, typename Place>
-void FollowStrongest(const std::vector<Pair>& pairs, const std::vector<std::vector<int>>& of_photo,
+template <typename Strength, typename Place>
+void FollowStrongest(const std::vector<PhotoPair>& pairs, const std::vector<std::vector<int>>& of_photo,
                      const std::vector<int>& roots, const Strength& strength, const Place& place) {
   PhotoSet placed(of_photo.size());
   std::priority_queue<std::pair<double, int>> open;  // strength, minus the pair's number
@@ -79,7 +72,7 @@ void FollowStrongest(const std::vector<Pair>& pairs, const std::vector<std::vect
   for (const int root : roots) placed.Add(root);
   for (const int root : roots) open_pairs(root);
   while (!open.empty()) {
-    const Pair& pair = pairs[-open.top().second];
+    const PhotoPair& pair = pairs[-open.top().second];
     open.pop();
     const bool forth = placed.Has(pair.first);
     const int from = forth ? pair.first : pair.second, to = forth ? pair.second : pair.first;

@@ -43,8 +43,8 @@ struct Registration {
   std::vector<RegistrationPhoto> photos;  // of the input, as registered
   std::vector<int> block_sizes;           // the largest first
   std::vector<BundleLens> lenses;
-  std::vector<VerifiedPair> links;  // verified, with the matches that agree; sorted by photos
-  std::vector<Track> tracks;        // point_in_enu is in the world of the photos' block
+  std::vector<PhotoPair> links;  // verified, with the matches that agree; sorted by photos
+  std::vector<Track> tracks;     // point_in_enu is in the world of the photos' block
   double residual_rms_px = 0.0;
   RegistrationReport report;
 

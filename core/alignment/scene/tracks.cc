@@ -125,13 +125,13 @@ double ReprojectionErrorPx(const View& view, const Observation& observation,
   return std::hypot(off_px.x(), off_px.y());
 }
 
-std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
+std::vector<Track> BuildTracks(const std::vector<PhotoPair>& pairs,
                                const std::vector<const PhotoFeatures*>& features,
                                const std::vector<View>& views, const TrackOptions& options) {
   const std::vector<int> first_of = FirstKeypoints(features);
   DisjointSets sets(first_of.back());
   const auto set_of = [&](const TrackElement& one) { return sets.SetOf(first_of[one.photo] + one.keypoint); };
-  for (const VerifiedPair& pair : pairs) {
+  for (const PhotoPair& pair : pairs) {
     for (const KeypointMatch& match : pair.matches) {
       sets.Join(set_of({pair.first, match.first}), set_of({pair.second, match.second}));
     }
@@ -165,7 +165,7 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
     }
     if (!is_contradictory[set] && track.observations.size() >= 2) tracks.push_back(std::move(track));
   }
-  for (const VerifiedPair& pair : pairs) {
+  for (const PhotoPair& pair : pairs) {
     if (!options.splits_contradictory) break;
     for (const KeypointMatch& match : pair.matches) {
       const TrackElement first{pair.first, match.first}, second{pair.second, match.second};
@@ -180,7 +180,7 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
 }
 
 SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
-                        const std::vector<GraphPair>& pairs) {
+                        const std::vector<PhotoPair>& pairs) {
   std::vector<std::size_t> order(pairs.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -220,7 +220,7 @@ SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
     members[std::min(a, b)] = std::move(merged);
   };
   for (const std::size_t p : order) {
-    const GraphPair& pair = pairs[p];
+    const PhotoPair& pair = pairs[p];
     for (const KeypointMatch& match : pair.matches) {
       join({pair.first, match.first}, {pair.second, match.second});
     }

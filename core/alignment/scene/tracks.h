@@ -51,7 +51,7 @@ struct TrackOptions {
 };
 
 // Thinned so that every photo keeps as many as the options say, spread over its picture.
-std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
+std::vector<Track> BuildTracks(const std::vector<PhotoPair>& pairs,
                                const std::vector<const PhotoFeatures*>& features,
                                const std::vector<View>& views, const TrackOptions& options);
 
@@ -80,7 +80,7 @@ struct SceneTracks {
 // photo is skipped, so that a wrong chain of matches loses one match, not the whole track. features: by
 // photo; null: it takes no part.
 SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
-                        const std::vector<GraphPair>& pairs);
+                        const std::vector<PhotoPair>& pairs);
 
 // Which of many tracks an adjustment takes, so that every photo keeps a few, spread over its picture: every
 // cell of a photo gets one track before any gets the next, in the order in which tracks were added. One

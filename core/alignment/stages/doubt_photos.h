@@ -25,7 +25,7 @@ struct PhotoDoubt {
 
 // `pairs` were compared, `verified` are the pairs verified in the end, over `relief`.
 std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                    const std::vector<VerifiedPair>& verified, const Relief& relief);
+                                    const std::vector<PhotoPair>& verified, const Relief& relief);
 
 // What the user is to know of it, each going on from the photo's name.
 std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names);

@@ -52,7 +52,7 @@ std::vector<int> FindAligned(const BundleProblem& problem, std::vector<Support>&
       if (support[i].observations < kEnoughObservations) strong.Remove(i);
     }
   }
-  std::vector<VerifiedPair> ties;
+  std::vector<PhotoPair> ties;
   for (std::size_t i = 0; i < count; ++i) {
     for (const int other : support[i].tied_to) ties.push_back({static_cast<int>(i), other, {}, {}, 0.0});
   }

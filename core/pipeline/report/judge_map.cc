@@ -433,7 +433,7 @@ TiedGroups GroupsByTies(const std::vector<AlignedPhoto>& photos,
     if (photos[i].placement == Placement::kAligned)
       groups.photos.emplace(photos[i].photo.name, static_cast<int>(i));
   }
-  std::vector<alignment::VerifiedPair> ties;
+  std::vector<alignment::PhotoPair> ties;
   for (const alignment::AlignPairReport& pair : pairs) {
     const auto first = groups.photos.find(pair.first), second = groups.photos.find(pair.second);
     if (!pair.is_by_direct && first != groups.photos.end() && second != groups.photos.end())

@@ -89,7 +89,7 @@ struct Overlapping {
   std::vector<PhotoFeatures> features;
   MatchingInput input;
   std::vector<CandidatePair> pairs;
-  std::vector<VerifiedPair> verified;
+  std::vector<PhotoPair> verified;
 
   explicit Overlapping(int count) : features(count) {
     for (int i = 0; i < count; ++i) {
@@ -109,7 +109,7 @@ struct Overlapping {
     }
   }
   void Verify(int i, int j) {
-    VerifiedPair pair{i, j, {}, {}, 0.1};
+    PhotoPair pair{i, j, {}, {}, 0.1};
     for (std::uint16_t k = 0; k < 300; ++k) pair.matches.push_back({k, k});
     verified.push_back(pair);
   }

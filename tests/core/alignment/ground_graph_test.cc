@@ -23,7 +23,7 @@ struct Block {
   std::vector<GroundPrior> priors;
   std::vector<std::vector<GroundKeypoint>> projected;
   std::vector<GroundView> views;
-  std::vector<VerifiedPair> links;
+  std::vector<PhotoPair> links;
 };
 
 Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& recorded_turn_rad) {
@@ -47,7 +47,7 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
   for (int i = 0; i < 12; ++i) block.views.push_back({nullptr, block.projected[i]});
   for (int i = 0; i < 12; ++i) {
     for (int j = i + 1; j < 12; ++j) {
-      VerifiedPair link{i, j, {}, {}, 0.0};
+      PhotoPair link{i, j, {}, {}, 0.0};
       std::vector<std::pair<Complex, Complex>> places;
       for (std::size_t a = 0; a < seen[i].size(); ++a) {
         const auto same = std::find(seen[j].begin(), seen[j].end(), seen[i][a]);
@@ -98,11 +98,11 @@ TEST(SolveGroundGraph, FindsACameraMountedTurnedEvenWhereNeighboursStandClose) {
 // As photos from high above, whose chance matches with many from far below say nothing of where they lie.
 TEST(SolveGroundGraph, DoesNotShrinkAPhotoIntoTheMiddleOfFalsePairs) {
   Block block = MakeBlock(10.0, 2.0, std::vector<double>(12, 0.0));
-  std::erase_if(block.links, [](const VerifiedPair& link) { return link.first == 0; });
+  std::erase_if(block.links, [](const PhotoPair& link) { return link.first == 0; });
   const std::size_t true_links = block.links.size();
   block.priors[0].sigma_m = 20.0;
   for (int other = 4; other < 10; ++other) {
-    VerifiedPair link{0, other, {}, {}, 0.0};
+    PhotoPair link{0, other, {}, {}, 0.0};
     const auto middle =
         static_cast<std::uint16_t>(block.projected[static_cast<std::size_t>(other)].size() / 2);
     for (std::uint16_t k = 0; k < 24; ++k)

@@ -122,7 +122,7 @@ struct Matched {
       matches.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(i)});
     }
   }
-  std::optional<VerifiedPair> Fit(const VerificationOptions& options) const {
+  std::optional<PhotoPair> Fit(const VerificationOptions& options) const {
     return VerifyOnGround({{&features, first}, {&features, second}}, 0, 1, matches, options);
   }
 };
@@ -159,7 +159,7 @@ TEST(VerifyOnGround, RefusesMatchesThatFillTheWindowByChance) {
 }
 
 TEST(OnlyWithinComponents, LeavesOutWhatNoVerifiedPairsHoldTogether) {
-  const std::vector<VerifiedPair> links = {{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}, {3, 4, {}, {}, 0.0}};
+  const std::vector<PhotoPair> links = {{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}, {3, 4, {}, {}, 0.0}};
   const std::vector<CandidatePair> pairs = {{0, 2, 0.3}, {2, 3, 0.4}, {4, 5, 0.5}};
   const std::vector<CandidatePair> want = {{0, 1, 0.0}, {0, 2, 0.3}, {1, 2, 0.0}, {3, 4, 0.0}};
   EXPECT_EQ(OnlyWithinComponents(pairs, links, 6), want);

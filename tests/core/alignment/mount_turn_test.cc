@@ -16,7 +16,7 @@ using Complex = std::complex<double>;
 // two.
 struct Line {
   std::vector<GroundPrior> priors;
-  std::vector<VerifiedPair> pairs;
+  std::vector<PhotoPair> pairs;
 
   explicit Line(double turn, int photos = 8) {
     for (int i = 0; i < photos; ++i) priors.push_back({Complex(4.0 * i, 12.0 * i), 1.5, 0.05});
@@ -25,7 +25,7 @@ struct Line {
       for (int j = i + 1; j < std::min(photos, i + 3); ++j) {
         const Complex m = priors[i].middle;
         const Complex n = priors[j].middle;
-        VerifiedPair pair;
+        PhotoPair pair;
         pair.first = i;
         pair.second = j;
         pair.second_from_first = {1.0, n - m + back * (m - n)};

@@ -15,8 +15,8 @@ Eigen::Vector3d Random(Sampler& sampler, double most) {
 }
 
 // By as many matches as count for the most.
-GraphPair Turned(int first, int second, const Eigen::Quaterniond& second_from_first) {
-  GraphPair pair{first, second, {}, {}};
+PhotoPair Turned(int first, int second, const Eigen::Quaterniond& second_from_first) {
+  PhotoPair pair{first, second, {}, {}};
   pair.matches.resize(100);
   pair.poses.push_back({second_from_first, Eigen::Vector3d::Zero()});
   return pair;
@@ -27,7 +27,7 @@ TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
   constexpr int kPhotos = 40;
   std::vector<Eigen::Quaterniond> truth;
   for (int i = 0; i < kPhotos; ++i) truth.push_back(geo::RotationFromVector(Random(sampler, 2.0)));
-  std::vector<GraphPair> pairs;
+  std::vector<PhotoPair> pairs;
   std::vector<char> is_wrong;
   for (int i = 0; i < kPhotos; ++i) {
     for (int step = 1; step <= 6; ++step) {

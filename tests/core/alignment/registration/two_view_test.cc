@@ -10,14 +10,14 @@
 namespace skyquilt::alignment {
 namespace {
 
-std::optional<GraphPair> View(const SyntheticScene& scene, int i, int j) {
+std::optional<PhotoPair> View(const SyntheticScene& scene, int i, int j) {
   const std::vector<Eigen::Vector2d> first = RaysOf(scene.features[i], scene.lens, 2000);
   const std::vector<Eigen::Vector2d> second = RaysOf(scene.features[j], scene.lens, 2000);
   return VerifyTwoViews({&scene.features[i], &scene.lens, &first}, {&scene.features[j], &scene.lens, &second},
                         MatchDescriptors(scene.features[i], scene.features[j]), 1);
 }
 
-double TurnError(const SyntheticScene& scene, int i, int j, const GraphPair& view) {
+double TurnError(const SyntheticScene& scene, int i, int j, const PhotoPair& view) {
   const Eigen::Quaterniond truth =
       scene.cam_from_enu[j].rotation * scene.cam_from_enu[i].rotation.conjugate();
   double least = 10.0;
