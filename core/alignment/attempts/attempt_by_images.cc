@@ -125,8 +125,8 @@ std::vector<Eigen::Vector3d> CentersInEnu(const Registration& registration, cons
   return centers_in_enu;
 }
 
-RegistrationInput InputOf(const ExtractedFlight& extracted, const BundleProblem& problem) {
-  RegistrationInput input;
+Registration InputOf(const ExtractedFlight& extracted, const BundleProblem& problem) {
+  Registration input;
   input.lenses = problem.lenses;
   for (BundleLens& lens : input.lenses) lens.intrinsics = lens.recorded;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {

@@ -19,7 +19,7 @@ constexpr int kCellsAcross = 8;
 
 }  // namespace
 
-Block::Block(const RegistrationInput& input, const SceneTracks& scene, std::vector<BundleLens> lenses)
+Block::Block(const Registration& input, const SceneTracks& scene, std::vector<BundleLens> lenses)
     : input_(&input),
       scene_(&scene),
       lenses_(std::move(lenses)),

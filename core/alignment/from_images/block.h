@@ -21,14 +21,14 @@ inline constexpr double kMedianDepth = 50.0;
 class Block {
  public:
   // Keeps references to all three.
-  Block(const RegistrationInput& input, const SceneTracks& scene, std::vector<BundleLens> lenses);
+  Block(const Registration& input, const SceneTracks& scene, std::vector<BundleLens> lenses);
 
   bool Has(std::integral auto photo) const { return placed_.Has(photo); }
   int size() const { return placed_.Count(); }
   const geo::Rigid3& Pose(std::integral auto photo) const { return cam_from_world_[photo]; }
   const camera::Intrinsics& Lens(int photo) const;
   const std::vector<BundleLens>& lenses() const { return lenses_; }
-  const RegistrationInput& input() const { return *input_; }
+  const Registration& input() const { return *input_; }
   const SceneTracks& scene() const { return *scene_; }
 
   void Place(int photo, const geo::Rigid3& cam_from_world);
@@ -65,7 +65,7 @@ class Block {
   double ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const;
   std::vector<int> ChooseTracks(const PhotoSet& adjusted, int observations_per_photo) const;
 
-  const RegistrationInput* input_;
+  const Registration* input_;
   const SceneTracks* scene_;
   std::vector<BundleLens> lenses_;
   PhotoSet placed_;

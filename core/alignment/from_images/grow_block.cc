@@ -197,7 +197,7 @@ struct Tried {
   int observations = 0;
 };
 
-std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph, const SceneTracks& scene,
+std::optional<Tried> Try(const Registration& input, const ViewGraph& graph, const SceneTracks& scene,
                          const std::vector<BundleLens>& lenses, const PhotoSet& used,
                          const InitialPair& initial_pair, int threads) {
   const PhotoPair& pair = graph.pairs[initial_pair.pair];
@@ -227,9 +227,8 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
 
 }  // namespace
 
-std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph& graph,
-                                const SceneTracks& scene, const std::vector<BundleLens>& lenses,
-                                const PhotoSet& used, int threads) {
+std::optional<Block> BeginBlock(const Registration& input, const ViewGraph& graph, const SceneTracks& scene,
+                                const std::vector<BundleLens>& lenses, const PhotoSet& used, int threads) {
   const std::vector<InitialPair> initial_pairs = InitialPairs(graph, used);
   std::vector<std::optional<Tried>> tried(initial_pairs.size());
   ParallelFor(initial_pairs.size(), threads,

@@ -123,8 +123,8 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
   }
 }
 
-std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& graph,
-                              const SceneTracks& scene, int threads, Progress& progress) {
+std::vector<Block> GrowBlocks(const Registration& input, const ViewGraph& graph, const SceneTracks& scene,
+                              int threads, Progress& progress) {
   PhotoSet used(input.photos.size());
   std::vector<Block> blocks;
   std::vector<BundleLens> lenses = input.lenses;
@@ -146,7 +146,7 @@ std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& g
 }
 
 // Lenses as the largest block has them, where they are no more what they were taken for.
-bool TakeLenses(const std::vector<Block>& blocks, RegistrationInput& input) {
+bool TakeLenses(const std::vector<Block>& blocks, Registration& input) {
   if (blocks.empty() || blocks.front().size() < kFewForALens) return false;
   bool is_other = false;
   for (std::size_t c = 0; c < input.lenses.size(); ++c) {
@@ -160,22 +160,21 @@ bool TakeLenses(const std::vector<Block>& blocks, RegistrationInput& input) {
 
 }  // namespace
 
-Registration RegisterPhotos(const RegistrationInput& given, int threads, Progress& progress) {
+Registration RegisterPhotos(const Registration& given, int threads, Progress& progress) {
   Registration registration;
-  RegistrationInput input = given;
+  Registration input = given;
   for (BundleLens& lens : input.lenses)
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
   ViewGraph graph = BuildViewGraph(input, threads, progress);
   for (int pass = 0;; ++pass) {
     const SceneTracks scene = JoinMatches(input.Features(), graph.pairs);
     const std::vector<Block> blocks = GrowBlocks(input, graph, scene, threads, progress);
-    Registration grown;
-    grown.photos = given.photos;
-    grown.lenses = blocks.empty() ? given.lenses : blocks.front().lenses();
+    Registration grown = given;
+    if (!blocks.empty()) grown.lenses = blocks.front().lenses();
     MergeBlocks(blocks, graph, grown);
     // Through the right lens more pairs agree, and with each other: one by which fewer do was not right.
     if (pass == 0 || grown.LargestSize() >= registration.LargestSize()) registration = std::move(grown);
-    RegistrationInput better = input;
+    Registration better = input;
     if (pass >= kMaxPasses || progress.IsCancelled() || !TakeLenses(blocks, better)) break;
     input = std::move(better);
     VerifyAgain(input, threads, graph);

@@ -10,6 +10,6 @@
 
 namespace skyquilt::alignment {
 
-Registration RegisterPhotos(const RegistrationInput& given, int threads, Progress& progress);
+Registration RegisterPhotos(const Registration& given, int threads, Progress& progress);
 
 }  // namespace skyquilt::alignment

@@ -28,7 +28,7 @@ using Pair = std::pair<int, int>;
 
 class Verifier {
  public:
-  Verifier(const RegistrationInput& input, int threads)
+  Verifier(const Registration& input, int threads)
       : input_(input), threads_(threads), rays_(input.photos.size()) {
     ParallelFor(input.photos.size(), threads, [&](std::size_t i) {
       if (!input.photos[i].features) return;
@@ -67,12 +67,12 @@ class Verifier {
   const PhotoFeatures* FeaturesOf(int i) const { return input_.photos[i].features; }
   TwoViewPhoto PhotoOf(int i) const { return {input_.photos[i].features, &LensOf(i), &rays_[i]}; }
 
-  const RegistrationInput& input_;
+  const Registration& input_;
   int threads_;
   std::vector<std::vector<Eigen::Vector2d>> rays_;
 };
 
-PhotoSet WithFewerPartners(const RegistrationInput& input, const std::vector<PhotoPair>& pairs, int enough) {
+PhotoSet WithFewerPartners(const Registration& input, const std::vector<PhotoPair>& pairs, int enough) {
   const std::vector<int> partners = CountPairs(input.photos.size(), pairs);
   PhotoSet fewer;
   for (std::size_t i = 0; i < partners.size(); ++i)
@@ -156,7 +156,7 @@ void AgreeOnRotations(int photos, ViewGraph& graph) {
 
 }  // namespace
 
-ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, Progress& progress) {
+ViewGraph BuildViewGraph(const Registration& input, int threads, Progress& progress) {
   ViewGraph graph;
   const int count = static_cast<int>(input.photos.size());
   const Appearance appearance = Appearance::Learn(input.Features(), threads);
@@ -183,7 +183,7 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, Progress& 
   return graph;
 }
 
-void VerifyAgain(const RegistrationInput& input, int threads, ViewGraph& graph) {
+void VerifyAgain(const Registration& input, int threads, ViewGraph& graph) {
   graph.pairs.clear();
   Verifier(input, threads).Verify(graph.compared, graph.pairs);
   AgreeOnRotations(static_cast<int>(input.photos.size()), graph);

@@ -17,9 +17,9 @@ struct ViewGraph {
   RegistrationReport report;
 };
 
-ViewGraph BuildViewGraph(const RegistrationInput& input, int threads, Progress& progress);
+ViewGraph BuildViewGraph(const Registration& input, int threads, Progress& progress);
 
 // The same photos through other lenses: what was compared is verified anew.
-void VerifyAgain(const RegistrationInput& input, int threads, ViewGraph& graph);
+void VerifyAgain(const Registration& input, int threads, ViewGraph& graph);
 
 }  // namespace skyquilt::alignment

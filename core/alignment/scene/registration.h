@@ -23,32 +23,27 @@ struct RegistrationPhoto {
   int block = -1;  // 0 is the largest; negative: not registered
 };
 
-struct RegistrationInput {
-  std::vector<RegistrationPhoto> photos;  // in the order of capture
-  std::vector<BundleLens> lenses;
-
-  // By photo.
-  std::vector<const PhotoFeatures*> Features() const {
-    std::vector<const PhotoFeatures*> features;
-    for (const RegistrationPhoto& photo : photos) features.push_back(photo.features);
-    return features;
-  }
-};
-
 struct RegistrationReport {
   int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
 };
 
 struct Registration {
-  std::vector<RegistrationPhoto> photos;  // of the input, as registered
-  std::vector<int> block_sizes;           // the largest first
+  std::vector<RegistrationPhoto> photos;  // in the order of capture
   std::vector<BundleLens> lenses;
+  // As registered, not before.
+  std::vector<int> block_sizes;  // the largest first
   std::vector<PhotoPair> links;  // verified, with the matches that agree; sorted by photos
   std::vector<Track> tracks;     // point_in_enu is in the world of the photos' block
   double residual_rms_px = 0.0;
   RegistrationReport report;
 
   int LargestSize() const { return block_sizes.empty() ? 0 : block_sizes.front(); }
+  // By photo.
+  std::vector<const PhotoFeatures*> Features() const {
+    std::vector<const PhotoFeatures*> features;
+    for (const RegistrationPhoto& photo : photos) features.push_back(photo.features);
+    return features;
+  }
 };
 
 }  // namespace skyquilt::alignment

@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
   });
   fmt::print("features: cpu {:.2f} s\n", CpuSeconds() - cpu);
   cpu = CpuSeconds();
-  alignment::RegistrationInput input;
+  alignment::Registration input;
   std::map<std::string, int> lens_of_key;
   std::optional<geo::LocalFrame> frame;
   for (std::size_t i = 0; i < photos.size(); ++i) {
@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
     }
     input.photos.push_back(photo);
   }
-  alignment::RegistrationInput blind = input;
+  alignment::Registration blind = input;
   if (!with_positions) {
     for (alignment::RegistrationPhoto& photo : blind.photos) photo.position_in_enu.reset();
   }

@@ -38,7 +38,7 @@ Judged Judge(const SyntheticScene& scene, const Registration& found) {
   return judged;
 }
 
-Registration Register(const RegistrationInput& input, int threads = 2) {
+Registration Register(const Registration& input, int threads = 2) {
   SilentProgress progress;
   return RegisterPhotos(input, threads, progress);
 }
@@ -86,7 +86,7 @@ TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
   options.columns = 4;
   options.seed = 2;
   const SyntheticScene there = MakeScene(options);
-  RegistrationInput input = InputOf(here);
+  Registration input = InputOf(here);
   for (const PhotoFeatures& features : there.features) input.photos.push_back({&features, 0, {}, {}});
   const Registration found = Register(input);
   ASSERT_EQ(found.block_sizes, (std::vector<int>{10, 8}));
@@ -106,7 +106,7 @@ TEST(RegisterPhotos, TheSameForAnyNumberOfThreads) {
 
 TEST(RegisterPhotos, NothingComesOfNothing) {
   EXPECT_TRUE(Register({}).block_sizes.empty());
-  RegistrationInput input;
+  Registration input;
   input.lenses.resize(1);
   input.lenses[0].recorded = input.lenses[0].intrinsics = camera::Intrinsics::Centered(400, 300, 300.0);
   input.photos.resize(3);

@@ -121,8 +121,8 @@ SyntheticScene MakeScene(const SyntheticOptions& options) {
   return scene;
 }
 
-RegistrationInput InputOf(const SyntheticScene& scene, double focal_factor) {
-  RegistrationInput input;
+Registration InputOf(const SyntheticScene& scene, double focal_factor) {
+  Registration input;
   BundleLens lens;
   lens.recorded = scene.lens;
   lens.recorded.focal_x_px *= focal_factor;

@@ -35,6 +35,6 @@ struct SyntheticScene {
 SyntheticScene MakeScene(const SyntheticOptions& options);
 
 // Without positions; `focal_factor` is what the lens is mistaken by.
-RegistrationInput InputOf(const SyntheticScene& scene, double focal_factor = 1.0);
+Registration InputOf(const SyntheticScene& scene, double focal_factor = 1.0);
 
 }  // namespace skyquilt::alignment
