@@ -23,6 +23,7 @@ struct PointObservation {
 struct FoundPose {
   geo::Rigid3 cam_from_world;
   std::vector<int> inliers;  // observations
+  int photo = 0;             // the number that it has where many are looked for
 };
 
 struct FindPoseOptions {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/alignment/estimators/absolute_pose.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/base/trace.h"
@@ -176,7 +175,7 @@ std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, int threads, 
 // One photo that shows what placed ones show, but hardly any of their points (ResectOverGround), if it then
 // shares points enough. Each that is tried is left out from then on.
 bool TakeOverGround(const ViewGraph& graph, int threads, PhotoSet& left_out, Block& block) {
-  for (const GroundedPose& one : ResectOverGround(block, graph.pairs, left_out, threads)) {
+  for (const FoundPose& one : ResectOverGround(block, graph.pairs, left_out, threads)) {
     left_out.Add(one.photo);
     Block grown = block;
     grown.Place(one.photo, one.cam_from_world);
@@ -184,7 +183,7 @@ bool TakeOverGround(const ViewGraph& graph, int threads, PhotoSet& left_out, Blo
     AdjustWhole(threads, grown);
     if (grown.Has(one.photo) && grown.PointsSeen()[one.photo] >= kMinKeptOverGround &&
         grown.size() > block.size()) {
-      TraceDecision("photo registered over ground", {{"photo", one.photo}, {"inliers", one.agreeing}});
+      TraceDecision("photo registered over ground", {{"photo", one.photo}, {"inliers", one.inliers.size()}});
       block = std::move(grown);
       return true;
     }

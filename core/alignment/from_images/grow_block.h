@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/view_graph.h"
 #include "core/alignment/scene/photo_set.h"
@@ -24,18 +25,12 @@ std::optional<Block> BeginBlock(const Registration& input, const ViewGraph& grap
 // the others follow it.
 void GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block);
 
-struct GroundedPose {
-  int photo = 0;
-  geo::Rigid3 cam_from_world;
-  int agreeing = 0;  // matches
-};
-
 // Where a photo was taken that shares verified matches with placed photos but hardly any of their points,
 // because nothing is seen by three of them (a line of photos that overlap by half): what the matches show in
 // the placed photos is projected to the ground below these. The scale then comes from the ground's being
 // level there, the place from resection. Only where two placed photos agree, or one by many matches. The best
 // supported first. `pairs`: of the whole graph. `left_out`: photos that are not asked for.
-std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<PhotoPair>& pairs,
-                                           const PhotoSet& left_out, int threads);
+std::vector<FoundPose> ResectOverGround(const Block& block, const std::vector<PhotoPair>& pairs,
+                                        const PhotoSet& left_out, int threads);
 
 }  // namespace skyquilt::alignment

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/from_images/grow_block.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
@@ -115,15 +114,15 @@ std::vector<PointObservation> ShownOnGround(const Block& block, const BlockGroun
   return shown;
 }
 
-std::optional<GroundedPose> ResectOne(const Block& block, const BlockGround& ground,
-                                      const std::vector<const PhotoPair*>& pairs, int photo) {
+std::optional<FoundPose> ResectOne(const Block& block, const BlockGround& ground,
+                                   const std::vector<const PhotoPair*>& pairs, int photo) {
   std::vector<int> partners;
   const std::vector<PointObservation> observations = ShownOnGround(block, ground, pairs, photo, partners);
   if (static_cast<int>(observations.size()) < kMinOverGround) return std::nullopt;
   const int min_inliers = std::max(
       kMinOverGround, static_cast<int>(kMinShareOverGround * static_cast<double>(observations.size())));
-  const auto found = FindPose(block.Lens(photo), observations, 0x6E0DULL + static_cast<std::uint64_t>(photo),
-                              {.min_inliers = min_inliers, .max_samples = kGroundPoseSamples});
+  auto found = FindPose(block.Lens(photo), observations, 0x6E0DULL + static_cast<std::uint64_t>(photo),
+                        {.min_inliers = min_inliers, .max_samples = kGroundPoseSamples});
   if (!found) return std::nullopt;
   std::map<int, int> of_partner;
   for (const int k : found->inliers) ++of_partner[partners[k]];
@@ -138,13 +137,14 @@ std::optional<GroundedPose> ResectOne(const Block& block, const BlockGround& gro
   const double height = ground.HeightAbove(found->cam_from_world, nearest);
   const double usual = ground.HeightAbove(block.Pose(nearest), nearest);
   if (height < usual / kMaxHeightStep || height > usual * kMaxHeightStep) return std::nullopt;
-  return GroundedPose{photo, found->cam_from_world, static_cast<int>(found->inliers.size())};
+  found->photo = photo;
+  return found;
 }
 
 }  // namespace
 
-std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<PhotoPair>& pairs,
-                                           const PhotoSet& left_out, int threads) {
+std::vector<FoundPose> ResectOverGround(const Block& block, const std::vector<PhotoPair>& pairs,
+                                        const PhotoSet& left_out, int threads) {
   std::map<int, std::vector<const PhotoPair*>> of_photo;
   for (const PhotoPair& pair : pairs) {
     for (const auto& [photo, partner] :
@@ -156,11 +156,12 @@ std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector
   const BlockGround ground(block);
   if (!ground.is_known()) return {};
   const std::vector<std::pair<int, std::vector<const PhotoPair*>>> asked(of_photo.begin(), of_photo.end());
-  std::vector<GroundedPose> poses = ParallelCollect(asked.size(), threads, [&](std::size_t k) {
+  std::vector<FoundPose> poses = ParallelCollect(asked.size(), threads, [&](std::size_t k) {
     return ResectOne(block, ground, asked[k].second, asked[k].first);
   });
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const GroundedPose& a, const GroundedPose& b) { return a.agreeing > b.agreeing; });
+  std::stable_sort(poses.begin(), poses.end(), [](const FoundPose& a, const FoundPose& b) {
+    return a.inliers.size() > b.inliers.size();
+  });
   return poses;
 }
 
