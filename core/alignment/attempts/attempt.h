@@ -7,7 +7,7 @@
 
 #include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/features/features.h"
-#include "core/alignment/from_records/matching_passes.h"
+#include "core/alignment/matching/match_and_verify.h"
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/view.h"
@@ -36,7 +36,6 @@ struct ExtractedFlight {
 
 struct Attempt {
   poses::PosedFlight posed;  // where the photos were taken to be before they were compared
-  MatchingInput input;
   MatchedFlight matched;
   std::vector<CandidatePair> compared;  // by the first passes, whatever came of it
   Relief relief{0.0};

@@ -367,6 +367,9 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
         without_record.Add(i);
     }
   }
+  std::vector<CorrectedPose> corrected = std::move(second.matched.corrected);
+  second.matched = MakeMatchedFlight(second.posed);
+  second.matched.corrected = std::move(corrected);
   for (const PhotoPair& link : registration.links) {
     if (!placed.Has(link.first)) continue;
     second.matched.links.push_back(link);
@@ -385,14 +388,13 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
     lens.recorded.focal_y_px = lens.intrinsics.focal_y_px;
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kSigmaFoundFocal);
   }
-  second.input = MakeMatchingInput(second.posed);
-  second.input.features = extracted.readable;
+  second.matched.features = extracted.readable;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!placed.Has(i)) second.input.features[i] = nullptr;
+    if (!placed.Has(i)) second.matched.features[i] = nullptr;
     second.problem.photos[i].has_record = !without_record.Has(i);
     second.problem.photos[i].is_by_images = placed.Has(i);
   }
-  second.input.views = ViewsOf(second.problem);
+  second.matched.views = ViewsOf(second.problem);
   return second;
 }
 

@@ -214,19 +214,18 @@ bool HasLost(const AttemptEvidence& evidence) {
 int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& tracks, int threads,
                Attempt& attempt) {
   poses::PosedFlight& posed = attempt.posed;
-  MatchingInput& input = attempt.input;
   MatchedFlight& linked = attempt.matched;
   BundleProblem& problem = attempt.problem;
   const PhotoSet tied = TiedPhotos(attempt);
   const std::vector<RegisteredLost> found = RegisterLost(
-      {extracted.readable, input.views, tied, tracks, extracted.records, attempt.relief}, threads);
+      {extracted.readable, linked.views, tied, tracks, extracted.records, attempt.relief}, threads);
   if (found.empty()) return 0;
   // Where the images placed the others, its record counts as little as theirs, and that is said of all of
   // them.
   const bool is_common = 2 * std::count_if(problem.photos.begin(), problem.photos.end(),
                                            [](const BundlePhoto& one) { return one.is_by_images; }) >
                          static_cast<std::ptrdiff_t>(problem.photos.size());
-  const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
+  const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchedFlight(posed));
   for (const RegisteredLost& one : found) {
     const int i = one.photo;
     std::erase_if(linked.links, [&](const PhotoPair& link) { return link.first == i || link.second == i; });
@@ -246,9 +245,9 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
     // Points are looked for about as deep as the photo was high: by what it shows, whatever was recorded.
     problem.photos[i].height_above_ground_m =
         std::max(0.5, one.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
-    input.features[i] = extracted.readable[i];
-    input.views[i].cam_from_enu = one.cam_from_enu;
-    input.views[i].height_above_ground_m = problem.photos[i].height_above_ground_m;
+    linked.features[i] = extracted.readable[i];
+    linked.views[i].cam_from_enu = one.cam_from_enu;
+    linked.views[i].height_above_ground_m = problem.photos[i].height_above_ground_m;
   }
   return static_cast<int>(found.size());
 }

@@ -136,8 +136,8 @@ std::vector<int> FindLines(const std::vector<Eigen::Vector2d>& east_north) {
   return lines;
 }
 
-MatchingInput MakeMatchingInput(const poses::PosedFlight& posed) {
-  MatchingInput input;
+MatchedFlight MakeMatchedFlight(const poses::PosedFlight& posed) {
+  MatchedFlight input;
   input.features.assign(posed.photos.size(), nullptr);
   for (const poses::PosedPhoto& photo : posed.photos) {
     const double height = std::max(1.0, photo.height_above_ground_m);
@@ -150,7 +150,7 @@ MatchingInput MakeMatchingInput(const poses::PosedFlight& posed) {
   return input;
 }
 
-std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchingInput& input) {
+std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchedFlight& input) {
   constexpr double kUnlikeWidth = 2.0;  // less is the wander of heights
   std::vector<GroundPrior> priors;
   const Relief flat(posed.ground_z_in_enu_m);

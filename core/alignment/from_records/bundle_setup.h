@@ -21,8 +21,8 @@ namespace skyquilt::alignment {
 std::vector<int> FindLines(const std::vector<Eigen::Vector2d>& east_north);
 
 // Without features, which the caller adds.
-MatchingInput MakeMatchingInput(const poses::PosedFlight& posed);
-std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchingInput& input);
+MatchedFlight MakeMatchedFlight(const poses::PosedFlight& posed);
+std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchedFlight& input);
 double MedianWidthM(const std::vector<View>& views);
 // Pairs of photos within one connected component, and every verified pair however little it overlaps. Others
 // are too uncertain relative to each other for a narrow window: what matches there matches by chance.

@@ -28,7 +28,7 @@ struct Patch {
 };
 
 // The thumbnail seen straight from above: north is up, `cell_m` a sample, around a place.
-Patch ProjectThumbnail(const MatchingInput& input, int photo, const Eigen::Vector3d& place, double cell_m) {
+Patch ProjectThumbnail(const MatchedFlight& input, int photo, const Eigen::Vector3d& place, double cell_m) {
   const View& view = input.views[photo];
   const Thumbnail& thumbnail = input.features[photo]->thumbnail;
   const cv::Mat source(thumbnail.height_px, thumbnail.width_px, CV_8U,
@@ -133,7 +133,7 @@ std::optional<Eigen::Vector2d> PixelOf(const View& view, const Eigen::Vector3d& 
   return view.intrinsics.IsInImage(pixel) ? std::optional(pixel) : std::nullopt;
 }
 
-std::optional<Track> RegisterDirectly(const MatchingInput& input, int first, int second,
+std::optional<Track> RegisterDirectly(const MatchedFlight& input, int first, int second,
                                       const Relief& relief) {
   if (!input.features[first] || !input.features[second]) return std::nullopt;
   Eigen::Vector3d middle_first, middle_second;
@@ -184,11 +184,10 @@ std::optional<Track> RegisterDirectly(const MatchingInput& input, int first, int
 
 }  // namespace
 
-std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                const std::vector<PhotoPair>& verified, const Relief& relief, int threads) {
-  const std::vector<int> linked = CountPairs(input.views.size(), verified);
-  return ParallelCollect(pairs.size(), threads, [&](std::size_t p) -> std::optional<Track> {
-    const CandidatePair& pair = pairs[p];
+std::vector<Track> DirectTracks(const MatchedFlight& input, const Relief& relief, int threads) {
+  const std::vector<int> linked = CountPairs(input.views.size(), input.links);
+  return ParallelCollect(input.pairs.size(), threads, [&](std::size_t p) -> std::optional<Track> {
+    const CandidatePair& pair = input.pairs[p];
     if (pair.overlap < kMinOverlap) return std::nullopt;
     if (linked[pair.first] >= kEnoughPairs && linked[pair.second] >= kEnoughPairs) return std::nullopt;
     return RegisterDirectly(input, pair.first, pair.second, relief);

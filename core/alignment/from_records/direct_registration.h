@@ -14,8 +14,7 @@
 namespace skyquilt::alignment {
 
 // Ties for photos with too few verified pairs, as two-view tracks for the adjustment.
-std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                const std::vector<PhotoPair>& verified, const Relief& relief, int threads);
+std::vector<Track> DirectTracks(const MatchedFlight& input, const Relief& relief, int threads);
 
 // Whether a tie agrees with where both photos now lie.
 bool Agrees(const std::vector<View>& views, const Track& tie);

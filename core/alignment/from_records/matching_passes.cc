@@ -120,14 +120,13 @@ void ReportRejected(const GroundGraph& graph, const std::vector<PhotoPair>& veri
 
 }  // namespace
 
-MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines,
-                            MatchingInput& input, int threads, Progress& progress) {
+void MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines, MatchedFlight& matched,
+                   int threads, Progress& progress) {
   const std::size_t count = posed.photos.size();
   const Relief flat(posed.ground_z_in_enu_m);
-  const double tolerance_m = kToleranceShare * MedianWidthM(input.views);
-  std::vector<GroundPrior> recorded = MakeGroundPriors(posed, input);
+  const double tolerance_m = kToleranceShare * MedianWidthM(matched.views);
+  std::vector<GroundPrior> recorded = MakeGroundPriors(posed, matched);
   std::vector<GroundCorrection> total(count);  // against the records
-  MatchedFlight matched;
   matched.corrected.resize(count);
   double mount_turn_rad = 0.0;
   const auto move_views = [&] {
@@ -139,23 +138,23 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
     }
     for (std::size_t i = 0; i < count; ++i) {
       matched.corrected[i] = CorrectPose(posed.photos[i], recorded[i], total[i]);
-      input.views[i].cam_from_enu = matched.corrected[i].start_cam_from_enu;
+      matched.views[i].cam_from_enu = matched.corrected[i].start_cam_from_enu;
       const bool is_placed = total[i].component >= 0;
-      input.ground_sigma_m[i] = is_placed ? 0.0 : recorded[i].sigma_m;
-      input.sigma_turn_rad[i] = is_placed ? 0.0 : recorded[i].sigma_turn_rad;
+      matched.ground_sigma_m[i] = is_placed ? 0.0 : recorded[i].sigma_m;
+      matched.sigma_turn_rad[i] = is_placed ? 0.0 : recorded[i].sigma_turn_rad;
     }
   };
 
   std::vector<GroundView> projected;
   std::vector<PhotoPair> verified;
   const auto match = [&](const MatchingPass& pass) {
-    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat);
-    projected = ProjectAllToGround(input, flat, threads);
-    verified = MatchAndVerify(input, projected, matched.pairs, pass, threads);
+    matched.pairs = SelectPairs(matched.views, matched.ground_sigma_m, flat);
+    projected = ProjectAllToGround(matched, flat, threads);
+    verified = MatchAndVerify(matched, projected, pass, threads);
   };
   const auto match_first_pass = [&] {
     match(kFirstPass);
-    for (PhotoPair& pair : MatchLostPhotos(input, projected, matched.pairs, verified, threads)) {
+    for (PhotoPair& pair : MatchLostPhotos(matched, projected, verified, threads)) {
       verified.push_back(std::move(pair));
     }
   };
@@ -164,7 +163,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   if (mount_turn_rad != 0.0) {
     for (std::size_t i = 0; i < count; ++i) {
       total[i] = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, 0};
-      input.views[i].cam_from_enu = CorrectPose(posed.photos[i], recorded[i], total[i]).start_cam_from_enu;
+      matched.views[i].cam_from_enu = CorrectPose(posed.photos[i], recorded[i], total[i]).start_cam_from_enu;
     }
     match_first_pass();
   }
@@ -180,7 +179,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
     move_views();
     match(kNextPass);
     // From here a photo is expected where it now lies.
-    std::vector<GroundPrior> expected = MakeGroundPriors(posed, input);
+    std::vector<GroundPrior> expected = MakeGroundPriors(posed, matched);
     for (std::size_t i = 0; i < count; ++i) {
       expected[i].sigma_m = recorded[i].sigma_m;
       expected[i].sigma_turn_rad = recorded[i].sigma_turn_rad;
@@ -200,7 +199,6 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   }
   ReportRejected(graph, verified, posed, matched.rejected);
   move_views();
-  return matched;
 }
 
 }  // namespace skyquilt::alignment

@@ -21,7 +21,7 @@ constexpr double kPromisingOverlap = 0.3;
 
 }  // namespace
 
-std::vector<GroundView> ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads) {
+std::vector<GroundView> ProjectAllToGround(const MatchedFlight& input, const Relief& relief, int threads) {
   std::vector<GroundView> projected(input.views.size());
   ParallelFor(input.views.size(), threads, [&](std::size_t i) {
     const PhotoFeatures* features = input.features[i];
@@ -30,12 +30,11 @@ std::vector<GroundView> ProjectAllToGround(const MatchingInput& input, const Rel
   return projected;
 }
 
-std::vector<PhotoPair> MatchAndVerify(const MatchingInput& input, const std::vector<GroundView>& projected,
-                                      const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
-                                      int threads) {
-  return ParallelCollect(pairs.size(), threads, [&](std::size_t p) -> std::optional<PhotoPair> {
-    const int i = pairs[p].first;
-    const int j = pairs[p].second;
+std::vector<PhotoPair> MatchAndVerify(const MatchedFlight& input, const std::vector<GroundView>& projected,
+                                      const MatchingPass& pass, int threads) {
+  return ParallelCollect(input.pairs.size(), threads, [&](std::size_t p) -> std::optional<PhotoPair> {
+    const int i = input.pairs[p].first;
+    const int j = input.pairs[p].second;
     if (!projected[i].features || !projected[j].features) return std::nullopt;
     const TraceSpan span("match pair");
     const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
@@ -68,15 +67,14 @@ std::vector<PhotoPair> MatchAndVerify(const MatchingInput& input, const std::vec
   });
 }
 
-std::vector<PhotoPair> MatchLostPhotos(const MatchingInput& input, const std::vector<GroundView>& projected,
-                                       const std::vector<CandidatePair>& tried,
+std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const std::vector<GroundView>& projected,
                                        const std::vector<PhotoPair>& verified, int threads) {
   const int count = static_cast<int>(input.views.size());
   std::vector<int> promising(count, 0);
   const std::vector<int> linked = CountPairs(count, verified);
   std::set<std::pair<int, int>> done;
   for (const PhotoPair& pair : verified) done.emplace(pair.first, pair.second);
-  for (const CandidatePair& pair : tried) {
+  for (const CandidatePair& pair : input.pairs) {
     if (pair.overlap < kPromisingOverlap) continue;
     ++promising[pair.first];
     ++promising[pair.second];
@@ -85,7 +83,7 @@ std::vector<PhotoPair> MatchLostPhotos(const MatchingInput& input, const std::ve
     return input.features[i] && (linked[i] == 0 || (linked[i] < 3 && 3 * linked[i] < promising[i]));
   };
   // Neighbours in time first: they are near whatever the positions say. Then the most overlapping.
-  std::vector<CandidatePair> by_overlap = tried;
+  std::vector<CandidatePair> by_overlap = input.pairs;
   std::stable_sort(by_overlap.begin(), by_overlap.end(),
                    [](const CandidatePair& a, const CandidatePair& b) { return a.overlap > b.overlap; });
   std::vector<int> taken(count, 0);

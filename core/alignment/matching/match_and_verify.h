@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "core/alignment/matching/pair_selection.h"
+#include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
@@ -22,23 +24,28 @@ struct MatchingPass {
   bool fit_motion = true;  // false: take every match, the window is narrow enough
 };
 
-struct MatchingInput {
+// The photos that are to be compared, as they lie so far, and what came of it.
+struct MatchedFlight {
+  // By photo.
   std::vector<const PhotoFeatures*> features;  // null: unreadable
   std::vector<View> views;
   std::vector<double> ground_sigma_m;
   std::vector<double> sigma_turn_rad;
+  std::vector<CorrectedPose> corrected;
+  std::vector<CandidatePair> pairs;       // candidates of the last pass
+  std::vector<PhotoPair> links;           // verified, and not contradicted by the others
+  std::vector<AlignPairReport> rejected;  // linked by a few matches, contradicted by the rest; of all passes
 };
 
 // By photo; those that could not be read have no features.
-std::vector<GroundView> ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads);
+std::vector<GroundView> ProjectAllToGround(const MatchedFlight& input, const Relief& relief, int threads);
 
-std::vector<PhotoPair> MatchAndVerify(const MatchingInput& input, const std::vector<GroundView>& projected,
-                                      const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
-                                      int threads);
+// Of the pairs of the flight.
+std::vector<PhotoPair> MatchAndVerify(const MatchedFlight& input, const std::vector<GroundView>& projected,
+                                      const MatchingPass& pass, int threads);
 
-// `tried` are the candidates matched so far, `verified` those of them that were verified.
-std::vector<PhotoPair> MatchLostPhotos(const MatchingInput& input, const std::vector<GroundView>& projected,
-                                       const std::vector<CandidatePair>& tried,
+// `verified`: those of the pairs that were, so far.
+std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const std::vector<GroundView>& projected,
                                        const std::vector<PhotoPair>& verified, int threads);
 
 }  // namespace skyquilt::alignment

@@ -10,6 +10,7 @@
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/gyro_lag.h"
+#include "core/alignment/from_records/matching_passes.h"
 #include "core/alignment/scene/tracks.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/scoped_timer.h"
@@ -108,14 +109,14 @@ std::optional<BundlePlane> PlaneOf(const Attempt& attempt) {
 }  // namespace
 
 Attempt Adjusted(Attempt attempt, const BundleOptions& options) {
-  if (attempt.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
+  if (attempt.matched.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
   {
     ScopedTimer timer(attempt.report.adjustment_s);
     attempt.problem.tracks = {};  // not both at a time
     attempt.problem.tracks =
-        BuildTracks(attempt.matched.links, attempt.input.features, attempt.input.views, {});
+        BuildTracks(attempt.matched.links, attempt.matched.features, attempt.matched.views, {});
     std::erase_if(attempt.problem.tracks,
-                  [&](Track& track) { return !Triangulate(attempt.input.views, track); });
+                  [&](Track& track) { return !Triangulate(attempt.matched.views, track); });
     attempt.adjusted = AdjustBundle(attempt.problem, options);
   }
   TraceDecision("adjusted", {{"points", attempt.problem.tracks.size()},
@@ -129,34 +130,32 @@ Attempt Adjusted(Attempt attempt, const BundleOptions& options) {
 }
 
 Relief AdjustedRelief(const Attempt& attempt) {
-  const double cell_m = kReliefCellGsds * MedianWidthM(attempt.input.views) / kReferenceWidthPx;
+  const double cell_m = kReliefCellGsds * MedianWidthM(attempt.matched.views) / kReferenceWidthPx;
   return Relief::FromPoints(PointsWithHeights(attempt.problem.tracks), cell_m,
                             attempt.posed.ground_z_in_enu_m);
 }
 
 Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions& options) {
-  const std::size_t count = attempt.input.views.size();
+  MatchedFlight& matched = attempt.matched;
+  const std::size_t count = matched.views.size();
   {
     ScopedTimer timer(attempt.report.matching_s);
-    attempt.input.views = ViewsOf(attempt.problem);
+    matched.views = ViewsOf(attempt.problem);
     attempt.relief = AdjustedRelief(attempt);
-    attempt.matched.pairs = OnlyWithinComponents(
-        SelectPairs(attempt.input.views, std::vector<double>(count, 0.0), attempt.relief),
-        attempt.matched.links, count);
-    attempt.matched.links = {};  // not both at a time
-    attempt.matched.links =
-        MatchAndVerify(attempt.input, ProjectAllToGround(attempt.input, attempt.relief, options.threads),
-                       attempt.matched.pairs, pass, options.threads);
+    matched.pairs = OnlyWithinComponents(
+        SelectPairs(matched.views, std::vector<double>(count, 0.0), attempt.relief), matched.links, count);
+    matched.links = {};  // not both at a time
+    matched.links = MatchAndVerify(matched, ProjectAllToGround(matched, attempt.relief, options.threads),
+                                   pass, options.threads);
   }
-  TraceDecision("compared again",
-                {{"pairs", attempt.matched.pairs.size()}, {"verified", attempt.matched.links.size()}});
+  TraceDecision("compared again", {{"pairs", matched.pairs.size()}, {"verified", matched.links.size()}});
   return attempt;
 }
 
 std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& options) {
-  const std::vector<View>& views = attempt.input.views;
+  const std::vector<View>& views = attempt.matched.views;
   std::vector<Track> tracks =
-      BuildTracks(attempt.matched.links, attempt.input.features, views,
+      BuildTracks(attempt.matched.links, attempt.matched.features, views,
                   {.observations_per_photo = options.features.max_features, .splits_contradictory = true});
   std::erase_if(tracks, [&](Track& track) {
     // The observation with the largest error goes first, for it pulls the point away from the others.
@@ -200,17 +199,17 @@ Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOpti
   Attempt attempt;
   attempt.posed = extracted.posed;
   attempt.relief = Relief(attempt.posed.ground_z_in_enu_m);
-  attempt.input = MakeMatchingInput(attempt.posed);
-  attempt.input.features = extracted.readable;
+  attempt.matched = MakeMatchedFlight(attempt.posed);
+  attempt.matched.features = extracted.readable;
   for (std::size_t i = 0; i < count; ++i) {
-    if (extracted.records[i].is_unplaced) attempt.input.features[i] = nullptr;  // until the images place it
+    if (extracted.records[i].is_unplaced) attempt.matched.features[i] = nullptr;  // until the images place it
     const poses::PosedPhoto& photo = attempt.posed.photos[i];
-    if (photo.photo.turning) attempt.input.views[i].readout_motion = ReadoutMotion(photo, 0);
+    if (photo.photo.turning) attempt.matched.views[i].readout_motion = ReadoutMotion(photo, 0);
   }
   {
     ScopedTimer timer(attempt.report.matching_s);
     progress.Report(0.7, "comparing photos");
-    attempt.matched = MatchInPasses(attempt.posed, extracted.lines, attempt.input, options.threads, progress);
+    MatchInPasses(attempt.posed, extracted.lines, attempt.matched, options.threads, progress);
   }
   if (progress.IsCancelled()) return AlignmentCancelled();
   TraceDecision("compared by records", {{"pairs", attempt.matched.pairs.size()},
@@ -225,7 +224,7 @@ Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOpti
   }
   if (options.fixed.Photos() > 0) {
     HoldFixed(attempt.posed, options.fixed, attempt.problem);
-    attempt.input.views = ViewsOf(attempt.problem);
+    attempt.matched.views = ViewsOf(attempt.problem);
   }
   return attempt;
 }

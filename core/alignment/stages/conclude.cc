@@ -204,10 +204,9 @@ Result<AlignedFlight> Conclude(const ExtractedFlight& extracted, Attempt attempt
     report.by_images.outcome = flight::Remark{flight::RemarkCode::kRecordsHold,
                                               {{"photos", evidence.tied}, {"total", evidence.readable}}};
   }
-  const std::vector<PhotoDoubt> doubts =
-      DoubtPhotos(attempt.input, attempt.compared, attempt.matched.links, attempt.relief);
+  const std::vector<PhotoDoubt> doubts = DoubtPhotos(attempt.matched, attempt.compared, attempt.relief);
   ReportAttempt(extracted, attempt, report);
-  attempt.input.views = ViewsOf(attempt.problem);
+  attempt.matched.views = ViewsOf(attempt.problem);
   const std::vector<Track> ground_tracks = GroundTracks(attempt, options);
   AlignedFlight flight = PlacePhotos(extracted, attempt, ground_tracks, doubts, report);
   SKYQUILT_TRY(SettleUnplaced(extracted, flight, report));

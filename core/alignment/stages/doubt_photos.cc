@@ -23,7 +23,7 @@ constexpr double kMinGapM = 300.0;
 constexpr double kGapOverExtent = 1.0;
 constexpr double kMaxLeftOutShare = 0.1;
 
-bool ShowsTheSamePixels(const PhotoPair& verified_pair, const MatchingInput& input) {
+bool ShowsTheSamePixels(const PhotoPair& verified_pair, const MatchedFlight& input) {
   const PhotoFeatures& first = *input.features[verified_pair.first];
   const PhotoFeatures& second = *input.features[verified_pair.second];
   const auto same = std::count_if(verified_pair.matches.begin(), verified_pair.matches.end(),
@@ -38,8 +38,7 @@ bool ShowsTheSamePixels(const PhotoPair& verified_pair, const MatchingInput& inp
 
 // Against those that are linked, and so surely show the same ground; a photo without verified pairs, which
 // may show any, must besides be of little sharpness by itself, whatever it shows.
-void FindBlurred(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                 const std::vector<PhotoPair>& verified, const Relief& relief,
+void FindBlurred(const MatchedFlight& input, const std::vector<CandidatePair>& pairs, const Relief& relief,
                  std::vector<PhotoDoubt>& doubts) {
   const std::size_t count = input.views.size();
   std::vector<std::vector<double>> linked(count), overlapping(count), by_itself(count);
@@ -49,7 +48,7 @@ void FindBlurred(const MatchingInput& input, const std::vector<CandidatePair>& p
                          input.views[other], relief);
     if (share) shares[own].push_back(*share);
   };
-  for (const PhotoPair& verified_pair : verified) {
+  for (const PhotoPair& verified_pair : input.links) {
     against(verified_pair.first, verified_pair.second, linked);
     against(verified_pair.second, verified_pair.first, linked);
   }
@@ -80,17 +79,17 @@ void FindBlurred(const MatchingInput& input, const std::vector<CandidatePair>& p
 
 }  // namespace
 
-std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                    const std::vector<PhotoPair>& verified, const Relief& relief) {
+std::vector<PhotoDoubt> DoubtPhotos(const MatchedFlight& input, const std::vector<CandidatePair>& pairs,
+                                    const Relief& relief) {
   const std::size_t count = input.views.size();
   std::vector<PhotoDoubt> doubts(count);
-  const std::vector<int> linked = CountPairs(count, verified);
+  const std::vector<int> linked = CountPairs(count, input.links);
   std::vector<int> witnesses(count, 0);
-  for (const PhotoPair& verified_pair : verified) {
+  for (const PhotoPair& verified_pair : input.links) {
     PhotoDoubt& later = doubts[verified_pair.second];
     if (!later.copy_of && ShowsTheSamePixels(verified_pair, input)) later.copy_of = verified_pair.first;
   }
-  FindBlurred(input, pairs, verified, relief, doubts);
+  FindBlurred(input, pairs, relief, doubts);
   for (const CandidatePair& pair : pairs) {
     if (pair.overlap < kSurelySharedOverlap) continue;
     if (linked[pair.second] > 1) ++witnesses[pair.first];

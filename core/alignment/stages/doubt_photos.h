@@ -23,9 +23,9 @@ struct PhotoDoubt {
   bool shows_other_place = false;  // rich in detail, yet nothing in common with photos that overlap and agree
 };
 
-// `pairs` were compared, `verified` are the pairs verified in the end, over `relief`.
-std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                    const std::vector<PhotoPair>& verified, const Relief& relief);
+// `pairs` were compared; the links of the flight are those verified in the end, over `relief`.
+std::vector<PhotoDoubt> DoubtPhotos(const MatchedFlight& input, const std::vector<CandidatePair>& pairs,
+                                    const Relief& relief);
 
 // What the user is to know of it, each going on from the photo's name.
 std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names);

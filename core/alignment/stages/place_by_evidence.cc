@@ -92,8 +92,7 @@ bool IsNearlyAll(const ExtractedFlight& extracted, const ByImagesReport& by_imag
 Attempt TiedDirectly(Attempt attempt, const AlignOptions& options) {
   {
     ScopedTimer timer(attempt.report.matching_s);
-    attempt.problem.soft_tracks = DirectTracks(attempt.input, attempt.matched.pairs, attempt.matched.links,
-                                               attempt.relief, options.threads);
+    attempt.problem.soft_tracks = DirectTracks(attempt.matched, attempt.relief, options.threads);
   }
   attempt.report.pairs_by_direct = static_cast<int>(attempt.problem.soft_tracks.size());
   return attempt;
@@ -108,7 +107,7 @@ Attempt WithLostTakenIn(const ExtractedFlight& extracted, Attempt attempt, MayRe
                         const AlignOptions& options) {
   bool took_in = false, is_rematched = false;
   for (int round = 0; round < kMaxLostRounds && HasLost(Weigh(extracted, attempt)); ++round) {
-    attempt.input.views = ViewsOf(attempt.problem);
+    attempt.matched.views = ViewsOf(attempt.problem);
     const std::vector<Track> seen = GroundTracks(attempt, options);
     if (TakeInLost(extracted, seen, options.threads, attempt) == 0) {
       // Photos just taken in have few points yet, and may be all that the next ones have in common with the
@@ -127,7 +126,7 @@ Attempt WithLostTakenIn(const ExtractedFlight& extracted, Attempt attempt, MayRe
 // Adjusted from the records, and photos that these left apart registered against the others.
 Attempt AdjustedByRecords(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options) {
   attempt = Adjusted(std::move(attempt), FirstAdjustment());
-  attempt.input.views = ViewsOf(attempt.problem);
+  attempt.matched.views = ViewsOf(attempt.problem);
   attempt.relief = AdjustedRelief(attempt);
   attempt.problem.plane = FitPlane(attempt.problem);
   return WithLostTakenIn(extracted, std::move(attempt), MayRematch::kYes, options);
@@ -143,7 +142,7 @@ Attempt BetterOf(const ExtractedFlight& extracted, Attempt by_records, Attempt b
   const bool may_keep_records = compares && options.by_images != ByImages::kAlways;
   if (!may_keep_records) by_records = Attempt();  // not both at a time
   by_images = Adjusted(std::move(by_images), SettledAdjustment());
-  by_images.input.views = ViewsOf(by_images.problem);
+  by_images.matched.views = ViewsOf(by_images.problem);
   by_images.relief = AdjustedRelief(by_images);
   by_images = WithLostTakenIn(extracted, std::move(by_images), MayRematch::kNo, options);
   const AttemptEvidence evidence = Weigh(extracted, by_images);
@@ -176,7 +175,7 @@ Attempt Levelled(const ExtractedFlight& extracted, Attempt attempt) {
   TraceDecision("flight levelled",
                 {{"tilt_rad", levelling->tilt_rad}, {"apart_m", levelling->height_range_m}});
   Level(*levelling, extracted.records, attempt.problem);
-  attempt.input.views = ViewsOf(attempt.problem);
+  attempt.matched.views = ViewsOf(attempt.problem);
   attempt = Adjusted(std::move(attempt), SettledAdjustment());
   attempt.report.corrections.push_back({flight::RemarkCode::kHeightsTilted,
                                         {{"tilt_deg", levelling->tilt_rad * 180.0 / std::numbers::pi},

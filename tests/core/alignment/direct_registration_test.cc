@@ -23,7 +23,7 @@ TEST(DirectTracks, MovePhotosTogetherThatPosesLeaveApart) {
   SilentProgress progress;
   const std::vector<PhotoFeatures> features =
       ExtractAll(posed, test::PhotosOf(truth), {.max_features = 0}, {}, 2, 1.0, progress);
-  MatchingInput input = MakeMatchingInput(posed);
+  MatchedFlight input = MakeMatchedFlight(posed);
   for (std::size_t i = 0; i < features.size(); ++i) input.features[i] = &features[i];
   std::vector<CorrectedPose> as_recorded;
   for (const poses::PosedPhoto& photo : posed.photos) {
@@ -33,8 +33,8 @@ TEST(DirectTracks, MovePhotosTogetherThatPosesLeaveApart) {
   const Relief flat(posed.ground_z_in_enu_m);
   BundleProblem problem = MakeBundle(posed, as_recorded, FindLines(EastNorthOf(posed.photos)));
   for (int pass = 0; pass < 2; ++pass) {  // the second from where the first put them
-    problem.soft_tracks =
-        DirectTracks(input, SelectPairs(input.views, input.ground_sigma_m, flat), {}, flat, 2);
+    input.pairs = SelectPairs(input.views, input.ground_sigma_m, flat);
+    problem.soft_tracks = DirectTracks(input, flat, 2);
     AdjustBundle(problem, {.cuts_px = {0.0}, .adjust_lens = false});
     input.views = ViewsOf(problem);
   }

@@ -87,9 +87,7 @@ bool IsDoubted(const PhotoDoubt& doubt) {
 // Photos that overlap fully; the last may be unlinked or a copy.
 struct Overlapping {
   std::vector<PhotoFeatures> features;
-  MatchingInput input;
-  std::vector<CandidatePair> pairs;
-  std::vector<PhotoPair> verified;
+  MatchedFlight input;
 
   explicit Overlapping(int count) : features(count) {
     for (int i = 0; i < count; ++i) {
@@ -105,20 +103,20 @@ struct Overlapping {
       input.views.push_back(view);
     }
     for (int i = 0; i < count; ++i) {
-      for (int j = i + 1; j < count; ++j) pairs.push_back({i, j, 0.8});
+      for (int j = i + 1; j < count; ++j) input.pairs.push_back({i, j, 0.8});
     }
   }
   void Verify(int i, int j) {
     PhotoPair pair{i, j, {}, {}, 0.1};
     for (std::uint16_t k = 0; k < 300; ++k) pair.matches.push_back({k, k});
-    verified.push_back(pair);
+    input.links.push_back(pair);
   }
   void VerifyFirstFour() {
     for (int i = 0; i < 4; ++i) {
       for (int j = i + 1; j < 4; ++j) Verify(i, j);
     }
   }
-  std::vector<PhotoDoubt> Doubts() const { return DoubtPhotos(input, pairs, verified, Relief(0.0)); }
+  std::vector<PhotoDoubt> Doubts() const { return DoubtPhotos(input, input.pairs, Relief(0.0)); }
 };
 
 TEST(DoubtPhotos, KnowsACopyByItsPixels) {
