@@ -8,13 +8,10 @@
 #include <optional>
 #include <vector>
 
+#include "core/alignment/scene/matches.h"
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {
-
-struct RayPair {
-  Eigen::Vector2d first, second;
-};
 
 struct RobustFit {
   Eigen::Matrix3d second_from_first = Eigen::Matrix3d::Identity();

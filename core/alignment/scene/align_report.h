@@ -11,6 +11,7 @@
 
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/alignment/scene/ground_control.h"
+#include "core/alignment/scene/matches.h"
 #include "core/camera/intrinsics.h"
 #include "core/flight/remarks/remark.h"
 
@@ -51,22 +52,14 @@ struct AlignPhotoReport {
   bool operator==(const AlignPhotoReport&) const = default;
 };
 
-// One place, as two photos show it.
-struct SharedPlace {
-  Eigen::Vector2d pixel_in_first = Eigen::Vector2d::Zero();
-  Eigen::Vector2d pixel_in_second = Eigen::Vector2d::Zero();
-
-  bool operator==(const SharedPlace&) const = default;
-};
-
 struct AlignPairReport {
   std::string first, second;
   int matches = 0;
   double rms_m = 0.0;
   double rms_px = 0.0;        // of pairs in use
   bool is_by_direct = false;  // tied by the pictures as a whole
-  // Of the matches in use, spread over all of them; for who asked for the alignment, told nowhere.
-  std::vector<SharedPlace> some;
+  // Pixels of the matches in use, spread over all of them; for who asked for the alignment, told nowhere.
+  std::vector<RayPair> some;
 
   bool operator==(const AlignPairReport&) const = default;
 };

@@ -3,6 +3,7 @@
 // along the strongest. Values; any thread.
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
@@ -25,6 +26,13 @@ inline constexpr int kMaxKeypoints = 1 << 16;  // of a photo
 inline KeypointMatch MatchOf(int first, int second) {
   return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(second)};
 }
+
+// One place as two photos show it: rays (x, y, 1) of both, or pixels.
+struct RayPair {
+  Eigen::Vector2d first = Eigen::Vector2d::Zero(), second = Eigen::Vector2d::Zero();
+
+  bool operator==(const RayPair&) const = default;
+};
 
 // z -> turn_and_scale * z + shift on the ground, E + iN.
 struct GroundSimilarity {

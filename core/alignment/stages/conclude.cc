@@ -22,7 +22,7 @@ using flight::Remark;
 constexpr std::size_t kSomePlaces = 9;
 
 struct Shared {
-  std::vector<SharedPlace> places;
+  std::vector<RayPair> places;
   double square_px = 0.0;  // of both photos' reprojection errors
   double square_m = 0.0;
 };

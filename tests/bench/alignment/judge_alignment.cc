@@ -21,17 +21,17 @@ using TruePhotos = std::map<std::string, const simulate::SimulatedPhoto*>;
 // none.
 std::optional<double> ResidualPx(const simulate::SimulatedFlight& truth,
                                  const simulate::SimulatedPhoto& first,
-                                 const simulate::SimulatedPhoto& second, const SharedPlace& shared) {
+                                 const simulate::SimulatedPhoto& second, const RayPair& shared) {
   constexpr double kFarthestM = 4000.0;
   const camera::Intrinsics& lens = truth.options.intrinsics;
   const geo::Rigid3& first_from_enu = first.pose.cam_from_enu;
   const auto hit = truth.world.CastRay(
       first_from_enu.TargetOriginInSource(),
-      (first_from_enu.rotation.conjugate() * lens.Unproject(shared.pixel_in_first)).normalized(), kFarthestM);
+      (first_from_enu.rotation.conjugate() * lens.Unproject(shared.first)).normalized(), kFarthestM);
   if (!hit) return std::nullopt;
   const auto pixel = lens.Project(second.pose.cam_from_enu * hit->point_in_enu);
   if (!pixel) return std::nullopt;
-  return (*pixel - shared.pixel_in_second).norm();
+  return (*pixel - shared.second).norm();
 }
 
 // Of a photo taken in motion: every point of it is anywhere along a line of this length.
@@ -48,7 +48,7 @@ void JudgePairs(const AlignedCase& flown, const TruePhotos& by_name, Judgement& 
       continue;
     }
     std::vector<double> misses;
-    for (const SharedPlace& shared : pair.some) {
+    for (const RayPair& shared : pair.some) {
       const auto miss_px =
           ResidualPx(*flown.truth, *by_name.at(pair.first), *by_name.at(pair.second), shared);
       misses.push_back(miss_px.value_or(width_px));
