@@ -120,13 +120,14 @@ void ReportRejected(const GroundGraph& graph, const std::vector<PhotoPair>& veri
 
 }  // namespace
 
-void MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines, MatchedFlight& matched,
-                   int threads, Progress& progress) {
+std::vector<AlignPairReport> MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines,
+                                           MatchedFlight& matched, int threads, Progress& progress) {
   const std::size_t count = posed.photos.size();
   const Relief flat(posed.ground_z_in_enu_m);
   const double tolerance_m = kToleranceShare * MedianWidthM(matched.views);
   std::vector<GroundPrior> recorded = MakeGroundPriors(posed, matched);
   std::vector<GroundCorrection> total(count);  // against the records
+  std::vector<AlignPairReport> rejected;
   matched.corrected.resize(count);
   double mount_turn_rad = 0.0;
   const auto move_views = [&] {
@@ -168,7 +169,7 @@ void MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& line
     match_first_pass();
   }
   GroundGraph graph = SolveGroundGraph(recorded, verified, projected, kFirstToleranceFactor * tolerance_m);
-  ReportRejected(graph, verified, posed, matched.rejected);
+  ReportRejected(graph, verified, posed, rejected);
   matched.links = KeepInliers(graph, verified);
   total = graph.corrections;
   for (GroundCorrection& one : total) {
@@ -197,8 +198,9 @@ void MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& line
     if (now_placed <= placed) break;
     placed = now_placed;
   }
-  ReportRejected(graph, verified, posed, matched.rejected);
+  ReportRejected(graph, verified, posed, rejected);
   move_views();
+  return rejected;
 }
 
 }  // namespace skyquilt::alignment

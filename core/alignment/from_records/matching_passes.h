@@ -8,14 +8,16 @@
 #include <vector>
 
 #include "core/alignment/matching/match_and_verify.h"
+#include "core/alignment/scene/align_report.h"
 #include "core/base/progress.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
 
 // Views are moved to the corrected poses, `ground_sigma_m` and `sigma_turn_rad` set to what is left of their
-// uncertainty. Stops early, with what there is, when `progress` is cancelled.
-void MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines, MatchedFlight& matched,
-                   int threads, Progress& progress);
+// uncertainty. What comes back are pairs that a few matches link and the rest contradicts, of all passes.
+// Stops early, with what there is, when `progress` is cancelled.
+std::vector<AlignPairReport> MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines,
+                                           MatchedFlight& matched, int threads, Progress& progress);
 
 }  // namespace skyquilt::alignment

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/alignment/matching/pair_selection.h"
-#include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/priors.h"
@@ -32,9 +31,8 @@ struct MatchedFlight {
   std::vector<double> ground_sigma_m;
   std::vector<double> sigma_turn_rad;
   std::vector<CorrectedPose> corrected;
-  std::vector<CandidatePair> pairs;       // candidates of the last pass
-  std::vector<PhotoPair> links;           // verified, and not contradicted by the others
-  std::vector<AlignPairReport> rejected;  // linked by a few matches, contradicted by the rest; of all passes
+  std::vector<CandidatePair> pairs;  // candidates of the last pass
+  std::vector<PhotoPair> links;      // verified, and not contradicted by the others
 };
 
 // By photo; those that could not be read have no features.

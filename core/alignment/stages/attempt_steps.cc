@@ -209,12 +209,13 @@ Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOpti
   {
     ScopedTimer timer(attempt.report.matching_s);
     progress.Report(0.7, "comparing photos");
-    MatchInPasses(attempt.posed, extracted.lines, attempt.matched, options.threads, progress);
+    attempt.report.rejected_pairs =
+        MatchInPasses(attempt.posed, extracted.lines, attempt.matched, options.threads, progress);
   }
   if (progress.IsCancelled()) return AlignmentCancelled();
   TraceDecision("compared by records", {{"pairs", attempt.matched.pairs.size()},
                                         {"verified", attempt.matched.links.size()},
-                                        {"refused", attempt.matched.rejected.size()}});
+                                        {"refused", attempt.report.rejected_pairs.size()}});
   attempt.compared = attempt.matched.pairs;
   attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
   for (std::size_t i = 0; i < count; ++i) {

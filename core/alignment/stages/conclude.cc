@@ -140,7 +140,7 @@ int TiePointsOfNew(const BundleProblem& problem) {
       }));
 }
 
-void ReportAttempt(const ExtractedFlight& extracted, Attempt& attempt, AlignReport& report) {
+void ReportAttempt(const ExtractedFlight& extracted, const Attempt& attempt, AlignReport& report) {
   const std::vector<std::string> names = extracted.Names();
   report.photos = static_cast<int>(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -155,7 +155,6 @@ void ReportAttempt(const ExtractedFlight& extracted, Attempt& attempt, AlignRepo
   report.gyros = extracted.gyros;
   report.pairs_tried = static_cast<int>(attempt.matched.pairs.size());
   report.pairs_linked = static_cast<int>(attempt.matched.links.size());
-  report.rejected_pairs = std::move(attempt.matched.rejected);
   report.pairs_rejected = static_cast<int>(report.rejected_pairs.size());
   for (Remark& remark : DescribeCorrections(attempt.matched.corrected, names, extracted.lines))
     report.corrections.push_back(std::move(remark));

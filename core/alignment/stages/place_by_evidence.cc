@@ -138,7 +138,6 @@ Attempt BetterOf(const ExtractedFlight& extracted, Attempt by_records, Attempt b
   by_images.report = std::move(by_records.report);
   ByImagesReport& report = by_images.report.by_images;
   report.is_taken = true;
-  by_images.matched.rejected = by_records.matched.rejected;
   const bool may_keep_records = compares && options.by_images != ByImages::kAlways;
   if (!may_keep_records) by_records = Attempt();  // not both at a time
   by_images = Adjusted(std::move(by_images), SettledAdjustment());
