@@ -123,8 +123,8 @@ PictureDetail MeasureDetail(int width_px, int height_px, const std::uint8_t* gre
   PictureDetail detail;
   for (int row = 0; row < kDetailCells; ++row) {
     for (int column = 0; column < kDetailCells; ++column) {
-      detail.cells.push_back({fine.In(column, row), coarse.In(column, row),
-                              static_cast<float>(cv::mean(picture(CellOf(picture, column, row)))[0])});
+      detail.push_back({fine.In(column, row), coarse.In(column, row),
+                        static_cast<float>(cv::mean(picture(CellOf(picture, column, row)))[0])});
     }
   }
   return detail;
@@ -133,9 +133,9 @@ PictureDetail MeasureDetail(int width_px, int height_px, const std::uint8_t* gre
 // Of the cells that are sharper than most: water and asphalt have no detail, but hardly fill a picture; a
 // blurred one is sharp nowhere.
 double SharpnessByItself(const PictureDetail& detail) {
-  if (detail.cells.empty()) return 0.0;
+  if (detail.empty()) return 0.0;
   std::vector<std::pair<double, double>> cells;  // coarse detail, sharpness
-  for (const DetailCell& cell : detail.cells) {
+  for (const DetailCell& cell : detail) {
     const double coarse = Extremes(cell.coarse).second + kMinDetail;
     cells.emplace_back(coarse, Extremes(cell.fine).first / coarse);
   }
@@ -148,17 +148,17 @@ double SharpnessByItself(const PictureDetail& detail) {
 std::optional<double> SharpnessAgainst(const PictureDetail& own, const View& own_view,
                                        const PictureDetail& other, const View& other_view,
                                        const Relief& relief) {
-  if (own.cells.empty() || other.cells.empty()) return std::nullopt;
+  if (own.empty() || other.empty()) return std::nullopt;
   std::array<std::vector<double>, 2 * kSmearDirections> shares;  // of fine detail, then of coarse
-  for (int k = 0; k < static_cast<int>(own.cells.size()); ++k) {
+  for (int k = 0; k < static_cast<int>(own.size()); ++k) {
     const Eigen::Vector2d middle =
         own_view.intrinsics.MiddleOfCell(k % kDetailCells, k / kDetailCells, kDetailCells);
     Eigen::Vector3d place;
     if (!MeetGround(own_view, relief, middle, &place)) continue;
     const std::optional<SeenPlace> in_own = See(own_view, place), in_other = See(other_view, place);
     if (!in_own || !in_other || !other_view.intrinsics.IsInImage(in_other->pixel)) continue;
-    const DetailCell& own_cell = own.cells[k];
-    const DetailCell& other_cell = other.cells[CellAt(other_view, in_other->pixel)];
+    const DetailCell& own_cell = own[k];
+    const DetailCell& other_cell = other[CellAt(other_view, in_other->pixel)];
     for (int d = 0; d < kSmearDirections; ++d) {
       const Eigen::Vector2d along(std::cos(geo::kPi * d / kSmearDirections),
                                   std::sin(geo::kPi * d / kSmearDirections));

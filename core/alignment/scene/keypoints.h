@@ -42,9 +42,7 @@ struct DetailCell {
 };
 
 // kDetailCells a row, from the top; empty: the picture is too small to tell.
-struct PictureDetail {
-  std::vector<DetailCell> cells;
-};
+using PictureDetail = std::vector<DetailCell>;
 
 struct PhotoFeatures {
   // Any first n of these are spread over the photo and among the strongest of their place.

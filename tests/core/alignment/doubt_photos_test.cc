@@ -75,9 +75,9 @@ TEST(DoubtsInRemarks, SayOnceThatTheAircraftHovered) {
 
 // As much in all directions and everywhere.
 PictureDetail EvenDetail(float fine) {
-  return {std::vector<DetailCell>(
+  return PictureDetail(
       kDetailCells * kDetailCells,
-      DetailCell{{fine, 0.0F, 2.0F * fine, 0.0F, fine}, {100.0F, 0.0F, 200.0F, 0.0F, 100.0F}, 128.0F})};
+      DetailCell{{fine, 0.0F, 2.0F * fine, 0.0F, fine}, {100.0F, 0.0F, 200.0F, 0.0F, 100.0F}, 128.0F});
 }
 
 bool IsDoubted(const PhotoDoubt& doubt) {

@@ -90,7 +90,7 @@ TEST(SharpnessAgainst, SaysNothingFromDistancesTooDifferent) {
 
 TEST(MeasureDetail, OfAPictureTooSmallIsEmpty) {
   const std::vector<std::uint8_t> grey(16 * 16, 100);
-  EXPECT_TRUE(MeasureDetail(16, 16, grey.data()).cells.empty());
+  EXPECT_TRUE(MeasureDetail(16, 16, grey.data()).empty());
   EXPECT_EQ(SharpnessByItself({}), 0.0);
 }
 
