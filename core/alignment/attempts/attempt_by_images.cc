@@ -283,9 +283,9 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
   // Reckoned from nowhere: records say how photos lie to each other, not where on Earth.
   const bool is_reckoned = !posed.is_placed && expected_height_m;
   const Registration registration = RegisterPhotos(InputOf(extracted, by_records.problem), threads, progress);
-  report.pairs_compared = registration.report.pairs_compared;
-  report.pairs_verified = registration.report.pairs_verified;
-  report.pairs_refused = registration.report.pairs_refused;
+  report.pairs_compared = registration.pairs_compared;
+  report.pairs_verified = registration.pairs_verified;
+  report.pairs_refused = registration.pairs_refused;
   report.residual_rms_px = registration.residual_rms_px;
   report.groups = static_cast<int>(registration.block_sizes.size());
   report.registered = registration.LargestSize();

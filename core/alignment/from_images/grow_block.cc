@@ -28,10 +28,10 @@ struct InitialPair {
   std::size_t pair = 0, pose = 0;
 };
 
-std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const PhotoSet& used) {
+std::vector<InitialPair> InitialPairs(const Registration& input, const PhotoSet& used) {
   std::vector<std::pair<double, std::size_t>> ranked;
-  for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
-    const PhotoPair& pair = graph.pairs[p];
+  for (std::size_t p = 0; p < input.links.size(); ++p) {
+    const PhotoPair& pair = input.links[p];
     if (used.Has(pair.first) || used.Has(pair.second)) continue;
     if (pair.angle_rad < kMinAngleRad) continue;
     const double score =
@@ -44,7 +44,7 @@ std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const PhotoSet& us
   std::vector<InitialPair> chosen;
   for (const auto& [score, p] : ranked) {
     if (chosen.size() >= kMaxInitialPairs) break;
-    const PhotoPair& pair = graph.pairs[p];
+    const PhotoPair& pair = input.links[p];
     int& first = begun[pair.first];
     int& second = begun[pair.second];
     if (first >= 2 || second >= 2) continue;
@@ -174,8 +174,8 @@ std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, int threads, 
 
 // One photo that shows what placed ones show, but hardly any of their points (ResectOverGround), if it then
 // shares points enough. Each that is tried is left out from then on.
-bool TakeOverGround(const ViewGraph& graph, int threads, PhotoSet& left_out, Block& block) {
-  for (const FoundPose& one : ResectOverGround(block, graph.pairs, left_out, threads)) {
+bool TakeOverGround(int threads, PhotoSet& left_out, Block& block) {
+  for (const FoundPose& one : ResectOverGround(block, left_out, threads)) {
     left_out.Add(one.photo);
     Block grown = block;
     grown.Place(one.photo, one.cam_from_world);
@@ -196,10 +196,10 @@ struct Tried {
   int observations = 0;
 };
 
-std::optional<Tried> Try(const Registration& input, const ViewGraph& graph, const SceneTracks& scene,
+std::optional<Tried> Try(const Registration& input, const SceneTracks& scene,
                          const std::vector<BundleLens>& lenses, const PhotoSet& used,
                          const InitialPair& initial_pair, int threads) {
-  const PhotoPair& pair = graph.pairs[initial_pair.pair];
+  const PhotoPair& pair = input.links[initial_pair.pair];
   Block block(input, scene, lenses);
   block.Place(pair.first, geo::Rigid3{});
   block.Place(pair.second, pair.poses[initial_pair.pose]);
@@ -226,16 +226,16 @@ std::optional<Tried> Try(const Registration& input, const ViewGraph& graph, cons
 
 }  // namespace
 
-std::optional<Block> BeginBlock(const Registration& input, const ViewGraph& graph, const SceneTracks& scene,
+std::optional<Block> BeginBlock(const Registration& input, const SceneTracks& scene,
                                 const std::vector<BundleLens>& lenses, const PhotoSet& used, int threads) {
-  const std::vector<InitialPair> initial_pairs = InitialPairs(graph, used);
+  const std::vector<InitialPair> initial_pairs = InitialPairs(input, used);
   std::vector<std::optional<Tried>> tried(initial_pairs.size());
   ParallelFor(initial_pairs.size(), threads,
-              [&](std::size_t b) { tried[b] = Try(input, graph, scene, lenses, used, initial_pairs[b], 1); });
+              [&](std::size_t b) { tried[b] = Try(input, scene, lenses, used, initial_pairs[b], 1); });
   std::optional<Tried>* best = nullptr;
   for (std::size_t b = 0; b < tried.size(); ++b) {
     std::optional<Tried>& one = tried[b];
-    const PhotoPair& pair = graph.pairs[initial_pairs[b].pair];
+    const PhotoPair& pair = input.links[initial_pairs[b].pair];
     TraceDecision("initial pair", {{"photo", pair.first},
                                    {"with", pair.second},
                                    {"photos", one ? one->block.size() : 0},
@@ -247,7 +247,7 @@ std::optional<Block> BeginBlock(const Registration& input, const ViewGraph& grap
   return std::move((*best)->block);
 }
 
-void GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block) {
+void GrowBlock(const PhotoSet& used, int threads, Progress& progress, Block& block) {
   PhotoSet left_out = used;  // where photos are taken in over the ground
   Rounds rounds{std::vector<int>(used.Photos(), 0), true};
   int whole_at = block.size();
@@ -258,7 +258,7 @@ void GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progre
     if (taken.empty()) {
       // Once more with everything in its best place, where somebody still waits for it.
       if (asked_again || PhotosThatSee(block, used).empty()) {
-        if (!TakeOverGround(graph, threads, left_out, block)) break;
+        if (!TakeOverGround(threads, left_out, block)) break;
         rounds.failed_at.assign(used.Photos(), 0);
         asked_again = false;
         continue;

@@ -9,7 +9,6 @@
 
 #include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/from_images/block.h"
-#include "core/alignment/from_images/view_graph.h"
 #include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/priors.h"
 #include "core/base/progress.h"
@@ -17,20 +16,19 @@
 namespace skyquilt::alignment {
 
 // Of photos that `used` leaves; nothing when no two of them begin a block of three or more.
-std::optional<Block> BeginBlock(const Registration& input, const ViewGraph& graph, const SceneTracks& scene,
+std::optional<Block> BeginBlock(const Registration& input, const SceneTracks& scene,
                                 const std::vector<BundleLens>& lenses, const PhotoSet& used, int threads);
 
 // Takes in photos that `used` leaves until no more follow. The block is adjusted as a whole at the end. Where
 // no photo sees enough of the points, one that shows what placed ones show is taken in over the ground, and
 // the others follow it.
-void GrowBlock(const ViewGraph& graph, const PhotoSet& used, int threads, Progress& progress, Block& block);
+void GrowBlock(const PhotoSet& used, int threads, Progress& progress, Block& block);
 
 // Where a photo was taken that shares verified matches with placed photos but hardly any of their points,
 // because nothing is seen by three of them (a line of photos that overlap by half): what the matches show in
 // the placed photos is projected to the ground below these. The scale then comes from the ground's being
 // level there, the place from resection. Only where two placed photos agree, or one by many matches. The best
-// supported first. `pairs`: of the whole graph. `left_out`: photos that are not asked for.
-std::vector<FoundPose> ResectOverGround(const Block& block, const std::vector<PhotoPair>& pairs,
-                                        const PhotoSet& left_out, int threads);
+// supported first. `left_out`: photos that are not asked for.
+std::vector<FoundPose> ResectOverGround(const Block& block, const PhotoSet& left_out, int threads);
 
 }  // namespace skyquilt::alignment

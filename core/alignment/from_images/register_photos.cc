@@ -95,7 +95,8 @@ void JoinAll(int threads, std::vector<Block>& blocks) {
   }
 }
 
-void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Registration& registration) {
+void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>& pairs,
+                 Registration& registration) {
   double square = 0.0;
   int observations = 0;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -116,22 +117,22 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
     for (Track& track : block.Tracks()) registration.tracks.push_back(std::move(track));
   }
   registration.residual_rms_px = observations > 0 ? std::sqrt(square / observations) : 0.0;
-  for (const PhotoPair& pair : graph.pairs) {
+  for (const PhotoPair& pair : pairs) {
     const int block = registration.photos[pair.first].block;
     if (block < 0 || block != registration.photos[pair.second].block) continue;
     registration.links.push_back(pair);
   }
 }
 
-std::vector<Block> GrowBlocks(const Registration& input, const ViewGraph& graph, const SceneTracks& scene,
-                              int threads, Progress& progress) {
+std::vector<Block> GrowBlocks(const Registration& input, const SceneTracks& scene, int threads,
+                              Progress& progress) {
   PhotoSet used(input.photos.size());
   std::vector<Block> blocks;
   std::vector<BundleLens> lenses = input.lenses;
   while (!progress.IsCancelled()) {
-    std::optional<Block> begun = BeginBlock(input, graph, scene, lenses, used, threads);
+    std::optional<Block> begun = BeginBlock(input, scene, lenses, used, threads);
     if (!begun) break;
-    GrowBlock(graph, used, threads, progress, *begun);
+    GrowBlock(used, threads, progress, *begun);
     AdjustLast(threads, *begun);
     // The largest knows the lenses best: the others start from there.
     if (blocks.empty()) lenses = begun->lenses();
@@ -146,14 +147,14 @@ std::vector<Block> GrowBlocks(const Registration& input, const ViewGraph& graph,
 }
 
 // Lenses as the largest block has them, where they are no more what they were taken for.
-bool TakeLenses(const std::vector<Block>& blocks, Registration& input) {
+bool TakeLenses(const std::vector<Block>& blocks, std::vector<BundleLens>& lenses) {
   if (blocks.empty() || blocks.front().size() < kFewForALens) return false;
   bool is_other = false;
-  for (std::size_t c = 0; c < input.lenses.size(); ++c) {
+  for (std::size_t c = 0; c < lenses.size(); ++c) {
     const camera::Intrinsics& found = blocks.front().lenses()[c].intrinsics;
-    const double off = std::abs(std::log(found.focal_x_px / input.lenses[c].intrinsics.focal_x_px));
+    const double off = std::abs(std::log(found.focal_x_px / lenses[c].intrinsics.focal_x_px));
     is_other = is_other || off > kOtherFocal;
-    input.lenses[c].intrinsics = found;
+    lenses[c].intrinsics = found;
   }
   return is_other;
 }
@@ -165,21 +166,21 @@ Registration RegisterPhotos(const Registration& given, int threads, Progress& pr
   Registration input = given;
   for (BundleLens& lens : input.lenses)
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
-  ViewGraph graph = BuildViewGraph(input, threads, progress);
+  BuildViewGraph(threads, progress, input);
   for (int pass = 0;; ++pass) {
-    const SceneTracks scene = JoinMatches(input.Features(), graph.pairs);
-    const std::vector<Block> blocks = GrowBlocks(input, graph, scene, threads, progress);
+    const SceneTracks scene = JoinMatches(input.Features(), input.links);
+    const std::vector<Block> blocks = GrowBlocks(input, scene, threads, progress);
     Registration grown = given;
     if (!blocks.empty()) grown.lenses = blocks.front().lenses();
-    MergeBlocks(blocks, graph, grown);
+    MergeBlocks(blocks, input.links, grown);
     // Through the right lens more pairs agree, and with each other: one by which fewer do was not right.
     if (pass == 0 || grown.LargestSize() >= registration.LargestSize()) registration = std::move(grown);
-    Registration better = input;
-    if (pass >= kMaxPasses || progress.IsCancelled() || !TakeLenses(blocks, better)) break;
-    input = std::move(better);
-    VerifyAgain(input, threads, graph);
+    if (pass >= kMaxPasses || progress.IsCancelled() || !TakeLenses(blocks, input.lenses)) break;
+    VerifyAgain(threads, input);
   }
-  registration.report = graph.report;
+  registration.pairs_compared = input.pairs_compared;
+  registration.pairs_verified = input.pairs_verified;
+  registration.pairs_refused = input.pairs_refused;
   for (std::size_t c = 0; c < given.lenses.size(); ++c) {
     registration.lenses[c].sigma_focal_share = given.lenses[c].sigma_focal_share;
   }

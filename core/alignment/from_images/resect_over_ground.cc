@@ -143,10 +143,9 @@ std::optional<FoundPose> ResectOne(const Block& block, const BlockGround& ground
 
 }  // namespace
 
-std::vector<FoundPose> ResectOverGround(const Block& block, const std::vector<PhotoPair>& pairs,
-                                        const PhotoSet& left_out, int threads) {
+std::vector<FoundPose> ResectOverGround(const Block& block, const PhotoSet& left_out, int threads) {
   std::map<int, std::vector<const PhotoPair*>> of_photo;
-  for (const PhotoPair& pair : pairs) {
+  for (const PhotoPair& pair : block.input().links) {
     for (const auto& [photo, partner] :
          {std::pair(pair.first, pair.second), std::pair(pair.second, pair.first)}) {
       if (!left_out.Has(photo) && !block.Has(photo) && block.Has(partner)) of_photo[photo].push_back(&pair);

@@ -28,28 +28,27 @@ using Pair = std::pair<int, int>;
 
 class Verifier {
  public:
-  Verifier(const Registration& input, int threads)
-      : input_(input), threads_(threads), rays_(input.photos.size()) {
+  Verifier(Registration& input, int threads) : input_(input), threads_(threads), rays_(input.photos.size()) {
     ParallelFor(input.photos.size(), threads, [&](std::size_t i) {
       if (!input.photos[i].features) return;
       rays_[i] = RaysOf(*input.photos[i].features, LensOf(static_cast<int>(i)), kFeaturesOfWeak);
     });
   }
 
-  // Compares and verifies; adds what was found to the graph.
-  void Compare(const std::vector<Pair>& pairs, int features, ViewGraph& graph) {
+  // Compares and verifies; adds what was found to the view graph.
+  void Compare(const std::vector<Pair>& pairs, int features) {
     std::vector<PhotoPair> compared(pairs.size());
     ParallelFor(pairs.size(), threads_, [&](std::size_t p) {
       const auto [first, second] = pairs[p];
       compared[p] = {first, second, {}, MatchDescriptors(*FeaturesOf(first), *FeaturesOf(second), features)};
     });
     std::erase_if(compared, [](const PhotoPair& pair) { return pair.matches.size() < kMinTwoViewMatches; });
-    Verify(compared, graph.pairs);
-    for (PhotoPair& pair : compared) graph.compared.push_back(std::move(pair));
-    graph.report.pairs_compared += static_cast<int>(pairs.size());
+    Verify(compared);
+    for (PhotoPair& pair : compared) input_.compared.push_back(std::move(pair));
+    input_.pairs_compared += static_cast<int>(pairs.size());
   }
 
-  void Verify(const std::vector<PhotoPair>& compared, std::vector<PhotoPair>& verified) {
+  void Verify(const std::vector<PhotoPair>& compared) {
     std::vector<PhotoPair> found =
         ParallelCollect(compared.size(), threads_, [&](std::size_t p) -> std::optional<PhotoPair> {
           const PhotoPair& pair = compared[p];
@@ -59,7 +58,7 @@ class Verifier {
           if (agreed) agreed->first = pair.first, agreed->second = pair.second;
           return agreed;
         });
-    std::move(found.begin(), found.end(), std::back_inserter(verified));
+    std::move(found.begin(), found.end(), std::back_inserter(input_.links));
   }
 
  private:
@@ -67,13 +66,13 @@ class Verifier {
   const PhotoFeatures* FeaturesOf(int i) const { return input_.photos[i].features; }
   TwoViewPhoto PhotoOf(int i) const { return {input_.photos[i].features, &LensOf(i), &rays_[i]}; }
 
-  const Registration& input_;
+  Registration& input_;
   int threads_;
   std::vector<std::vector<Eigen::Vector2d>> rays_;
 };
 
-PhotoSet WithFewerPartners(const Registration& input, const std::vector<PhotoPair>& pairs, int enough) {
-  const std::vector<int> partners = CountPairs(input.photos.size(), pairs);
+PhotoSet WithFewerPartners(const Registration& input, int enough) {
+  const std::vector<int> partners = CountPairs(input.photos.size(), input.links);
   PhotoSet fewer;
   for (std::size_t i = 0; i < partners.size(); ++i)
     fewer.Append(input.photos[i].features && partners[i] < enough);
@@ -131,13 +130,14 @@ void SortOnce(std::vector<PhotoPair>& pairs) {
 }
 
 // Each pair once, in order, its pose by what the others say; and out with those that have none.
-void AgreeOnRotations(int photos, ViewGraph& graph) {
-  SortOnce(graph.pairs);
-  graph.report.pairs_verified = static_cast<int>(graph.pairs.size());
-  graph.report.pairs_refused = 0;
-  AveragedRotations averaged = AverageRotations(photos, graph.pairs);
+void AgreeOnRotations(Registration& input) {
+  const int photos = static_cast<int>(input.photos.size());
+  SortOnce(input.links);
+  input.pairs_verified = static_cast<int>(input.links.size());
+  input.pairs_refused = 0;
+  AveragedRotations averaged = AverageRotations(photos, input.links);
   bool is_changed = false;
-  for (PhotoPair& pair : graph.pairs) {
+  for (PhotoPair& pair : input.links) {
     if (pair.poses.size() < 2) continue;
     const Eigen::Quaterniond expected =
         averaged.cam_from_world[pair.second] * averaged.cam_from_world[pair.first].conjugate();
@@ -146,47 +146,45 @@ void AgreeOnRotations(int photos, ViewGraph& graph) {
       is_changed = true;
     }
   }
-  if (is_changed) averaged = AverageRotations(photos, graph.pairs);
-  if (graph.pairs.empty()) return;
+  if (is_changed) averaged = AverageRotations(photos, input.links);
+  if (input.links.empty()) return;
   const double refused_rad = std::max(kMinRefusedRad, kRefusedMedians * Median(averaged.residual_rad));
   std::size_t p = 0;
-  graph.report.pairs_refused = static_cast<int>(std::erase_if(
-      graph.pairs, [&](const PhotoPair&) { return !(averaged.residual_rad[p++] <= refused_rad); }));
+  input.pairs_refused = static_cast<int>(std::erase_if(
+      input.links, [&](const PhotoPair&) { return !(averaged.residual_rad[p++] <= refused_rad); }));
 }
 
 }  // namespace
 
-ViewGraph BuildViewGraph(const Registration& input, int threads, Progress& progress) {
-  ViewGraph graph;
+void BuildViewGraph(int threads, Progress& progress, Registration& input) {
   const int count = static_cast<int>(input.photos.size());
   const Appearance appearance = Appearance::Learn(input.Features(), threads);
   Verifier verifier(input, threads);
   const std::vector<Pair> candidates = CandidatePairs({input.photos, appearance, {}, {}, threads});
-  verifier.Compare(candidates, kFeatures, graph);
+  verifier.Compare(candidates, kFeatures);
   std::set<Pair> tried(candidates.begin(), candidates.end());
   for (const bool is_last : {false, true}) {
     if (progress.IsCancelled()) break;
-    const PhotoSet wanted = WithFewerPartners(input, graph.pairs, is_last ? kFewPartners : kEnoughPartners);
+    const PhotoSet wanted = WithFewerPartners(input, is_last ? kFewPartners : kEnoughPartners);
     if (wanted.Count() == 0) break;
     std::vector<Pair> more =
         CandidatePairs({input.photos, appearance, CandidateOptions::Generous(), wanted, threads});
     // The last time all of their features are compared, also with those that did not agree by the first.
     std::set<Pair> done;
-    for (const PhotoPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
+    for (const PhotoPair& pair : input.links) done.emplace(pair.first, pair.second);
     std::erase_if(
         more, [&](const Pair& pair) { return done.contains(pair) || (!is_last && tried.contains(pair)); });
-    verifier.Compare(more, is_last ? kFeaturesOfWeak : kFeatures, graph);
+    verifier.Compare(more, is_last ? kFeaturesOfWeak : kFeatures);
     tried.insert(more.begin(), more.end());
   }
-  if (!progress.IsCancelled()) verifier.Compare(ThroughOthers(count, graph.pairs, tried), kFeatures, graph);
-  AgreeOnRotations(count, graph);
-  return graph;
+  if (!progress.IsCancelled()) verifier.Compare(ThroughOthers(count, input.links, tried), kFeatures);
+  AgreeOnRotations(input);
 }
 
-void VerifyAgain(const Registration& input, int threads, ViewGraph& graph) {
-  graph.pairs.clear();
-  Verifier(input, threads).Verify(graph.compared, graph.pairs);
-  AgreeOnRotations(static_cast<int>(input.photos.size()), graph);
+void VerifyAgain(int threads, Registration& input) {
+  input.links.clear();
+  Verifier(input, threads).Verify(input.compared);
+  AgreeOnRotations(input);
 }
 
 }  // namespace skyquilt::alignment

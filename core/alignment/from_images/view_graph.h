@@ -3,23 +3,15 @@
 // loop is refused (repeated texture). The same for any number of threads.
 #pragma once
 
-#include <vector>
-
-#include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/registration.h"
 #include "core/base/progress.h"
 
 namespace skyquilt::alignment {
 
-struct ViewGraph {
-  std::vector<PhotoPair> compared;  // with enough matches for a geometry
-  std::vector<PhotoPair> pairs;     // sorted, each agreeing with the others
-  RegistrationReport report;
-};
-
-ViewGraph BuildViewGraph(const Registration& input, int threads, Progress& progress);
+// Fills the pairs of photos that are to be registered.
+void BuildViewGraph(int threads, Progress& progress, Registration& input);
 
 // The same photos through other lenses: what was compared is verified anew.
-void VerifyAgain(const Registration& input, int threads, ViewGraph& graph);
+void VerifyAgain(int threads, Registration& input);
 
 }  // namespace skyquilt::alignment

@@ -23,19 +23,17 @@ struct RegistrationPhoto {
   int block = -1;  // 0 is the largest; negative: not registered
 };
 
-struct RegistrationReport {
-  int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
-};
-
 struct Registration {
   std::vector<RegistrationPhoto> photos;  // in the order of capture
   std::vector<BundleLens> lenses;
+  // The view graph: compared, with enough matches for a geometry; and verified by it, each agreeing with the
+  // others, sorted by photos. As registered, those within one block.
+  std::vector<PhotoPair> compared, links;
+  int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
   // As registered, not before.
   std::vector<int> block_sizes;  // the largest first
-  std::vector<PhotoPair> links;  // verified, with the matches that agree; sorted by photos
   std::vector<Track> tracks;     // point_in_enu is in the world of the photos' block
   double residual_rms_px = 0.0;
-  RegistrationReport report;
 
   int LargestSize() const { return block_sizes.empty() ? 0 : block_sizes.front(); }
   // By photo.

@@ -73,10 +73,9 @@ int main(int argc, char** argv) {
     for (alignment::RegistrationPhoto& photo : blind.photos) photo.position_in_enu.reset();
   }
   const alignment::Registration found = alignment::RegisterPhotos(blind, threads, progress);
-  const alignment::RegistrationReport& report = found.report;
   fmt::print("registration: cpu {:.2f} s\n", CpuSeconds() - cpu);
-  fmt::print("pairs: {} compared, {} verified, {} refused; {} tracks\n", report.pairs_compared,
-             report.pairs_verified, report.pairs_refused, found.tracks.size());
+  fmt::print("pairs: {} compared, {} verified, {} refused; {} tracks\n", found.pairs_compared,
+             found.pairs_verified, found.pairs_refused, found.tracks.size());
   const std::vector<int> links = alignment::CountPairs(photos.size(), found.links);
   for (std::size_t b = 0; b < found.block_sizes.size(); ++b) {
     std::vector<alignment::PlacePair> pairs;
