@@ -20,8 +20,8 @@ inline constexpr double kMedianDepth = 50.0;
 
 class Block {
  public:
-  // Keeps references to all three.
-  Block(const Registration& input, const SceneTracks& scene, std::vector<BundleLens> lenses);
+  // Keeps a reference to the input, whose scene it is grown from.
+  Block(const Registration& input, std::vector<BundleLens> lenses);
 
   bool Has(std::integral auto photo) const { return placed_.Has(photo); }
   int size() const { return placed_.Count(); }
@@ -29,7 +29,7 @@ class Block {
   const camera::Intrinsics& Lens(int photo) const;
   const std::vector<BundleLens>& lenses() const { return lenses_; }
   const Registration& input() const { return *input_; }
-  const SceneTracks& scene() const { return *scene_; }
+  const SceneTracks& scene() const { return input_->scene; }
 
   void Place(int photo, const geo::Rigid3& cam_from_world);
   void Remove(std::integral auto photo) { placed_.Remove(photo); }
@@ -66,7 +66,6 @@ class Block {
   std::vector<int> ChooseTracks(const PhotoSet& adjusted, int observations_per_photo) const;
 
   const Registration* input_;
-  const SceneTracks* scene_;
   std::vector<BundleLens> lenses_;
   PhotoSet placed_;
   std::vector<geo::Rigid3> cam_from_world_;

@@ -196,11 +196,10 @@ struct Tried {
   int observations = 0;
 };
 
-std::optional<Tried> Try(const Registration& input, const SceneTracks& scene,
-                         const std::vector<BundleLens>& lenses, const PhotoSet& used,
-                         const InitialPair& initial_pair, int threads) {
+std::optional<Tried> Try(const Registration& input, const std::vector<BundleLens>& lenses,
+                         const PhotoSet& used, const InitialPair& initial_pair, int threads) {
   const PhotoPair& pair = input.links[initial_pair.pair];
-  Block block(input, scene, lenses);
+  Block block(input, lenses);
   block.Place(pair.first, geo::Rigid3{});
   block.Place(pair.second, pair.poses[initial_pair.pose]);
   block.TriangulateSeenBy({pair.first, pair.second}, threads);
@@ -217,7 +216,7 @@ std::optional<Tried> Try(const Registration& input, const SceneTracks& scene,
   if (block.size() < 3) return std::nullopt;
   Tried tried{std::move(block), 0};
   // Points of three and more photos: two agree on anything.
-  for (std::size_t t = 0; t < scene.tracks.size(); ++t) {
+  for (std::size_t t = 0; t < input.scene.tracks.size(); ++t) {
     const auto seen = static_cast<int>(tried.block.SeenBy(t).size());
     if (seen >= 3) tried.observations += seen;
   }
@@ -226,12 +225,12 @@ std::optional<Tried> Try(const Registration& input, const SceneTracks& scene,
 
 }  // namespace
 
-std::optional<Block> BeginBlock(const Registration& input, const SceneTracks& scene,
-                                const std::vector<BundleLens>& lenses, const PhotoSet& used, int threads) {
+std::optional<Block> BeginBlock(const Registration& input, const std::vector<BundleLens>& lenses,
+                                const PhotoSet& used, int threads) {
   const std::vector<InitialPair> initial_pairs = InitialPairs(input, used);
   std::vector<std::optional<Tried>> tried(initial_pairs.size());
   ParallelFor(initial_pairs.size(), threads,
-              [&](std::size_t b) { tried[b] = Try(input, scene, lenses, used, initial_pairs[b], 1); });
+              [&](std::size_t b) { tried[b] = Try(input, lenses, used, initial_pairs[b], 1); });
   std::optional<Tried>* best = nullptr;
   for (std::size_t b = 0; b < tried.size(); ++b) {
     std::optional<Tried>& one = tried[b];

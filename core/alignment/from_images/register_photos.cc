@@ -124,13 +124,12 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
   }
 }
 
-std::vector<Block> GrowBlocks(const Registration& input, const SceneTracks& scene, int threads,
-                              Progress& progress) {
+std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& progress) {
   PhotoSet used(input.photos.size());
   std::vector<Block> blocks;
   std::vector<BundleLens> lenses = input.lenses;
   while (!progress.IsCancelled()) {
-    std::optional<Block> begun = BeginBlock(input, scene, lenses, used, threads);
+    std::optional<Block> begun = BeginBlock(input, lenses, used, threads);
     if (!begun) break;
     GrowBlock(used, threads, progress, *begun);
     AdjustLast(threads, *begun);
@@ -168,8 +167,9 @@ Registration RegisterPhotos(const Registration& given, int threads, Progress& pr
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
   BuildViewGraph(threads, progress, input);
   for (int pass = 0;; ++pass) {
-    const SceneTracks scene = JoinMatches(input.Features(), input.links);
-    const std::vector<Block> blocks = GrowBlocks(input, scene, threads, progress);
+    input.scene = {};  // not both at a time
+    input.scene = JoinMatches(input.Features(), input.links);
+    const std::vector<Block> blocks = GrowBlocks(input, threads, progress);
     Registration grown = given;
     if (!blocks.empty()) grown.lenses = blocks.front().lenses();
     MergeBlocks(blocks, input.links, grown);

@@ -30,6 +30,7 @@ struct Registration {
   // others, sorted by photos. As registered, those within one block.
   std::vector<PhotoPair> compared, links;
   int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
+  SceneTracks scene;  // of the links, as a block is grown from them
   // As registered, not before.
   std::vector<int> block_sizes;  // the largest first
   std::vector<Track> tracks;     // point_in_enu is in the world of the photos' block
