@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "core/alignment/attempts/attempt_by_images.h"
-#include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/matching/appearance.h"
@@ -105,9 +104,9 @@ std::vector<PhotoPair> LinksOf(const std::vector<Pairing>& pairings, const std::
 // What keypoints of aligned photos stand for: tracks alone, or the ground where they are none's.
 enum class PointsOf { kTracks, kTracksAndGround };
 
-std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<PointOfPixel>& points,
-                                     const std::vector<int>& partners, double median_height_m, int lost,
-                                     PointsOf points_of) {
+std::optional<FoundPose> Resect(const LostInput& input, const std::vector<PointOfPixel>& points,
+                                const std::vector<int>& partners, double median_height_m, int lost,
+                                PointsOf points_of) {
   const PhotoFeatures& features = *input.features[lost];
   std::vector<PointObservation> observations;
   std::vector<Pairing> pairings;
@@ -129,7 +128,7 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
       pairings.push_back({partner, match});
     }
   }
-  const std::optional<FoundPose> found =
+  std::optional<FoundPose> found =
       FindPose(input.views[lost].intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost),
                {.min_inliers = static_cast<int>(kMinInliers), .max_samples = kMaxSamples});
   if (!found) return std::nullopt;
@@ -146,9 +145,10 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
   if (height_m < median_height_m / kMaxHeightRatio || height_m > median_height_m * kMaxHeightRatio) {
     return std::nullopt;
   }
-  RegisteredLost registered{lost, found->cam_from_world, LinksOf(pairings, found->inliers, lost)};
-  if (registered.links.empty()) return std::nullopt;
-  return registered;
+  found->photo = lost;
+  found->links = LinksOf(pairings, found->inliers, lost);
+  if (found->links.empty()) return std::nullopt;
+  return found;
 }
 
 constexpr double kMaxLostShare = 0.3;
@@ -176,7 +176,7 @@ CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m
 
 }  // namespace
 
-std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
+std::vector<FoundPose> RegisterLost(const LostInput& input, int threads) {
   const std::size_t count = input.views.size();
   std::vector<int> lost;
   std::vector<double> heights_m;
@@ -217,7 +217,7 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
   MatchedFlight& linked = attempt.matched;
   BundleProblem& problem = attempt.problem;
   const PhotoSet tied = TiedPhotos(attempt);
-  const std::vector<RegisteredLost> found = RegisterLost(
+  const std::vector<FoundPose> found = RegisterLost(
       {extracted.readable, linked.views, tied, tracks, extracted.records, attempt.relief}, threads);
   if (found.empty()) return 0;
   // Where the images placed the others, its record counts as little as theirs, and that is said of all of
@@ -226,17 +226,18 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
                                            [](const BundlePhoto& one) { return one.is_by_images; }) >
                          static_cast<std::ptrdiff_t>(problem.photos.size());
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchedFlight(posed));
-  for (const RegisteredLost& one : found) {
+  for (const FoundPose& one : found) {
     const int i = one.photo;
+    const geo::Rigid3& cam_from_enu = one.cam_from_world;
     std::erase_if(linked.links, [&](const PhotoPair& link) { return link.first == i || link.second == i; });
     linked.links.insert(linked.links.end(), one.links.begin(), one.links.end());
     if (problem.photos[i].is_fixed) continue;  // it stays, and holds those that it is tied to
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
                   posed.photos[i].photo.name);
     const bool is_unrecorded = is_common || extracted.records[i].is_unplaced;
-    linked.corrected[i] = is_unrecorded ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m,
-                                                          posed.frame, posed.photos[i])
-                                        : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
+    linked.corrected[i] = is_unrecorded ? PlaceUnrecorded(cam_from_enu, posed.ground_z_in_enu_m, posed.frame,
+                                                          posed.photos[i])
+                                        : CorrectToPose(posed.photos[i], recorded[i], cam_from_enu);
     if (is_common) linked.corrected[i].notes.clear();
     problem.photos[i] =
         MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens, problem.photos[i].line);
@@ -244,9 +245,9 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
     problem.photos[i].is_by_images = true;
     // Points are looked for about as deep as the photo was high: by what it shows, whatever was recorded.
     problem.photos[i].height_above_ground_m =
-        std::max(0.5, one.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
+        std::max(0.5, cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
     linked.features[i] = extracted.readable[i];
-    linked.views[i].cam_from_enu = one.cam_from_enu;
+    linked.views[i].cam_from_enu = cam_from_enu;
     linked.views[i].height_above_ground_m = problem.photos[i].height_above_ground_m;
   }
   return static_cast<int>(found.size());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/alignment/attempts/attempt_evidence.h"
+#include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/photo_set.h"
@@ -25,16 +26,11 @@ struct LostInput {
   const Relief& relief;                               // the ground
 };
 
-struct RegisteredLost {
-  int photo = 0;
-  geo::Rigid3 cam_from_enu;
-  std::vector<PhotoPair> links;  // to aligned photos; matches that follow the pose
-};
-
 // Their keypoints are matched to those of aligned photos wherever they lie in the picture (no ground window,
 // no recorded pose), and the points those see are what the pose is found from; where these are too few, also
-// where the aligned photos see the ground under their other keypoints. What is aligned stays as it is.
-std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads);
+// where the aligned photos see the ground under their other keypoints. Links are to aligned photos: matches
+// that follow the pose. What is aligned stays as it is.
+std::vector<FoundPose> RegisterLost(const LostInput& input, int threads);
 
 // `tracks`: what the attempt's photos see, in enu. How many they are. None where too many are lost for the
 // alignment to be sound.

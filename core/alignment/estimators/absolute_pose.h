@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/alignment/scene/matches.h"
 #include "core/camera/intrinsics.h"
 #include "core/geo/rigid3.h"
 
@@ -23,7 +24,9 @@ struct PointObservation {
 struct FoundPose {
   geo::Rigid3 cam_from_world;
   std::vector<int> inliers;  // observations
-  int photo = 0;             // the number that it has where many are looked for
+  // Where many are looked for: the number of the photo, and the pairs by which it hangs on others.
+  int photo = 0;
+  std::vector<PhotoPair> links = {};
 };
 
 struct FindPoseOptions {

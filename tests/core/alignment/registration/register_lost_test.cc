@@ -42,11 +42,11 @@ struct LostPhoto {
       }
     }
   }
-  std::vector<RegisteredLost> Register() const {
+  std::vector<FoundPose> Register() const {
     return RegisterLost({features, views, tied, tracks, records, relief}, 2);
   }
-  double OffM(const RegisteredLost& one) const {
-    return (one.cam_from_enu.TargetOriginInSource() - scene.cam_from_enu[kLost].TargetOriginInSource())
+  double OffM(const FoundPose& one) const {
+    return (one.cam_from_world.TargetOriginInSource() - scene.cam_from_enu[kLost].TargetOriginInSource())
         .norm();
   }
 };
@@ -54,7 +54,7 @@ struct LostPhoto {
 TEST(RegisterLost, FindsThePhotoByThePointsThatOthersSee) {
   LostPhoto of;
   of.AddTracks(1);
-  const std::vector<RegisteredLost> found = of.Register();
+  const std::vector<FoundPose> found = of.Register();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].photo, static_cast<int>(kLost));
   EXPECT_LT(of.OffM(found[0]), 0.5);
@@ -64,7 +64,7 @@ TEST(RegisterLost, FindsThePhotoByThePointsThatOthersSee) {
 TEST(RegisterLost, FindsItByTheGroundWhereHardlyAPointIsATrack) {
   LostPhoto of;
   of.AddTracks(400);
-  const std::vector<RegisteredLost> found = of.Register();
+  const std::vector<FoundPose> found = of.Register();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_LT(of.OffM(found[0]), 0.5);
 }
