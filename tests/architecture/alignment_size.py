@@ -11,9 +11,9 @@ FLAGS = re.compile(r"\bvector<\s*char\s*>")
 CAST = re.compile(r"\bstatic_cast<(?:std::)?size_t>")
 TYPE = re.compile(r"^(?:struct|class) (\w+)[^;\n]*$", re.M)  # of a header, not within another type
 
-MOST_TYPES = 34
+MOST_TYPES = 33
 STANDS_FOR = {
-    "photo": """AlignPhotoReport AlignedPhoto BundlePhoto CorrectedPose FoundPose GroundCorrection GroundPrior GroundView
+    "photo": """AlignPhotoReport AlignedPhoto BundlePhoto CorrectedPose FoundPose GroundCorrection GroundPrior
         PhotoDoubt PhotoFeatures PhotoRecord RegistrationPhoto TwoViewPhoto View""",
     "point": "GroundKeypoint Keypoint Observation PointObservation Track TrackElement",
     "pair": "AlignPairReport CandidatePair KeypointMatch PhotoPair PlacePair RayPair",

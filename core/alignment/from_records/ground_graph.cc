@@ -204,7 +204,7 @@ GroundCorrection AsCorrection(const GroundSimilarity& similarity, Complex middle
 }
 
 GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<PhotoPair>& pairs,
-                             const std::vector<GroundView>& views, double tolerance_m) {
+                             const GroundKeypoints& projected, double tolerance_m) {
   const std::size_t count = priors.size();
   GroundGraph solution;
   solution.corrections.resize(count);
@@ -227,8 +227,8 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
     auto& places = graph.places.emplace_back();
     const std::size_t step = std::max<std::size_t>(1, pair.matches.size() / kMaxPlacesPerPair);
     for (std::size_t k = 0; k < pair.matches.size(); k += step) {
-      places.emplace_back(views[pair.first].projected[pair.matches[k].first].place,
-                          views[pair.second].projected[pair.matches[k].second].place);
+      places.emplace_back(projected[pair.first][pair.matches[k].first].place,
+                          projected[pair.second][pair.matches[k].second].place);
     }
   }
   for (std::size_t p = 0; p < components.members.size(); ++p) {

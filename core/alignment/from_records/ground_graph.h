@@ -43,6 +43,6 @@ struct GroundGraph {
 
 // `pairs` whose turn is near zero are trusted as starting points; the others only connect further photos.
 GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<PhotoPair>& pairs,
-                             const std::vector<GroundView>& views, double tolerance_m);
+                             const GroundKeypoints& projected, double tolerance_m);
 
 }  // namespace skyquilt::alignment

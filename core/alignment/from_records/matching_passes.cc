@@ -146,7 +146,7 @@ std::vector<AlignPairReport> MatchInPasses(const poses::PosedFlight& posed, cons
     }
   };
 
-  std::vector<GroundView> projected;
+  GroundKeypoints projected;
   std::vector<PhotoPair> verified;
   const auto match = [&](const MatchingPass& pass) {
     matched.pairs = SelectPairs(matched.views, matched.ground_sigma_m, flat);

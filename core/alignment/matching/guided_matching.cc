@@ -146,10 +146,13 @@ struct BestTwo {
 
 }  // namespace
 
-std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundView& second,
+std::vector<KeypointMatch> MatchOnGround(const std::vector<const PhotoFeatures*>& features,
+                                         const GroundKeypoints& projected, int first, int second,
                                          const MatchWindow& window) {
-  const std::vector<GroundKeypoint>& projected_first = first.projected;
-  const std::vector<GroundKeypoint>& projected_second = second.projected;
+  const PhotoFeatures& features_first = *features[first];
+  const PhotoFeatures& features_second = *features[second];
+  const std::vector<GroundKeypoint>& projected_first = projected[first];
+  const std::vector<GroundKeypoint>& projected_second = projected[second];
   const int count_first = std::min<int>(window.max_features, static_cast<int>(projected_first.size()));
   const int count_second = std::min<int>(window.max_features, static_cast<int>(projected_second.size()));
   const bool anywhere = !std::isfinite(window.radius_m);
@@ -161,9 +164,9 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
     const GroundKeypoint& one = projected_first[i];
     const Wanted wanted{one.place, radius_m * radius_m, one.angle_rad, one.log2_scale, window.max_turn_rad};
     index.ForEach(wanted, [&](int j) {
-      const int distance = SquaredDistance(first.features->descriptors[i], second.features->descriptors[j]);
-      of_first[i].Offer(distance, j, *second.features);
-      of_second[j].Offer(distance, i, *first.features);
+      const int distance = SquaredDistance(features_first.descriptors[i], features_second.descriptors[j]);
+      of_first[i].Offer(distance, j, features_second);
+      of_second[j].Offer(distance, i, features_first);
     });
   }
   const double max_ratio = window.max_distance_ratio * window.max_distance_ratio;

@@ -20,7 +20,8 @@ struct MatchWindow {
   int max_features = std::numeric_limits<int>::max();
 };
 
-std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundView& second,
+std::vector<KeypointMatch> MatchOnGround(const std::vector<const PhotoFeatures*>& features,
+                                         const GroundKeypoints& projected, int first, int second,
                                          const MatchWindow& window);
 
 }  // namespace skyquilt::alignment

@@ -21,21 +21,21 @@ constexpr double kPromisingOverlap = 0.3;
 
 }  // namespace
 
-std::vector<GroundView> ProjectAllToGround(const MatchedFlight& input, const Relief& relief, int threads) {
-  std::vector<GroundView> projected(input.views.size());
+GroundKeypoints ProjectAllToGround(const MatchedFlight& input, const Relief& relief, int threads) {
+  GroundKeypoints projected(input.views.size());
   ParallelFor(input.views.size(), threads, [&](std::size_t i) {
     const PhotoFeatures* features = input.features[i];
-    if (features) projected[i] = {features, ProjectToGround(*features, input.views[i], relief)};
+    if (features) projected[i] = ProjectToGround(*features, input.views[i], relief);
   });
   return projected;
 }
 
-std::vector<PhotoPair> MatchAndVerify(const MatchedFlight& input, const std::vector<GroundView>& projected,
+std::vector<PhotoPair> MatchAndVerify(const MatchedFlight& input, const GroundKeypoints& projected,
                                       const MatchingPass& pass, int threads) {
   return ParallelCollect(input.pairs.size(), threads, [&](std::size_t p) -> std::optional<PhotoPair> {
     const int i = input.pairs[p].first;
     const int j = input.pairs[p].second;
-    if (!projected[i].features || !projected[j].features) return std::nullopt;
+    if (!input.features[i] || !input.features[j]) return std::nullopt;
     const TraceSpan span("match pair");
     const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
     const double sigma_turn = std::hypot(input.sigma_turn_rad[i], input.sigma_turn_rad[j]);
@@ -48,7 +48,7 @@ std::vector<PhotoPair> MatchAndVerify(const MatchedFlight& input, const std::vec
     window.max_turn_rad =
         pass.sigmas > 0.0 ? std::max(pass.max_turn_rad, 3.0 * sigma_turn + 0.3) : pass.max_turn_rad;
     window.max_distance_ratio = pass.max_distance_ratio;
-    std::vector<KeypointMatch> matches = MatchOnGround(projected[i], projected[j], window);
+    std::vector<KeypointMatch> matches = MatchOnGround(input.features, projected, i, j, window);
     if (!pass.fit_motion) {
       if (static_cast<int>(matches.size()) < pass.min_matches) return std::nullopt;
       matches.shrink_to_fit();
@@ -67,7 +67,7 @@ std::vector<PhotoPair> MatchAndVerify(const MatchedFlight& input, const std::vec
   });
 }
 
-std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const std::vector<GroundView>& projected,
+std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const GroundKeypoints& projected,
                                        const std::vector<PhotoPair>& verified, int threads) {
   const int count = static_cast<int>(input.views.size());
   std::vector<int> promising(count, 0);
@@ -115,7 +115,7 @@ std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const std::ve
     const auto [i, j] = chosen[p];
     const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
     const MatchWindow window{.max_distance_ratio = 0.8, .max_features = kLostFeatures};
-    return VerifyOnGround(projected, i, j, MatchOnGround(projected[i], projected[j], window),
+    return VerifyOnGround(projected, i, j, MatchOnGround(input.features, projected, i, j, window),
                           {.first_tolerance_m = 0.07 * width_m,
                            .last_tolerance_m = 0.02 * width_m,
                            .baseline_m = 0.0,  // not to be trusted here

@@ -35,15 +35,14 @@ struct MatchedFlight {
   std::vector<PhotoPair> links;      // verified, and not contradicted by the others
 };
 
-// By photo; those that could not be read have no features.
-std::vector<GroundView> ProjectAllToGround(const MatchedFlight& input, const Relief& relief, int threads);
+GroundKeypoints ProjectAllToGround(const MatchedFlight& input, const Relief& relief, int threads);
 
 // Of the pairs of the flight.
-std::vector<PhotoPair> MatchAndVerify(const MatchedFlight& input, const std::vector<GroundView>& projected,
+std::vector<PhotoPair> MatchAndVerify(const MatchedFlight& input, const GroundKeypoints& projected,
                                       const MatchingPass& pass, int threads);
 
 // `verified`: those of the pairs that were, so far.
-std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const std::vector<GroundView>& projected,
+std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const GroundKeypoints& projected,
                                        const std::vector<PhotoPair>& verified, int threads);
 
 }  // namespace skyquilt::alignment

@@ -117,11 +117,11 @@ GroundSimilarity FitSimilarity(
   return {turn, mean_b - turn * mean_a};
 }
 
-std::optional<PhotoPair> VerifyOnGround(const std::vector<GroundView>& projected, int first, int second,
+std::optional<PhotoPair> VerifyOnGround(const GroundKeypoints& projected, int first, int second,
                                         const std::vector<KeypointMatch>& matches,
                                         const VerificationOptions& options) {
-  const std::vector<GroundKeypoint>& of_first = projected[first].projected;
-  const std::vector<GroundKeypoint>& of_second = projected[second].projected;
+  const std::vector<GroundKeypoint>& of_first = projected[first];
+  const std::vector<GroundKeypoint>& of_second = projected[second];
   const int count = static_cast<int>(matches.size());
   if (count < options.min_matches) return std::nullopt;
   std::vector<std::pair<Complex, Complex>> places;

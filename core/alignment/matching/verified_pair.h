@@ -30,8 +30,7 @@ struct VerificationOptions {
 GroundSimilarity FitSimilarity(
     const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places);
 
-// `projected`: by photo.
-std::optional<PhotoPair> VerifyOnGround(const std::vector<GroundView>& projected, int first, int second,
+std::optional<PhotoPair> VerifyOnGround(const GroundKeypoints& projected, int first, int second,
                                         const std::vector<KeypointMatch>& matches,
                                         const VerificationOptions& options);
 

@@ -69,11 +69,8 @@ struct GroundKeypoint {
   bool is_on_ground = false;  // false where the view runs towards the horizon
 };
 
-// What a search needs of one photo.
-struct GroundView {
-  const PhotoFeatures* features = nullptr;
-  std::vector<GroundKeypoint> projected;  // its keypoints
-};
+// By photo; none of one that could not be read.
+using GroundKeypoints = std::vector<std::vector<GroundKeypoint>>;
 
 std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const View& view,
                                             const Relief& relief);

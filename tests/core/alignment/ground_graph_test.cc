@@ -21,8 +21,7 @@ constexpr double kHalfWidthM = 20.0;
 // `recorded_turn_rad`; its position is exact.
 struct Block {
   std::vector<GroundPrior> priors;
-  std::vector<std::vector<GroundKeypoint>> projected;
-  std::vector<GroundView> views;
+  GroundKeypoints projected;
   std::vector<PhotoPair> links;
 };
 
@@ -44,7 +43,6 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
       }
     }
   }
-  for (int i = 0; i < 12; ++i) block.views.push_back({nullptr, block.projected[i]});
   for (int i = 0; i < 12; ++i) {
     for (int j = i + 1; j < 12; ++j) {
       PhotoPair link{i, j, {}, {}, 0.0};
@@ -65,7 +63,7 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
 }
 
 void ExpectTurnedBack(const Block& block, const std::vector<double>& recorded_turn_rad) {
-  const GroundGraph graph = SolveGroundGraph(block.priors, block.links, block.views, 1.0);
+  const GroundGraph graph = SolveGroundGraph(block.priors, block.links, block.projected, 1.0);
   for (std::size_t i = 0; i < block.priors.size(); ++i) {
     const Complex turned = graph.corrections[i].turn_and_scale * std::polar(1.0, recorded_turn_rad[i]);
     EXPECT_LT(std::abs(turned - 1.0), 0.02) << i;
@@ -109,7 +107,7 @@ TEST(SolveGroundGraph, DoesNotShrinkAPhotoIntoTheMiddleOfFalsePairs) {
       link.matches.push_back({static_cast<std::uint16_t>(5 * k), middle});
     block.links.push_back(std::move(link));
   }
-  const GroundGraph graph = SolveGroundGraph(block.priors, block.links, block.views, 1.0);
+  const GroundGraph graph = SolveGroundGraph(block.priors, block.links, block.projected, 1.0);
   EXPECT_EQ(graph.corrections[0].component, -1);
   EXPECT_EQ(graph.corrections[0].shift, Complex(0.0, 0.0));
   for (std::size_t l = true_links; l < block.links.size(); ++l) EXPECT_FALSE(graph.is_inlier[l]) << l;

@@ -26,8 +26,11 @@ struct Side {
     features.descriptors.push_back(descriptor);
     projected.push_back({place, angle_rad, log2_scale, true});
   }
-  GroundView View() const { return {&features, projected}; }
 };
+
+std::vector<KeypointMatch> Match(const Side& a, const Side& b, const MatchWindow& window) {
+  return MatchOnGround({&a.features, &b.features}, {a.projected, b.projected}, 0, 1, window);
+}
 
 Descriptor RandomDescriptor(std::mt19937& random) {
   std::uniform_int_distribution<int> value(0, 60);
@@ -58,14 +61,14 @@ class MatchOnGroundTest : public testing::Test {
 };
 
 TEST_F(MatchOnGroundTest, FindsTheSameKeypointInsideTheWindow) {
-  const auto matches = MatchOnGround(first_.View(), second_.View(), Within(2.0));
+  const auto matches = Match(first_, second_, Within(2.0));
   ASSERT_EQ(matches.size(), 40u);
   for (const KeypointMatch& match : matches) EXPECT_EQ(match.first, match.second);
 }
 
 TEST_F(MatchOnGroundTest, FindsNothingBeyondTheWindow) {
   for (GroundKeypoint& keypoint : second_.projected) keypoint.place += 200.0;
-  EXPECT_TRUE(MatchOnGround(first_.View(), second_.View(), Within(2.0)).empty());
+  EXPECT_TRUE(Match(first_, second_, Within(2.0)).empty());
 }
 
 TEST_F(MatchOnGroundTest, RefusesAnotherDirectionAndAnotherSize) {
@@ -73,7 +76,7 @@ TEST_F(MatchOnGroundTest, RefusesAnotherDirectionAndAnotherSize) {
   for (int i = 10; i < 15; ++i) second_.projected[static_cast<std::size_t>(i)].log2_scale = 1.5F;
   MatchWindow window = Within(2.0);
   window.max_turn_rad = 0.5;
-  for (const KeypointMatch& match : MatchOnGround(first_.View(), second_.View(), window)) {
+  for (const KeypointMatch& match : Match(first_, second_, window)) {
     EXPECT_GE(match.first, 15);
   }
 }
@@ -82,7 +85,7 @@ TEST_F(MatchOnGroundTest, RefusesRepetitiveTexture) {
   // A copy of the first keypoint half a metre beside it, at another place of the photo: neither stands out.
   first_.features.descriptors[0][0] += 5;  // no two photos show it exactly alike
   second_.Add(second_.projected[0].place + 0.5, second_.features.descriptors[0]);
-  const auto matches = MatchOnGround(first_.View(), second_.View(), Within(2.0));
+  const auto matches = Match(first_, second_, Within(2.0));
   EXPECT_EQ(matches.size(), 39u);
   for (const KeypointMatch& match : matches) EXPECT_NE(match.first, 0);
 }
@@ -90,24 +93,23 @@ TEST_F(MatchOnGroundTest, RefusesRepetitiveTexture) {
 TEST_F(MatchOnGroundTest, TakesNoMoreThanTheStrongestFeatures) {
   MatchWindow window = Within(2.0);
   window.max_features = 12;
-  EXPECT_EQ(MatchOnGround(first_.View(), second_.View(), window).size(), 12u);
+  EXPECT_EQ(Match(first_, second_, window).size(), 12u);
 }
 
 TEST_F(MatchOnGroundTest, LeavesOutKeypointsThatAreNotOnTheGround) {
   first_.projected[3].is_on_ground = false;
   second_.projected[7].is_on_ground = false;
-  for (const KeypointMatch& match : MatchOnGround(first_.View(), second_.View(), Within(2.0))) {
+  for (const KeypointMatch& match : Match(first_, second_, Within(2.0))) {
     EXPECT_NE(match.first, 3);
     EXPECT_NE(match.first, 7);
   }
   const Side nothing;
-  EXPECT_TRUE(MatchOnGround(nothing.View(), second_.View(), Within(2.0)).empty());
-  EXPECT_TRUE(MatchOnGround(first_.View(), nothing.View(), Within(2.0)).empty());
+  EXPECT_TRUE(Match(nothing, second_, Within(2.0)).empty());
+  EXPECT_TRUE(Match(first_, nothing, Within(2.0)).empty());
 }
 
 // Two photos of one ground, 80 m wide; matches of the second lie around the first's by `residual`.
 struct Matched {
-  PhotoFeatures features;
   std::vector<GroundKeypoint> first, second;
   std::vector<KeypointMatch> matches;
 
@@ -123,7 +125,7 @@ struct Matched {
     }
   }
   std::optional<PhotoPair> Fit(const VerificationOptions& options) const {
-    return VerifyOnGround({{&features, first}, {&features, second}}, 0, 1, matches, options);
+    return VerifyOnGround({first, second}, 0, 1, matches, options);
   }
 };
 
