@@ -225,20 +225,20 @@ void TakeMatches(const std::vector<KeypointMatch>& matches, const std::vector<in
 
 }  // namespace
 
-std::vector<Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most) {
-  std::vector<Vector2d> rays;
+TwoViewPhoto TwoViewOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most) {
+  TwoViewPhoto photo{&features, &lens};
   const std::size_t count = std::min<std::size_t>(most, features.keypoints.size());
-  rays.reserve(count);
+  photo.rays.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
     const Keypoint& keypoint = features.keypoints[k];
-    rays.emplace_back(lens.Unproject({keypoint.x_px, keypoint.y_px}).head<2>());
+    photo.rays.emplace_back(lens.Unproject({keypoint.x_px, keypoint.y_px}).head<2>());
   }
-  return rays;
+  return photo;
 }
 
 std::optional<PhotoPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
-                                        const std::vector<KeypointMatch>& matches, std::uint64_t seed,
-                                        double tolerance_sigmas) {
+                                        const PhotoPair& compared, double tolerance_sigmas) {
+  const std::vector<KeypointMatch>& matches = compared.matches;
   const int least = kMinTwoViewMatches;
   if (static_cast<int>(matches.size()) < least) return std::nullopt;
   const std::vector<int> loose = FollowLoosely(first, second, matches);
@@ -246,14 +246,15 @@ std::optional<PhotoPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoView
   std::vector<RayPair> pairs;
   pairs.reserve(matches.size());
   for (const KeypointMatch& match : matches) {
-    pairs.push_back({(*first.rays)[match.first], (*second.rays)[match.second]});
+    pairs.push_back({first.rays[match.first], second.rays[match.second]});
   }
   const double tolerance =
       tolerance_sigmas * std::hypot(first.features->sigma_px / first.lens->MeanFocalPx(),
                                     second.features->sigma_px / second.lens->MeanFocalPx());
-  Sampler sampler(seed);
+  Sampler sampler(static_cast<std::uint64_t>(compared.first) * 1000003U +
+                  static_cast<std::uint64_t>(compared.second));
   const RobustFit flat = FindHomography(pairs, loose, 2.0 * tolerance, sampler);
-  PhotoPair view;
+  PhotoPair view{compared.first, compared.second, {}, {}};
   if (static_cast<int>(flat.inliers.size()) >= least) {
     const Eigen::Quaterniond turn = FitTurn(pairs, flat.inliers);
     const double angle_rad = MedianAngle(turn, pairs, flat.inliers);

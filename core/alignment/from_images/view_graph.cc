@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <optional>
 #include <set>
 
 #include "core/alignment/estimators/rotation_averaging.h"
@@ -28,10 +27,11 @@ using Pair = std::pair<int, int>;
 
 class Verifier {
  public:
-  Verifier(Registration& input, int threads) : input_(input), threads_(threads), rays_(input.photos.size()) {
+  Verifier(Registration& input, int threads) : input_(input), threads_(threads), views_(input.photos.size()) {
     ParallelFor(input.photos.size(), threads, [&](std::size_t i) {
-      if (!input.photos[i].features) return;
-      rays_[i] = RaysOf(*input.photos[i].features, LensOf(static_cast<int>(i)), kFeaturesOfWeak);
+      const RegistrationPhoto& photo = input.photos[i];
+      if (!photo.features) return;
+      views_[i] = TwoViewOf(*photo.features, input.lenses[photo.lens].intrinsics, kFeaturesOfWeak);
     });
   }
 
@@ -40,7 +40,7 @@ class Verifier {
     std::vector<PhotoPair> compared(pairs.size());
     ParallelFor(pairs.size(), threads_, [&](std::size_t p) {
       const auto [first, second] = pairs[p];
-      compared[p] = {first, second, {}, MatchDescriptors(*FeaturesOf(first), *FeaturesOf(second), features)};
+      compared[p] = {first, second, {}, MatchDescriptors(FeaturesOf(first), FeaturesOf(second), features)};
     });
     std::erase_if(compared, [](const PhotoPair& pair) { return pair.matches.size() < kMinTwoViewMatches; });
     Verify(compared);
@@ -49,26 +49,18 @@ class Verifier {
   }
 
   void Verify(const std::vector<PhotoPair>& compared) {
-    std::vector<PhotoPair> found =
-        ParallelCollect(compared.size(), threads_, [&](std::size_t p) -> std::optional<PhotoPair> {
-          const PhotoPair& pair = compared[p];
-          const std::uint64_t seed =
-              static_cast<std::uint64_t>(pair.first) * 1000003U + static_cast<std::uint64_t>(pair.second);
-          auto agreed = VerifyTwoViews(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed);
-          if (agreed) agreed->first = pair.first, agreed->second = pair.second;
-          return agreed;
-        });
+    std::vector<PhotoPair> found = ParallelCollect(compared.size(), threads_, [&](std::size_t p) {
+      return VerifyTwoViews(views_[compared[p].first], views_[compared[p].second], compared[p]);
+    });
     std::move(found.begin(), found.end(), std::back_inserter(input_.links));
   }
 
  private:
-  const camera::Intrinsics& LensOf(int i) const { return input_.lenses[input_.photos[i].lens].intrinsics; }
-  const PhotoFeatures* FeaturesOf(int i) const { return input_.photos[i].features; }
-  TwoViewPhoto PhotoOf(int i) const { return {input_.photos[i].features, &LensOf(i), &rays_[i]}; }
+  const PhotoFeatures& FeaturesOf(int i) const { return *input_.photos[i].features; }
 
   Registration& input_;
   int threads_;
-  std::vector<std::vector<Eigen::Vector2d>> rays_;
+  std::vector<TwoViewPhoto> views_;
 };
 
 PhotoSet WithFewerPartners(const Registration& input, int enough) {

@@ -155,10 +155,9 @@ Solver CvHomography(int method) {
 Solver OurTwoViews() {
   return [](const Problem& problem) -> std::optional<Outcome> {
     const camera::Intrinsics lens = camera::Intrinsics::Centered(kWidthPx, kHeightPx, kFocalPx);
-    const std::vector<Vector2d> first = RaysOf(problem.first, lens, kPairs),
-                                second = RaysOf(problem.second, lens, kPairs);
-    const auto view = VerifyTwoViews({&problem.first, &lens, &first}, {&problem.second, &lens, &second},
-                                     problem.matches, 1, 3.0);
+    const auto view =
+        VerifyTwoViews(TwoViewOf(problem.first, lens, kPairs), TwoViewOf(problem.second, lens, kPairs),
+                       {0, 1, {}, problem.matches}, 3.0);
     if (!view || view->poses.front().translation.squaredNorm() < 0.5) return std::nullopt;
     Outcome best = JudgePose(problem, view->poses.front().rotation, view->poses.front().translation);
     if (problem.homography && view->poses.size() > 1) {  // flat ground leaves two

@@ -11,10 +11,9 @@ namespace skyquilt::alignment {
 namespace {
 
 std::optional<PhotoPair> View(const SyntheticScene& scene, int i, int j) {
-  const std::vector<Eigen::Vector2d> first = RaysOf(scene.features[i], scene.lens, 2000);
-  const std::vector<Eigen::Vector2d> second = RaysOf(scene.features[j], scene.lens, 2000);
-  return VerifyTwoViews({&scene.features[i], &scene.lens, &first}, {&scene.features[j], &scene.lens, &second},
-                        MatchDescriptors(scene.features[i], scene.features[j]), 1);
+  return VerifyTwoViews(TwoViewOf(scene.features[i], scene.lens, 2000),
+                        TwoViewOf(scene.features[j], scene.lens, 2000),
+                        {i, j, {}, MatchDescriptors(scene.features[i], scene.features[j])});
 }
 
 double TurnError(const SyntheticScene& scene, int i, int j, const PhotoPair& view) {
