@@ -235,9 +235,9 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
                   posed.photos[i].photo.name);
     const bool is_unrecorded = is_common || extracted.records[i].is_unplaced;
-    linked.corrected[i] = is_unrecorded ? PlaceUnrecorded(cam_from_enu, posed.ground_z_in_enu_m, posed.frame,
-                                                          posed.photos[i])
-                                        : CorrectToPose(posed.photos[i], recorded[i], cam_from_enu);
+    linked.corrected[i] =
+        is_unrecorded ? PlaceUnrecorded(cam_from_enu, posed.ground_z_in_enu_m, posed.frame, posed.photos[i])
+                      : CorrectToPose(posed.photos[i], recorded[i], cam_from_enu);
     if (is_common) linked.corrected[i].notes.clear();
     problem.photos[i] =
         MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens, problem.photos[i].line);
