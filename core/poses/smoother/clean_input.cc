@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/flight/remarks/because.h"
+#include "core/poses/log_span.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -54,17 +54,6 @@ void Cut(double begin, double end, std::vector<Fix>& fixes) {
   std::erase_if(fixes, [&](const Fix& f) { return f.t_s < begin || f.t_s > end; });
 }
 
-struct Span {
-  double begin = std::numeric_limits<double>::infinity();
-  double end = -std::numeric_limits<double>::infinity();
-  template <typename Fix>
-  void Include(const std::vector<Fix>& fixes) {
-    if (fixes.empty()) return;
-    begin = std::min(begin, fixes.front().t_s);
-    end = std::max(end, fixes.back().t_s);
-  }
-};
-
 constexpr double kMarginS = 30.0;       // measurements this long before and after the photos still help
 constexpr double kRestMarginS = 120.0;  // stillness fixes the speed and the biases from further off
 
@@ -90,22 +79,22 @@ Result<CleanInput> CleanSmootherInput(const SmootherInput& raw) {
   Clean("range", false, in.ranges, clean.warnings);
   Clean("marker", true, in.markers, clean.warnings);
 
-  Span asked{in.photo_times_s.front(), in.photo_times_s.back()};
-  asked.Include(in.markers);
+  LogSpan asked{in.photo_times_s.front(), in.photo_times_s.back()};
+  asked.Take(in.markers);
   for (const StillInterval& s : in.still) {
     // Stillness long before or after the flight, with no marker in it, has nothing to say.
-    if (s.end_s < asked.begin - kRestMarginS || s.begin_s > asked.end + kRestMarginS) continue;
-    asked.begin = std::min(asked.begin, s.begin_s);
-    asked.end = std::max(asked.end, s.end_s);
+    if (s.end_s < asked.begin_s - kRestMarginS || s.begin_s > asked.end_s + kRestMarginS) continue;
+    asked.Take(s.begin_s);
+    asked.Take(s.end_s);
   }
-  Span known;
-  known.Include(in.imu);
-  known.Include(in.positions);
-  known.Include(in.velocities);
-  known.Include(in.attitudes);
-  known.Include(in.heights);
-  clean.begin_s = std::min(asked.begin, std::max(known.begin, asked.begin - kMarginS));
-  clean.end_s = std::max(asked.end, std::min(known.end, asked.end + kMarginS));
+  LogSpan known;
+  known.Take(in.imu);
+  known.Take(in.positions);
+  known.Take(in.velocities);
+  known.Take(in.attitudes);
+  known.Take(in.heights);
+  clean.begin_s = std::min(asked.begin_s, std::max(known.begin_s, asked.begin_s - kMarginS));
+  clean.end_s = std::max(asked.end_s, std::min(known.end_s, asked.end_s + kMarginS));
   Cut(clean.begin_s - 1.0, clean.end_s + 1.0, in.imu);
   Cut(clean.begin_s, clean.end_s, in.positions);
   Cut(clean.begin_s, clean.end_s, in.velocities);

@@ -14,10 +14,10 @@
 #include "core/base/median.h"
 #include "core/base/text/printable.h"
 #include "core/flight/remarks/because.h"
+#include "core/poses/log_span.h"
 #include "core/poses/time/clock_zone.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/log_cover.h"
-#include "core/poses/time/log_span.h"
 
 namespace skyquilt::poses {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/flight/logs/flight_log.h"
 #include "core/geo/local_frame.h"
-#include "core/poses/time/log_span.h"
+#include "core/poses/log_span.h"
 
 namespace skyquilt::poses {
 

@@ -11,7 +11,7 @@
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
-#include "core/poses/time/log_span.h"
+#include "core/poses/log_span.h"
 
 namespace skyquilt::poses {
 
