@@ -123,7 +123,6 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
                                const EstimatePosesOptions& options,
                                const std::optional<double>& given_takeoff_m) {
   std::vector<PhotoAtTime> photos;
-  std::vector<std::pair<double, const Photo*>> photos_at;
   for (const TiedPhoto& p : tie.tied) {
     PhotoAtTime at;
     at.photo = &tie.photos[p.photo];
@@ -131,9 +130,8 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
     at.sigma_s = p.sigma_s;
     if (at.photo->position) at.height_above_ground_m = at.photo->position->height_above_takeoff_m;
     photos.push_back(at);
-    photos_at.emplace_back(at.t_s, at.photo);
   }
-  Takeoff takeoff = FindTakeoff(log, photos_at, given_takeoff_m);
+  Takeoff takeoff = FindTakeoff(log, photos, given_takeoff_m);
   const geo::LatLon middle = takeoff.middle.value_or(options.origin.value_or(geo::LatLon{}));
   const geo::LocalFrame frame({middle.lat_deg, middle.lon_deg, takeoff.height_ellipsoid_m});
   SKYQUILT_TRY_ASSIGN(auto placed, PlaceByLog(photos, log, frame,

@@ -1,4 +1,5 @@
-// LogSpan: from the first sample of some series to the last, on a log's clock. A value; any thread.
+// LogSpan: from the first sample of some series to the last, on a log's clock. UsualIntervalS, AroundTime: of
+// any series of samples that have a `t_s`, rising. Values; any thread.
 #pragma once
 
 #include <algorithm>
@@ -17,6 +18,28 @@ double UsualIntervalS(const std::vector<Sample>& samples) {
   std::vector<double> intervals_s;
   for (std::size_t i = 1; i < samples.size(); ++i) intervals_s.push_back(samples[i].t_s - samples[i - 1].t_s);
   return MedianIfAny(std::move(intervals_s)).value_or(0.0);
+}
+
+// The two samples around a time and the weight of the later one; the end samples hold outside. Null where
+// there are none.
+template <typename Sample>
+struct Around {
+  const Sample* before = nullptr;
+  const Sample* after = nullptr;
+  double weight = 0.0;
+  // False outside of the series, and across a hole.
+  bool IsWithin(double widest_s) const { return before != after && after->t_s - before->t_s <= widest_s; }
+};
+
+template <typename Sample>
+Around<Sample> AroundTime(const std::vector<Sample>& samples, double t_s) {
+  if (samples.empty()) return {};
+  const auto next = std::upper_bound(samples.begin(), samples.end(), t_s,
+                                     [](double t, const Sample& sample) { return t < sample.t_s; });
+  if (next == samples.begin()) return {&samples.front(), &samples.front(), 0.0};
+  if (next == samples.end()) return {&samples.back(), &samples.back(), 0.0};
+  const Sample& before = *(next - 1);
+  return {&before, &*next, (t_s - before.t_s) / (next->t_s - before.t_s)};
 }
 
 struct LogSpan {

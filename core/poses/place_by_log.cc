@@ -6,7 +6,6 @@
 
 #include "core/base/try.h"
 #include "core/poses/conventions/attitude_convention.h"
-#include "core/poses/evidence/recorded_series.h"
 #include "core/poses/smoother/chain_factors.h"
 #include "core/poses/so3.h"
 

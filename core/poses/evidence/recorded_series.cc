@@ -76,38 +76,36 @@ GnssSeries GnssOfLog(const std::vector<flight::GnssSample>& samples, const geo::
   return series;
 }
 
-GnssSeries GnssOfPhotos(const std::vector<std::pair<double, const flight::Photo*>>& photos,
-                        const std::vector<std::optional<double>>& heights_above_ground_m,
-                        const geo::LocalFrame& frame) {
+GnssSeries GnssOfPhotos(const std::vector<PhotoAtTime>& photos, const geo::LocalFrame& frame) {
   GnssSeries series;
   std::vector<bool> rtk;
   std::vector<double> sigmas;
-  for (const auto& [t, photo] : photos) {
-    if (!photo->position || photo->position->is_repeated) continue;
-    rtk.push_back(photo->position->is_rtk_fixed);
-    if (photo->position->sigma_horizontal_m) sigmas.push_back(*photo->position->sigma_horizontal_m);
+  for (const PhotoAtTime& at : photos) {
+    const auto& position = at.photo->position;
+    if (!position || position->is_repeated) continue;
+    rtk.push_back(position->is_rtk_fixed);
+    if (position->sigma_horizontal_m) sigmas.push_back(*position->sigma_horizontal_m);
   }
   JudgeSeries(rtk, sigmas, series);
-  for (std::size_t k = 0; k < photos.size(); ++k) {
-    const auto& [t, photo] = photos[k];
+  for (const PhotoAtTime& at : photos) {
+    const flight::Photo* const photo = at.photo;
     if (photo->position && !photo->position->is_repeated) {
       const flight::RecordedPosition& p = *photo->position;
       PositionFix fix;
-      fix.t_s = t;
+      fix.t_s = at.t_s;
       fix.sigma_m = WhiteSigma(series.is_rtk, p.is_rtk_fixed, p.sigma_horizontal_m.value_or(1.5));
       // Heights of receivers without RTK are not what they say they are: the relative height is taken
       // instead.
       const bool has_height = p.is_rtk_fixed && p.height_ellipsoid_m.has_value();
       if (!has_height) fix.sigma_m.z() = kUnknownHeightSigmaM;
-      const double above_ground = heights_above_ground_m[k].value_or(0.0);
       fix.position_in_enu_m =
           has_height ? frame.EnuFromWgs84({p.position.lat_deg, p.position.lon_deg, *p.height_ellipsoid_m})
-                     : frame.EnuAtHeight(p.position, above_ground);
+                     : frame.EnuAtHeight(p.position, at.height_above_ground_m.value_or(0.0));
       series.positions.push_back(fix);
     }
     if (photo->velocity_in_enu_mps) {
       VelocityFix fix;
-      fix.t_s = t;
+      fix.t_s = at.t_s;
       fix.velocity_in_enu_mps = *photo->velocity_in_enu_mps;
       fix.sigma_mps = Vector3d(0.15, 0.15, 0.2);  // written with one decimal
       series.velocities.push_back(fix);

@@ -6,10 +6,19 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
+#include "core/flight/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/smoother/smoother.h"
 
 namespace skyquilt::poses {
+
+// One photo with what is known of it beside its own records.
+struct PhotoAtTime {
+  const flight::Photo* photo = nullptr;
+  double t_s = 0.0;                             // on the log's clock; without a log, on any
+  double sigma_s = 0.0;                         // of this photo's time alone
+  std::optional<double> height_above_ground_m;  // over the plane z = 0 of the local frame
+};
 
 struct GnssSeries {
   std::vector<PositionFix> positions;
@@ -19,11 +28,8 @@ struct GnssSeries {
 };
 GnssSeries GnssOfLog(const std::vector<flight::GnssSample>& samples, const geo::LocalFrame& frame);
 
-// A position of a photo or camera event as one fix; z_in_enu_m where a better height than the GNSS one is
-// known.
-GnssSeries GnssOfPhotos(const std::vector<std::pair<double, const flight::Photo*>>& photos,
-                        const std::vector<std::optional<double>>& heights_above_ground_m,
-                        const geo::LocalFrame& frame);
+// A position of a photo as one fix; its height above the ground where the GNSS one is none to rely on.
+GnssSeries GnssOfPhotos(const std::vector<PhotoAtTime>& photos, const geo::LocalFrame& frame);
 
 // At most ten a second.
 std::vector<AttitudeFix> AttitudesOfLog(const std::vector<flight::AttitudeSample>& samples);

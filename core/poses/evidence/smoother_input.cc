@@ -6,7 +6,7 @@
 
 #include "core/flight/logs/log_builder.h"
 #include "core/poses/conventions/attitude_convention.h"
-#include "core/poses/evidence/recorded_series.h"
+#include "core/poses/log_span.h"
 #include "core/poses/smoother/chain_factors.h"
 #include "core/poses/so3.h"
 
@@ -68,12 +68,10 @@ StillInterval AtOneHeight(const std::vector<HeightFix>& heights, StillInterval i
 
 // The camera's rotation as a gimbal recorded it at a time, between the two samples around it.
 std::optional<Quaterniond> GimbalAt(const std::vector<flight::AttitudeSample>& samples, double t_s) {
-  const auto next = std::upper_bound(samples.begin(), samples.end(), t_s,
-                                     [](double t, const flight::AttitudeSample& s) { return t < s.t_s; });
-  if (next == samples.begin() || next == samples.end() || next->t_s - (next - 1)->t_s > 1.0)
-    return std::nullopt;
-  const double w = (t_s - (next - 1)->t_s) / (next->t_s - (next - 1)->t_s);
-  const Quaterniond ned_from_gimbal = (next - 1)->ned_from_body.slerp(w, next->ned_from_body);
+  const Around<flight::AttitudeSample> around = AroundTime(samples, t_s);
+  if (!around.IsWithin(1.0)) return std::nullopt;
+  const Quaterniond ned_from_gimbal =
+      around.before->ned_from_body.slerp(around.weight, around.after->ned_from_body);
   return (EnuFromNed() * ned_from_gimbal * CamFromGimbal().conjugate()).normalized();
 }
 
@@ -133,13 +131,7 @@ class Preparation {
         if (gnss.is_rtk) o.lever_gnss_sigma_m = 0.2;
       }
     } else {
-      std::vector<std::pair<double, const flight::Photo*>> photos;
-      std::vector<std::optional<double>> heights;
-      for (const PhotoAtTime& p : from_.photos) {
-        photos.emplace_back(p.t_s, p.photo);
-        heights.push_back(p.height_above_ground_m);
-      }
-      gnss = GnssOfPhotos(photos, heights, frame_);
+      gnss = GnssOfPhotos(from_.photos, frame_);
       if (!gnss.positions.empty())
         Note(gnss.is_rtk ? "RTK positions of the photos" : "GNSS positions of the photos");
     }

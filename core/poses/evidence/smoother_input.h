@@ -12,20 +12,12 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/photo.h"
 #include "core/geo/local_frame.h"
+#include "core/poses/evidence/recorded_series.h"
 #include "core/poses/posed_flight.h"
 #include "core/poses/smoother/smoother.h"
 
 namespace skyquilt::poses {
-
-// One photo with what is known of it beside its own records.
-struct PhotoAtTime {
-  const flight::Photo* photo = nullptr;
-  double t_s = 0.0;                             // on the log's clock; without a log, on any
-  double sigma_s = 0.0;                         // of this photo's time alone
-  std::optional<double> height_above_ground_m;  // over the plane z = 0 of the local frame
-};
 
 struct FlightSources {
   std::vector<PhotoAtTime> photos;         // times rising

@@ -2,12 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/base/median.h"
 #include "core/geo/geoid.h"
 #include "core/poses/heights/flight_heights.h"
+#include "core/poses/log_span.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -20,19 +20,16 @@ using flight::GnssSample;
 template <typename Sample, typename Value>
 std::optional<double> At(const std::vector<Sample>& samples, double t_s, Value value) {
   constexpr double kWidestGapS = 10.0;
-  const auto next = std::upper_bound(samples.begin(), samples.end(), t_s,
-                                     [](double t, const Sample& sample) { return t < sample.t_s; });
-  if (next == samples.begin() || next == samples.end() || next->t_s - (next - 1)->t_s > kWidestGapS)
-    return std::nullopt;
-  const double w = (t_s - (next - 1)->t_s) / (next->t_s - (next - 1)->t_s);
-  return (1.0 - w) * value(*(next - 1)) + w * value(*next);
+  const Around<Sample> around = AroundTime(samples, t_s);
+  if (!around.IsWithin(kWidestGapS)) return std::nullopt;
+  return (1.0 - around.weight) * value(*around.before) + around.weight * value(*around.after);
 }
 
 class TakeoffSearch {
  public:
-  TakeoffSearch(const FlightLog& log, const std::vector<std::pair<double, const flight::Photo*>>& photos_at,
+  TakeoffSearch(const FlightLog& log, const std::vector<PhotoAtTime>& photos,
                 const std::optional<double>& given_ellipsoid_m)
-      : log_(log), photos_at_(photos_at), given_ellipsoid_m_(given_ellipsoid_m) {
+      : log_(log), photos_(photos), given_ellipsoid_m_(given_ellipsoid_m) {
     if (!log.gnss.empty()) geoid_m_ = geo::GeoidHeightM(log.gnss.front().position).value_or(0.0);
   }
 
@@ -61,16 +58,11 @@ class TakeoffSearch {
   // The middle of the photos, by the log's track or by their own positions.
   void Place() {
     std::vector<geo::LatLon> seen;
-    for (const auto& [t_s, photo] : photos_at_) {
-      const double t = t_s;
-      const auto next = std::upper_bound(log_.gnss.begin(), log_.gnss.end(), t,
-                                         [](double at, const GnssSample& fix) { return at < fix.t_s; });
-      if (next != log_.gnss.end()) {
-        seen.push_back(next->position);
-      } else if (!log_.gnss.empty()) {
-        seen.push_back(log_.gnss.back().position);
-      } else if (photo->position) {
-        seen.push_back(photo->position->position);
+    for (const PhotoAtTime& p : photos_) {
+      if (const GnssSample* fix = AroundTime(log_.gnss, p.t_s).after; fix != nullptr) {
+        seen.push_back(fix->position);
+      } else if (p.photo->position) {
+        seen.push_back(p.photo->position->position);
       }
     }
     out_.middle = MedianPosition(seen);
@@ -85,10 +77,10 @@ class TakeoffSearch {
       const auto baro_m = BaroAt(fix.t_s);
       if (height_m && baro_m) zeros.push_back(*height_m - *baro_m);
     }
-    for (const auto& [t_s, photo] : photos_at_) {
-      if (!log_.gnss.empty() || !photo->position) continue;
-      const auto height_m = EllipsoidHeightM(*photo->position);
-      const auto baro_m = BaroAt(t_s);
+    for (const PhotoAtTime& p : photos_) {
+      if (!log_.gnss.empty() || !p.photo->position) continue;
+      const auto height_m = EllipsoidHeightM(*p.photo->position);
+      const auto baro_m = BaroAt(p.t_s);
       if (height_m && baro_m) zeros.push_back(*height_m - *baro_m);
     }
     out_.hangs_on_cameras = out_.is_above_ellipsoid = !zeros.empty();
@@ -113,12 +105,12 @@ class TakeoffSearch {
 
   bool ByPhotos() {
     std::vector<double> zeros;
-    for (const auto& [t_s, photo] : photos_at_) {
-      if (!photo->position || !photo->position->height_above_takeoff_m) continue;
-      auto height_m = GnssHeightAt(t_s);
-      if (!height_m) height_m = EllipsoidHeightM(*photo->position);
+    for (const PhotoAtTime& p : photos_) {
+      if (!p.photo->position || !p.photo->position->height_above_takeoff_m) continue;
+      auto height_m = GnssHeightAt(p.t_s);
+      if (!height_m) height_m = EllipsoidHeightM(*p.photo->position);
       if (height_m && std::isfinite(*height_m)) {
-        zeros.push_back(*height_m - *photo->position->height_above_takeoff_m);
+        zeros.push_back(*height_m - *p.photo->position->height_above_takeoff_m);
       }
     }
     const auto zero_m = MedianIfAny(std::move(zeros));
@@ -136,8 +128,8 @@ class TakeoffSearch {
       if (fix.t_s > log_.gnss.front().t_s + 3.0) break;
       if (const auto height_m = Ellipsoid(fix)) first.push_back(*height_m);
     }
-    for (const auto& [t_s, photo] : photos_at_) {
-      const auto height_m = GnssHeightAt(t_s);
+    for (const PhotoAtTime& p : photos_) {
+      const auto height_m = GnssHeightAt(p.t_s);
       if (height_m && std::isfinite(*height_m)) over_photos.push_back(*height_m);
     }
     const auto ground_m = MedianIfAny(std::move(first));
@@ -151,15 +143,13 @@ class TakeoffSearch {
 
   void Guess() {
     std::vector<flight::Photo> photos;
-    for (const auto& [t_s, photo] : photos_at_) {
-      photos.push_back(*photo);
-      if (log_.gnss.empty()) continue;
-      const auto next = std::upper_bound(log_.gnss.begin(), log_.gnss.end(), t_s,
-                                         [](double at, const GnssSample& fix) { return at < fix.t_s; });
-      const GnssSample& fix = next == log_.gnss.end() ? log_.gnss.back() : *next;
+    for (const PhotoAtTime& p : photos_) {
+      photos.push_back(*p.photo);
+      const GnssSample* fix = AroundTime(log_.gnss, p.t_s).after;
+      if (fix == nullptr) continue;
       photos.back().position.emplace();
-      photos.back().position->position = fix.position;
-      photos.back().position->height_ellipsoid_m = Ellipsoid(fix);
+      photos.back().position->position = fix->position;
+      photos.back().position->height_ellipsoid_m = Ellipsoid(*fix);
     }
     const FlightHeights heights = ChooseHeights(photos, nullptr, given_ellipsoid_m_);
     out_.hangs_on_cameras = heights.hangs_on_cameras;
@@ -191,7 +181,7 @@ class TakeoffSearch {
   }
 
   const FlightLog& log_;
-  const std::vector<std::pair<double, const flight::Photo*>>& photos_at_;
+  const std::vector<PhotoAtTime>& photos_;
   const std::optional<double>& given_ellipsoid_m_;
   double geoid_m_ = 0.0;
   Takeoff out_;
@@ -199,10 +189,9 @@ class TakeoffSearch {
 
 }  // namespace
 
-Takeoff FindTakeoff(const FlightLog& log,
-                    const std::vector<std::pair<double, const flight::Photo*>>& photos_at,
+Takeoff FindTakeoff(const FlightLog& log, const std::vector<PhotoAtTime>& photos,
                     const std::optional<double>& given_ellipsoid_m) {
-  return TakeoffSearch(log, photos_at, given_ellipsoid_m).Run();
+  return TakeoffSearch(log, photos, given_ellipsoid_m).Run();
 }
 
 }  // namespace skyquilt::poses

@@ -6,13 +6,12 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/photo.h"
 #include "core/geo/lat_lon.h"
 #include "core/poses/evidence/assumption.h"
+#include "core/poses/evidence/recorded_series.h"
 
 namespace skyquilt::poses {
 
@@ -27,10 +26,9 @@ struct Takeoff {
   std::optional<Assumption> assumption;  // nothing: heights are recorded
 };
 
-// photos_at: photos with their times on the log's clock, rising.
+// photos: times rising.
 // given_ellipsoid_m: the height of the take-off, as the user says.
-Takeoff FindTakeoff(const flight::FlightLog& log,
-                    const std::vector<std::pair<double, const flight::Photo*>>& photos_at,
+Takeoff FindTakeoff(const flight::FlightLog& log, const std::vector<PhotoAtTime>& photos,
                     const std::optional<double>& given_ellipsoid_m = {});
 
 }  // namespace skyquilt::poses

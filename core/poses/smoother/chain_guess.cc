@@ -5,6 +5,7 @@
 
 #include "core/geo/lat_lon.h"
 #include "core/geo/rigid3.h"
+#include "core/poses/log_span.h"
 #include "core/poses/smoother/chain_problem.h"
 #include "core/poses/so3.h"
 
@@ -13,23 +14,6 @@ namespace {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-// The two fixes around a time and the weight of the later one; the end fixes hold outside.
-template <typename Fix>
-struct Around {
-  const Fix* before;
-  const Fix* after;
-  double weight;
-};
-template <typename Fix>
-Around<Fix> Find(const std::vector<Fix>& fixes, double t) {
-  const auto next =
-      std::upper_bound(fixes.begin(), fixes.end(), t, [](double x, const Fix& f) { return x < f.t_s; });
-  if (next == fixes.begin()) return {&fixes.front(), &fixes.front(), 0.0};
-  if (next == fixes.end()) return {&fixes.back(), &fixes.back(), 0.0};
-  const Fix& a = *(next - 1);
-  return {&a, &*next, (t - a.t_s) / (next->t_s - a.t_s)};
-}
 
 // A level body whose nose points at a heading clockwise from north.
 Quaterniond LevelBody(double heading) {
@@ -93,7 +77,7 @@ class Guesser {
 
   void Track() {
     for (std::size_t k = 0; k < times_.size(); ++k) {
-      const Around<PositionFix> p = Find(input_.positions, times_[k]);
+      const Around<PositionFix> p = AroundTime(input_.positions, times_[k]);
       guess_.knots[k].position_in_enu_m =
           (1.0 - p.weight) * p.before->position_in_enu_m + p.weight * p.after->position_in_enu_m;
     }
@@ -101,7 +85,7 @@ class Guesser {
       SpeedsFromPositions(0, static_cast<int>(times_.size()) - 1);
     } else {
       for (std::size_t k = 0; k < times_.size(); ++k) {
-        const Around<VelocityFix> v = Find(input_.velocities, times_[k]);
+        const Around<VelocityFix> v = AroundTime(input_.velocities, times_[k]);
         guess_.knots[k].velocity_in_enu_mps =
             (1.0 - v.weight) * v.before->velocity_in_enu_mps + v.weight * v.after->velocity_in_enu_mps;
       }
@@ -122,7 +106,7 @@ class Guesser {
   void Rotations(bool has_track) {
     if (!input_.attitudes.empty()) {
       for (std::size_t k = 0; k < times_.size(); ++k) {
-        const Around<AttitudeFix> a = Find(input_.attitudes, times_[k]);
+        const Around<AttitudeFix> a = AroundTime(input_.attitudes, times_[k]);
         guess_.knots[k].enu_from_body =
             a.before->enu_from_body.slerp(a.weight, a.after->enu_from_body).normalized();
       }
@@ -196,7 +180,7 @@ class Guesser {
 
   std::optional<double> HeightAt(double t) const {
     if (input_.heights.empty()) return std::nullopt;
-    const Around<HeightFix> h = Find(input_.heights, t);
+    const Around<HeightFix> h = AroundTime(input_.heights, t);
     return (1.0 - h.weight) * h.before->z_in_enu_m + h.weight * h.after->z_in_enu_m;
   }
 

@@ -19,7 +19,7 @@ class FindTakeoffTest : public testing::Test {
     }
     for (std::size_t i = 0; i < photos_.size(); ++i) {
       photos_[i].intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
-      photos_at_.emplace_back(30.1 + 5.0 * static_cast<double>(i), &photos_[i]);
+      photos_at_.push_back({&photos_[i], 30.1 + 5.0 * static_cast<double>(i), 0.0, {}});
     }
   }
   static double AboveM(double t_s) { return t_s < 10.0 ? 0.0 : 60.0; }
@@ -33,7 +33,7 @@ class FindTakeoffTest : public testing::Test {
 
   flight::FlightLog log_;
   std::vector<flight::Photo> photos_;
-  std::vector<std::pair<double, const flight::Photo*>> photos_at_;
+  std::vector<PhotoAtTime> photos_at_;
 };
 
 TEST_F(FindTakeoffTest, TrustsTheBarometerFirst) {
