@@ -122,22 +122,21 @@ struct LoggedPart {
 Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
                                const EstimatePosesOptions& options,
                                const std::optional<double>& given_takeoff_m) {
-  std::vector<PhotoAtTime> photos;
+  FlightSources sources;
+  sources.log = &log;
+  sources.photo_clock_sigma_s = tie.clock_sigma_s;
+  sources.ended_at_start = options.landed_at_start;
   for (const TiedPhoto& p : tie.tied) {
-    PhotoAtTime at;
+    PhotoAtTime& at = sources.photos.emplace_back();
     at.photo = &tie.photos[p.photo];
     at.t_s = p.t_s;
     at.sigma_s = p.sigma_s;
     if (at.photo->position) at.height_above_ground_m = at.photo->position->height_above_takeoff_m;
-    photos.push_back(at);
   }
-  Takeoff takeoff = FindTakeoff(log, photos, given_takeoff_m);
+  Takeoff takeoff = FindTakeoff(log, sources.photos, given_takeoff_m);
   const geo::LatLon middle = takeoff.middle.value_or(options.origin.value_or(geo::LatLon{}));
   const geo::LocalFrame frame({middle.lat_deg, middle.lon_deg, takeoff.height_ellipsoid_m});
-  SKYQUILT_TRY_ASSIGN(auto placed, PlaceByLog(photos, log, frame,
-                                              {.clock_sigma_s = tie.clock_sigma_s,
-                                               .landed_at_start = options.landed_at_start,
-                                               .ground_z_in_enu_m = takeoff.ground_above_takeoff_m}));
+  SKYQUILT_TRY_ASSIGN(auto placed, PlaceByLog(sources, frame, takeoff.ground_above_takeoff_m));
   // The log's heights agree with each other; where they all hang is what was given.
   const double takeoff_m = given_takeoff_m.value_or(takeoff.height_ellipsoid_m);
   if (given_takeoff_m) {
@@ -267,12 +266,12 @@ void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& opt
 // What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what
 // such photos show may place them all the same.
 void FilterOutliers(bool keep_unplaced, PosedFlight& posed) {
-  std::vector<std::string> next;
-  for (std::size_t i = 1; i < posed.photos.size(); ++i) next.push_back(posed.photos[i].photo.name);
-  next.emplace_back();
-  std::size_t number = 0;
+  const auto next_name = [&](std::size_t i) {
+    return i + 1 < posed.photos.size() ? posed.photos[i + 1].photo.name : std::string();
+  };
   std::map<std::string, std::string> next_of;
-  for (const PosedPhoto& photo : posed.photos) next_of.emplace(photo.photo.name, next[number++]);
+  for (std::size_t i = 0; i < posed.photos.size(); ++i)
+    next_of.emplace(posed.photos[i].photo.name, next_name(i));
   std::map<std::string, Photo> all;
   if (keep_unplaced) {
     for (const PosedPhoto& photo : posed.photos) all.emplace(photo.photo.name, photo.photo);
@@ -292,8 +291,7 @@ void FilterOutliers(bool keep_unplaced, PosedFlight& posed) {
     posed.unplaced.push_back(std::move(photo));
   }
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
-    const std::string& now = i + 1 < posed.photos.size() ? posed.photos[i + 1].photo.name : std::string();
-    if (next_of[posed.photos[i].photo.name] != now) posed.photos[i].covariance_with_next.setZero();
+    if (next_of[posed.photos[i].photo.name] != next_name(i)) posed.photos[i].covariance_with_next.setZero();
   }
 }
 

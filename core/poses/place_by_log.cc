@@ -92,21 +92,20 @@ flight::FlightLog PartFor(const flight::FlightLog& log, double first_s, double l
 
 }  // namespace
 
-Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const flight::FlightLog& log,
-                               const geo::LocalFrame& frame, const PlaceByLogOptions& options) {
+Result<PlacedByLog> PlaceByLog(const FlightSources& whole, const geo::LocalFrame& frame,
+                               double ground_z_in_enu_m) {
+  const std::vector<PhotoAtTime>& photos = whole.photos;
+  const flight::FlightLog& log = *whole.log;
   const bool has_positions =
       !log.gnss.empty() || std::any_of(photos.begin(), photos.end(),
                                        [](const PhotoAtTime& p) { return p.photo->position.has_value(); });
   const flight::FlightLog part = PartFor(log, photos.front().t_s, photos.back().t_s, has_positions);
-  FlightSources sources;
-  sources.photos = photos;
+  FlightSources sources = whole;
   sources.log = &part;
-  sources.photo_clock_sigma_s = options.clock_sigma_s;
-  sources.ended_at_start = options.landed_at_start;
-  PreparedSmoothing prepared = MakeSmootherInput(sources, frame);
+  const PreparedSmoothing prepared = MakeSmootherInput(sources, frame);
   SKYQUILT_TRY_ASSIGN(SmootherOutput smoothed, SmoothChain(prepared.input));
   PlacedByLog placed;
-  placed.photos = PlaceCameras(prepared, smoothed, options.ground_z_in_enu_m);
+  placed.photos = PlaceCameras(prepared, smoothed, ground_z_in_enu_m);
   placed.is_placed = prepared.is_placed;
   placed.series = prepared.notes;
   placed.warnings = smoothed.report.warnings;

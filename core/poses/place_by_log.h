@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/flight/logs/flight_log.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/evidence/smoother_input.h"
 #include "core/poses/posed_flight.h"
@@ -21,7 +20,7 @@ std::vector<PosedPhoto> PlaceCameras(const PreparedSmoothing& prepared, const Sm
                                      double ground_z_in_enu_m);
 
 struct PlacedByLog {
-  std::vector<PosedPhoto> photos;  // in the order of `photos`
+  std::vector<PosedPhoto> photos;  // in the order of those given
   bool is_placed = true;           // false: reckoned from the frame's origin, which nothing placed
   std::vector<std::string> series;
   std::vector<std::string> warnings;
@@ -29,14 +28,8 @@ struct PlacedByLog {
   int iterations = 0;
 };
 
-struct PlaceByLogOptions {
-  double clock_sigma_s = 0.0;  // of all photo times together
-  bool landed_at_start = false;
-  double ground_z_in_enu_m = 0.0;
-};
-
-// photos: times rising.
-Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const flight::FlightLog& log,
-                               const geo::LocalFrame& frame, const PlaceByLogOptions& options);
+// `sources` has a log, `ground_z_in_enu_m` as above.
+Result<PlacedByLog> PlaceByLog(const FlightSources& sources, const geo::LocalFrame& frame,
+                               double ground_z_in_enu_m);
 
 }  // namespace skyquilt::poses
