@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -18,6 +19,14 @@
 namespace skyquilt::flight {
 
 using UtcTime = std::chrono::sys_time<std::chrono::microseconds>;
+
+inline double SecondsBetween(UtcTime from, UtcTime to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+inline UtcTime LaterBy(UtcTime time, double seconds) {
+  return time + std::chrono::microseconds(std::llround(seconds * 1e6));
+}
 
 // Height zero matters more than the number: each kind is kept apart, absent when not recorded.
 struct RecordedPosition {

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <string_view>
 
@@ -84,8 +83,7 @@ void RelateToNext(PosedPhoto& here, const PosedPhoto& next) {
   if (!here.photo.captured_at || !next.photo.captured_at) return;
   constexpr double kPositionTimeS = 120.0, kAngleTimeS = 40.0;
   constexpr double kPositionWhiteM = 0.15, kAngleWhiteRad = 0.0035;
-  const double apart_s =
-      std::abs(std::chrono::duration<double>(*next.photo.captured_at - *here.photo.captured_at).count());
+  const double apart_s = std::abs(flight::SecondsBetween(*here.photo.captured_at, *next.photo.captured_at));
   for (int i = 0; i < 6; ++i) {
     const double white =
         i < 3 ? kAngleWhiteRad : std::min(kPositionWhiteM, 0.5 * std::sqrt(here.covariance(i, i)));

@@ -3,8 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 
 #include "core/base/median.h"
 #include "core/flight/bytes/written_time.h"
@@ -92,8 +90,7 @@ LogFacts DescribeLog(const FlightLog& log) {
   double begin_s = 1e18;
   for (const auto& [name, series] : facts.series) begin_s = std::min(begin_s, series.begin_s);
   if (log.utc_at_zero && !facts.series.empty()) {
-    const auto begins = *log.utc_at_zero + std::chrono::microseconds(std::llround(1e6 * begin_s));
-    facts.begins_at = WrittenSecond(begins) + "Z";
+    facts.begins_at = WrittenSecond(LaterBy(*log.utc_at_zero, begin_s)) + "Z";
   }
   Advise(log, facts);
   return facts;

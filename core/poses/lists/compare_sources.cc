@@ -1,7 +1,6 @@
 #include "core/poses/lists/compare_sources.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <set>
 #include <string>
@@ -81,8 +80,7 @@ std::optional<double> DaysApart(const FlightLog& log, const JudgedList& judged,
     const CameraEvent& event = log.events[judged.events[k]];
     const flight::Photo& photo = photos[judged.photos[k]];
     if (!event.has_time || !photo.receiver_time) continue;
-    const double apart_s =
-        std::chrono::duration<double>(*log.utc_at_zero - *photo.receiver_time).count() + event.t_s;
+    const double apart_s = flight::SecondsBetween(*photo.receiver_time, *log.utc_at_zero) + event.t_s;
     apart_days.push_back(std::abs(std::remainder(apart_s, flight::kGpsWeeksRunOverS)) / kDayS);
   }
   const std::optional<double> days = MedianIfAny(std::move(apart_days));

@@ -231,7 +231,7 @@ class OffsetSearch {
     if (!log_.utc_at_zero && !log_.local_at_zero) return std::nullopt;
     std::optional<ClockOffset> best;
     for (int hours = -kWidestZoneH; hours <= kWidestZoneH; ++hours) {
-      const double middle_s = SecondsBetween(ZeroOfLog(), first_) + kHourS * hours;
+      const double middle_s = flight::SecondsBetween(ZeroOfLog(), first_) + kHourS * hours;
       const double reach_s = hours == 0 ? kMinutesOffS : kSecondsOffS;
       const auto found = SearchByPositions(timed, track_, {middle_s - reach_s, middle_s + reach_s});
       if (!found || found->residual_m > kOnTrackM || 2 * found->on_track <= timed.size()) continue;
@@ -272,7 +272,7 @@ class OffsetSearch {
 
   // Only the clocks as they stand: UTC, or a camera's clock in whatever zone puts the photos into the log.
   bool ByClocks() {
-    const double as_it_stands = SecondsBetween(ZeroOfLog(), first_);
+    const double as_it_stands = flight::SecondsBetween(ZeroOfLog(), first_);
     found_.method = TimeSyncMethod::kClocks;
     found_.sigma_s = std::hypot(kCameraClockSigmaS, log_.utc_sigma_s);
     found_.method_in_words = fmt::format("the clocks of camera and log as they stand{}", stamps_);
@@ -305,7 +305,7 @@ class OffsetSearch {
 
   // When the photos were taken, and when the log was written.
   flight::Remark SpansApart() const {
-    const auto at = [](flight::UtcTime zero, double s) { return DateInWords(LaterBy(zero, s)); };
+    const auto at = [](flight::UtcTime zero, double s) { return DateInWords(flight::LaterBy(zero, s)); };
     if (cover_.IsEmpty()) return RemarkCode::kNotTiedNoEvents;
     return {RemarkCode::kNotTiedByClocks,
             {{"taken_from", at(first_, camera_.stamp_s.front())},

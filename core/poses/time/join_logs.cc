@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 #include <list>
 
@@ -17,6 +16,7 @@ namespace skyquilt::poses {
 namespace {
 
 using flight::FlightLog;
+using flight::LaterBy;
 using flight::RemarkCode;
 
 // Two lists of the same exposures, where one of them has nothing else.
@@ -114,7 +114,7 @@ class Joiner {
       TakeByCounter(other);
       return;
     }
-    const double shift_s = std::chrono::duration<double>(*other.utc_at_zero - *log.utc_at_zero).count();
+    const double shift_s = flight::SecondsBetween(*log.utc_at_zero, *other.utc_at_zero);
     FlightLog moved = Shifted(other, shift_s);
     const LogSpan here = SpanWithEvents(log), there = SpanWithEvents(moved);
     if (HoleBetweenS(here, there) > most_apart_s_) {

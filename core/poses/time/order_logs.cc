@@ -39,7 +39,7 @@ bool IsThereAChoice(const std::vector<const FlightLog*>& logs, double most_apart
     for (std::size_t j = 0; j < i; ++j) {
       const FlightLog &a = *logs[i], &b = *logs[j];
       if (!a.utc_at_zero || !b.utc_at_zero) continue;
-      const double shift_s = SecondsBetween(*a.utc_at_zero, *b.utc_at_zero);
+      const double shift_s = flight::SecondsBetween(*a.utc_at_zero, *b.utc_at_zero);
       if (HoleBetweenS(SpanWithEvents(a), Later(SpanWithEvents(b), shift_s)) > most_apart_s)
         are_days_apart = true;
       LogSpan track_a, track_b;
@@ -129,7 +129,7 @@ double MostApartS(const std::vector<Photo>& photos) {
   if (!first) return kUnknownDaysS;
   double span_s = 0.0;
   for (const Photo& photo : photos)
-    if (photo.captured_at) span_s = std::max(span_s, SecondsBetween(*first, *photo.captured_at));
+    if (photo.captured_at) span_s = std::max(span_s, flight::SecondsBetween(*first, *photo.captured_at));
   return kDayS + span_s;
 }
 

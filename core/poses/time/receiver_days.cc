@@ -35,8 +35,8 @@ std::optional<flight::Remark> WhyOfAnotherDay(const std::vector<flight::Photo>& 
   std::optional<std::pair<flight::UtcTime, flight::UtcTime>> first;  // the receiver's, the log's
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (!photos[i].receiver_time || !sync.photos[i]) continue;
-    const flight::UtcTime there = LaterBy(*log.utc_at_zero, sync.photos[i]->t_s);
-    apart_s.push_back(SecondsBetween(*photos[i].receiver_time, there));
+    const flight::UtcTime there = flight::LaterBy(*log.utc_at_zero, sync.photos[i]->t_s);
+    apart_s.push_back(flight::SecondsBetween(*photos[i].receiver_time, there));
     if (!first || *photos[i].receiver_time < first->first) first.emplace(*photos[i].receiver_time, there);
   }
   if (apart_s.empty()) return std::nullopt;

@@ -1,13 +1,11 @@
 #include "core/poses/time/stamped_photos.h"
 
-#include <fmt/chrono.h>
-
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
+
+#include "core/flight/bytes/written_time.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -27,17 +25,10 @@ double ResolutionOf(const std::vector<Photo>& photos, const StampedPhotos& camer
 
 }  // namespace
 
-double SecondsBetween(flight::UtcTime from, flight::UtcTime to) {
-  return std::chrono::duration<double>(to - from).count();
-}
-
-flight::UtcTime LaterBy(flight::UtcTime time, double seconds) {
-  return time + std::chrono::microseconds(std::llround(seconds * 1e6));
-}
-
 std::string DateInWords(flight::UtcTime time) {
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
-  return fmt::format("{:%Y-%m-%d %H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
+  std::string words = flight::WrittenSecond(time);
+  std::replace(words.begin(), words.end(), 'T', ' ');
+  return words;
 }
 
 std::optional<flight::UtcTime> FirstStamp(const std::vector<Photo>& photos) {
@@ -55,7 +46,7 @@ std::vector<StampedPhotos> StampsByCamera(const std::vector<Photo>& photos) {
     if (!photos[i].captured_at) continue;
     StampedPhotos& camera = by_key[photos[i].camera_key];
     camera.photo.push_back(i);
-    camera.stamp_s.push_back(SecondsBetween(*first, *photos[i].captured_at));
+    camera.stamp_s.push_back(flight::SecondsBetween(*first, *photos[i].captured_at));
   }
   std::vector<StampedPhotos> cameras;
   for (auto& [key, camera] : by_key) {

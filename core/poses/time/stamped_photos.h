@@ -10,9 +10,6 @@
 
 namespace skyquilt::poses {
 
-double SecondsBetween(flight::UtcTime from, flight::UtcTime to);
-flight::UtcTime LaterBy(flight::UtcTime time, double seconds);
-
 // "2024-06-01 10:00:05"
 std::string DateInWords(flight::UtcTime time);
 

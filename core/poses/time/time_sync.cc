@@ -57,7 +57,7 @@ class Synchroniser {
     if (auto why = is_believed ? std::nullopt : WhyOfAnotherDay(photos_, log_, sync_))
       return flight::Because(ErrorCode::kUnprocessable, *std::move(why));
     if (first_ && log_.utc_at_zero) {
-      sync_.camera_ahead_of_utc_s = SecondsBetween(*log_.utc_at_zero, *first_) - sync_.offset_s;
+      sync_.camera_ahead_of_utc_s = flight::SecondsBetween(*log_.utc_at_zero, *first_) - sync_.offset_s;
     }
     return std::move(sync_);
   }

@@ -127,7 +127,7 @@ class DataflashReader {
     }
     for (auto& [event, utc] : events_without_time_) {
       if (fit) {
-        event.t_s = std::chrono::duration<double>(utc - fit->utc_at_zero).count();
+        event.t_s = SecondsBetween(fit->utc_at_zero, utc);
         builder_.Add(event);
       }
     }

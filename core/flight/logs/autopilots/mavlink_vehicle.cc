@@ -103,7 +103,7 @@ void MavlinkVehicle::Finish() {
     if (list.empty()) continue;
     for (auto& [event, unix_us] : list) {
       if (unix_us != 0 && builder_.log().utc_at_zero) {
-        event.t_s = std::chrono::duration<double>(FromUnixUs(unix_us) - *builder_.log().utc_at_zero).count();
+        event.t_s = SecondsBetween(*builder_.log().utc_at_zero, FromUnixUs(unix_us));
       }
       builder_.Add(event);
     }

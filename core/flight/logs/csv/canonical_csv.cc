@@ -227,11 +227,10 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
     event.has_time = true;
     if (has_time && row[M::kTime]) {
       event.t_s = *row[M::kTime];
-      if (is_utc && !first && std::abs(event.t_s) < 1e9)
-        first = row.written->time - std::chrono::microseconds(std::llround(event.t_s * 1e6));
+      if (is_utc && !first && std::abs(event.t_s) < 1e9) first = LaterBy(row.written->time, -event.t_s);
     } else if (!has_time && is_utc) {
       if (!first) first = row.written->time;
-      event.t_s = std::chrono::duration<double>(row.written->time - *first).count();
+      event.t_s = SecondsBetween(*first, row.written->time);
     } else {
       event.has_time = false;
       event.t_s = static_cast<double>(rows);

@@ -189,7 +189,7 @@ std::optional<double> CsvSampler::PlaceInTime(const CsvRow& row) {
       clock_.Add(t_s, written->time);
       clock_resolution_s_ = std::max(clock_resolution_s_, written->resolution_s);
       if (!first_utc_) first_utc_ = written->time;
-      const double offset_s = std::chrono::duration<double>(written->time - *first_utc_).count() - t_s;
+      const double offset_s = SecondsBetween(*first_utc_, written->time) - t_s;
       newest_offset_s_ = std::max(newest_offset_s_, offset_s);
     }
     return t_s;
@@ -197,7 +197,7 @@ std::optional<double> CsvSampler::PlaceInTime(const CsvRow& row) {
   if (!written) return std::nullopt;
   if (!first_utc_) first_utc_ = written->time;
   clock_resolution_s_ = std::max(clock_resolution_s_, written->resolution_s);
-  double t_s = std::chrono::duration<double>(written->time - *first_utc_).count();
+  double t_s = SecondsBetween(*first_utc_, written->time);
   // Rows that share a tick of a coarse clock are spread over it.
   rows_in_tick_ = last_tick_s_ && *last_tick_s_ == t_s ? rows_in_tick_ + 1.0 : 0.0;
   last_tick_s_ = t_s;
@@ -318,7 +318,7 @@ void CsvSampler::Finish(const std::vector<CsvColumn>& columns, const SampledRows
     zero = first_utc_;
     sigma_s = rule_.rows_per_tick > 1.2 ? clock_resolution_s_ / rule_.rows_per_tick : clock_resolution_s_;
   } else if (rule_.time_is_unix) {
-    zero = UtcTime(std::chrono::microseconds(std::llround(rule_.first_time_s * 1e6)));
+    zero = LaterBy(UtcTime(), rule_.first_time_s);
     sigma_s = 0.1;
   } else if (const auto fit = clock_.Solve()) {
     zero = fit->utc_at_zero;
@@ -326,9 +326,8 @@ void CsvSampler::Finish(const std::vector<CsvColumn>& columns, const SampledRows
     newest_offset_s_ = std::clamp(newest_offset_s_, -1e9, 1e9);
     // A stamp cut to whole seconds is never late: the newest one against the fine clock has the least cut
     // off.
-    const auto newest = UtcTime(first_utc_->time_since_epoch() +
-                                std::chrono::microseconds(std::llround(newest_offset_s_ * 1e6)));
-    const double gain_s = std::chrono::duration<double>(newest - fit->utc_at_zero).count();
+    const UtcTime newest = LaterBy(*first_utc_, newest_offset_s_);
+    const double gain_s = SecondsBetween(fit->utc_at_zero, newest);
     if (gain_s >= 0.0 && gain_s <= clock_resolution_s_) {
       zero = newest;
       sigma_s = 0.1 * clock_resolution_s_ + 0.05;

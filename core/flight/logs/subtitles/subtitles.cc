@@ -107,7 +107,7 @@ class CueClock {
     names_zone_ = names_zone_ || date->names_zone;
     if (!first_) first_ = date->time;
     // The clock was read somewhere within the last digit that it wrote.
-    const double least_s = std::chrono::duration<double>(date->time - *first_).count() - film_s;
+    const double least_s = SecondsBetween(*first_, date->time) - film_s;
     const double most_s = least_s + date->resolution_s;
     const bool has_jumped = most_s_ && (least_s > *most_s_ + kSlackS || most_s < least_s_ - kSlackS);
     if (has_jumped && follows_clock && least_s - base_s_ < kLongestGapS)

@@ -88,7 +88,7 @@ Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const Consu
       continue;
     }
     if (!first) first = row->time;
-    row->event.t_s = std::chrono::duration<double>(row->time - *first).count();
+    row->event.t_s = SecondsBetween(*first, row->time);
     ++rows;
     builder.Add(std::move(row->event));
   }

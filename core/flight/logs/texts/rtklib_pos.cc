@@ -170,7 +170,7 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
       continue;
     }
     if (!first) first = solution->time;
-    solution->sample.t_s = std::chrono::duration<double>(solution->time - *first).count();
+    solution->sample.t_s = SecondsBetween(*first, solution->time);
     ++rows;
     builder.Add(solution->sample);
   }

@@ -109,8 +109,7 @@ class NmeaReader {
     if (year < 0 || year > 9999) return;
     const auto midnight =
         UtcFromCivil(static_cast<int>(year), static_cast<int>(month), static_cast<int>(day), 0, 0, 0.0);
-    if (midnight)
-      clock_.Add(Continuous(seconds), *midnight + std::chrono::microseconds(std::llround(seconds * 1e6)));
+    if (midnight) clock_.Add(Continuous(seconds), LaterBy(*midnight, seconds));
   }
 
   void Flush() {

@@ -1,7 +1,6 @@
 #include "core/flight/logs/tracks/track_points.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
@@ -19,7 +18,7 @@ std::optional<WrittenTime> TrackTime(std::string_view text) {
   for (const double unit_s : {1.0, 1e-3, 1e-6}) {
     const double seconds = *number * unit_s;
     if (seconds < kEarliest || seconds >= kLatest) continue;
-    return WrittenTime{UtcTime(std::chrono::microseconds(std::llround(seconds * 1e6))), true, unit_s};
+    return WrittenTime{LaterBy(UtcTime(), seconds), true, unit_s};
   }
   return std::nullopt;
 }
@@ -62,7 +61,7 @@ Result<FlightLog> TrackPoints::Finish(std::vector<std::string> mapping) && {
                    [](const Placed& a, const Placed& b) { return a.time < b.time; });
   LogBuilder builder(format_, file_name_);
   for (const Placed& placed : placed_) {
-    const double t_s = std::chrono::duration<double>(placed.time - placed_.front().time).count();
+    const double t_s = SecondsBetween(placed_.front().time, placed.time);
     GnssSample sample;
     sample.t_s = t_s;
     sample.position = {placed.point.lat_deg, placed.point.lon_deg};
