@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -106,6 +107,10 @@ struct FlightLog {
   std::vector<std::string> mapping;                     // for tolerant formats: "column -> meaning, unit"
   std::vector<Remark> warnings;                         // damage, drop-outs, what was skipped and why
 };
+
+inline bool HasTimedEvents(const FlightLog& log) {
+  return std::any_of(log.events.begin(), log.events.end(), [](const auto& e) { return e.has_time; });
+}
 
 // Calls `take` with each series of samples, but not with the events: of one log, or the same of several.
 template <typename Take, typename... Logs>

@@ -203,7 +203,8 @@ class Chooser {
       CameraEvent& lost = flight_.logs[at.first].events[at.second];
       // A row with a time is written over this one, once its log is tied to the photos.
       const auto holder = held_by.find(at.first);
-      const bool is_overruled_later = !lost.has_time && holder != held_by.end() && HasTimes(holder->second);
+      const bool is_overruled_later =
+          !lost.has_time && holder != held_by.end() && HasTimedEvents(flight_.logs[holder->second]);
       if (!is_overruled_later) lost.position.reset();
     }
     for (flight::ListUse& use : flight_.list_uses) {
@@ -215,11 +216,6 @@ class Chooser {
           use.held_by = flight_.logs[holder->second].file_name;
       }
     }
-  }
-
-  bool HasTimes(std::size_t log) const {
-    const auto& events = flight_.logs[log].events;
-    return std::any_of(events.begin(), events.end(), [](const CameraEvent& event) { return event.has_time; });
   }
 
   void Tell() {

@@ -18,9 +18,8 @@ constexpr double kShutterJitterS = 0.02;
 constexpr std::size_t kFewestRows = 4, kFewestNamedRows = 2;
 
 bool HoldsPositionsAlone(const FlightLog& log) {
-  const auto has_time = [](const flight::CameraEvent& event) { return event.has_time; };
   return log.imu.empty() && log.attitude.empty() && log.baro.empty() && log.range.empty() &&
-         log.gimbal.empty() && std::none_of(log.events.begin(), log.events.end(), has_time);
+         log.gimbal.empty() && !HasTimedEvents(log);
 }
 
 bool IsNamedSo(const std::string& file_name) {

@@ -22,10 +22,6 @@ using flight::RemarkCode;
 // Logs that are compared, each by a tie of its own; of more, the order of their kinds decides alone.
 constexpr std::size_t kMaxCompared = 24;
 
-bool HasTimedEvents(const FlightLog& log) {
-  return std::any_of(log.events.begin(), log.events.end(), [](const auto& e) { return e.has_time; });
-}
-
 LogSpan Later(LogSpan span, double by_s) {
   span.begin_s += by_s;
   span.end_s += by_s;
