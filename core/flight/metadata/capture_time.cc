@@ -75,8 +75,14 @@ std::optional<UtcTime> GpsTimeOf(const ExifRecord& exif) {
   return time;
 }
 
-CaptureTime TimeOfClocks(const ExifRecord& exif, const std::optional<UtcTime>& gps_time, const XmpTags& xmp,
-                         std::vector<Remark>& notes) {
+struct ClockTime {
+  std::optional<UtcTime> at;
+  bool is_local = false;
+  std::optional<std::chrono::minutes> clock_minus_utc;  // a time zone's; absent where nothing tells it
+};
+
+ClockTime TimeOfClocks(const ExifRecord& exif, const std::optional<UtcTime>& gps_time, const XmpTags& xmp,
+                       std::vector<Remark>& notes) {
   if (const auto utc = UtcInXmp(xmp)) return {utc, false, ZoneOf(exif, *utc)};
   if (exif.taken_at && exif.clock_minus_utc) {
     return {UtcTime(*exif.taken_at - *exif.clock_minus_utc), false, exif.clock_minus_utc};
@@ -101,13 +107,15 @@ CaptureTime TimeOfClocks(const ExifRecord& exif, const std::optional<UtcTime>& g
 
 }  // namespace
 
-CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes) {
+void TakeCaptureTime(const ExifRecord& exif, const XmpTags& xmp, Photo& photo) {
   const std::optional<UtcTime> gps_time = GpsTimeOf(exif);
-  CaptureTime time = TimeOfClocks(exif, gps_time, xmp, notes);
-  time.by_receiver = UtcInXmp(xmp);
-  if (!time.by_receiver) time.by_receiver = gps_time;
-  if (exif.taken_at && time.is_local) time.receiver_time_of_day = exif.gps_time_of_day;
-  return time;
+  const ClockTime time = TimeOfClocks(exif, gps_time, xmp, photo.notes);
+  photo.captured_at = time.at;
+  photo.captured_at_is_local = time.is_local;
+  photo.clock_minus_utc = time.clock_minus_utc;
+  photo.receiver_time = UtcInXmp(xmp);
+  if (!photo.receiver_time) photo.receiver_time = gps_time;
+  if (exif.taken_at && time.is_local) photo.receiver_time_of_day = exif.gps_time_of_day;
 }
 
 void TakeZoneOfFlight(std::vector<Photo>& photos) {

@@ -1,7 +1,6 @@
 // When a photo was taken, by its metadata and, where these say nothing, by its file's name. Any thread.
 #pragma once
 
-#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,22 +12,13 @@
 
 namespace skyquilt::flight {
 
-struct CaptureTime {
-  std::optional<UtcTime> captured_at;
-  bool is_local = false;
-  std::optional<std::chrono::minutes> clock_minus_utc;  // a time zone's; absent where nothing tells it
-  std::optional<UtcTime> by_receiver = std::nullopt;    // what a receiver of GNSS told, used or not
-  // As it told it without a day, beside a clock of unknown zone: used by nobody yet.
-  std::optional<std::chrono::microseconds> receiver_time_of_day = std::nullopt;
-};
-
-// The instant of exposure in UTC from the clocks a photo carries, in this order: UTC in XMP
+// Sets the times of `photo`: the exposure in UTC by the clocks it carries, in this order: UTC in XMP
 // (drone-dji:UTCAtExposure, sensefly:UTCTime), the camera's clock with its zone, the camera's clock with the
 // zone that the GPS time shows (the clock's finer steps are kept where both agree), the GPS time, the local
 // clock. A GPS time that names no day counts beside a clock whose zone is written; else the flight tells its
-// day. Beside it what a receiver told, and the zone of the camera's clock, where that is written or two
-// clocks show it.
-CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes);
+// day. Beside it what a receiver told, used or not, and the zone of the camera's clock, where that is written
+// or two clocks show it.
+void TakeCaptureTime(const ExifRecord& exif, const XmpTags& xmp, Photo& photo);
 
 // Of photos whose receiver told a time without its day, beside a clock of unknown zone: that clock's zone is
 // the one which most of them show to within seconds (from 10 hours behind UTC to 13 ahead, where all but some

@@ -194,12 +194,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.origin = OriginOf(header, exif, xmp);
   photo.sample_kind = header.sample_kind;
   photo.camera_key = CameraKey(photo, exif, xmp);
-  const CaptureTime time = ChooseCaptureTime(exif, xmp, photo.notes);
-  photo.captured_at = time.captured_at;
-  photo.captured_at_is_local = time.is_local;
-  photo.clock_minus_utc = time.clock_minus_utc;
-  photo.receiver_time = time.by_receiver;
-  photo.receiver_time_of_day = time.receiver_time_of_day;
+  TakeCaptureTime(exif, xmp, photo);
   photo.position = PositionFromTags(exif, xmp, photo.notes);
   photo.exif_beside_xmp = ExifBesideXmpFromTags(exif, xmp);
   if (!photo.position) photo.lone_height_above_takeoff_m = HeightAboveTakeoffFromTags(xmp);
