@@ -202,14 +202,9 @@ bool LooksLikeDjiSrt(LogBytes head) {
 }
 
 bool LooksLikeAss(LogBytes head) {
-  LineReader lines(TextOf(head));
-  std::string_view line;
-  const ConsumedUpTo nobody;
-  ConsumedSteps steps(nobody);
-  if (!NextFilledLine(lines, steps, line)) return false;
-  line = Trim(line);
-  return StartsWithIgnoringCase(line, "[Script Info]") || StartsWithIgnoringCase(line, "[Events]") ||
-         StartsWithIgnoringCase(line, "Dialogue:");
+  const std::string_view text = Trim(TextOf(head));
+  return StartsWithIgnoringCase(text, "[Script Info]") || StartsWithIgnoringCase(text, "[Events]") ||
+         StartsWithIgnoringCase(text, "Dialogue:");
 }
 
 Result<FlightLog> ParseDjiSrt(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
