@@ -26,10 +26,15 @@ using skyquilt::LowerCase;
 using skyquilt::Trim;
 bool StartsWithIgnoringCase(std::string_view text, std::string_view start);
 
-// Is `word` one of these, and does `text` hold one of them?
+// Is `word` one of these, does `text` start with one of them, and does it hold one?
 template <typename Words = std::initializer_list<std::string_view>>
 bool IsOneOf(std::string_view word, const Words& words) {
   return std::find(std::begin(words), std::end(words), word) != std::end(words);
+}
+template <typename Words = std::initializer_list<std::string_view>>
+bool StartsWithOneOf(std::string_view text, const Words& words) {
+  return std::any_of(std::begin(words), std::end(words),
+                     [&](std::string_view word) { return text.starts_with(word); });
 }
 template <typename Words = std::initializer_list<std::string_view>>
 bool HoldsOneOf(std::string_view text, const Words& words) {

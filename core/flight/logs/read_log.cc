@@ -78,16 +78,13 @@ bool IsFit(LogBytes head) { return head.size() >= 12 && TextOf(head).substr(8, 4
 // are zips whose first entry is called so; others than tables look alike, and are none that is read either.
 bool IsOfficeDocument(LogBytes head, std::string_view name) {
   constexpr std::size_t kFirstNameAt = 30;  // APPNOTE.TXT 6.3, section 4.3.7
-  constexpr std::array<std::string_view, 5> kFirstNames = {
-      "[Content_Types].xml", "_rels/", "docProps/", "xl/", "mimetypeapplication/vnd.oasis.opendocument."};
   const std::string_view text = TextOf(head);
   const std::string lower = LowerCase(name);
   if (text.starts_with("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1")) return lower.ends_with(".xls");
   if (!text.starts_with("PK\3\4") || text.size() < kFirstNameAt) return false;
-  const std::string_view entry = text.substr(kFirstNameAt);
   return lower.ends_with(".numbers") ||
-         std::any_of(kFirstNames.begin(), kFirstNames.end(),
-                     [&](std::string_view first) { return entry.starts_with(first); });
+         StartsWithOneOf(text.substr(kFirstNameAt), {"[Content_Types].xml", "_rels/", "docProps/", "xl/",
+                                                     "mimetypeapplication/vnd.oasis.opendocument."});
 }
 
 // What a receiver observed, before any position was computed of it: RTCM 3 (RTCM 10403, transport layer).

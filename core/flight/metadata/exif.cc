@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/bytes/written_time.h"
 
 namespace skyquilt::flight {
@@ -99,14 +100,12 @@ int HemisphereSign(const std::string& reference, char positive, char negative) {
 
 // Datums that may lie further from WGS 84 than receivers err, as EXIF's specification and makers write them.
 bool LiesBesideWgs84(const std::string& datum) {
-  constexpr std::array<std::string_view, 5> kBeside = {"TOKYO", "NAD27", "ED50", "OSGB36", "GCJ02"};
   std::string name;
   for (const char c : datum) {
     const auto byte = static_cast<unsigned char>(c);
     if (std::isalnum(byte) != 0) name += static_cast<char>(std::toupper(byte));
   }
-  return std::any_of(kBeside.begin(), kBeside.end(),
-                     [&](std::string_view beside) { return name.starts_with(beside); });
+  return StartsWithOneOf(name, {"TOKYO", "NAD27", "ED50", "OSGB36", "GCJ02"});
 }
 
 void ReadPosition(const ExifTable& table, ExifRecord& record) {

@@ -152,8 +152,7 @@ MeaningAndUnit CutHeightWords(std::string base) {
 
 // The name of a height that does not say above what: "altitude", "alt_m", "Z/Altitude".
 bool IsBareHeight(const std::string& letters) {
-  constexpr std::array<std::string_view, 6> kBegin = {"alt", "zalt", "elev", "hhe", "hoehe", "cota"};
-  return std::any_of(kBegin.begin(), kBegin.end(), [&](auto word) { return letters.starts_with(word); }) &&
+  return StartsWithOneOf(letters, {"alt", "zalt", "elev", "hhe", "hoehe", "cota"}) &&
          !HoldsOneOf(letters, {"msl", "sea", "nn"});
 }
 

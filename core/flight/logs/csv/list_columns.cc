@@ -84,10 +84,7 @@ M MeaningInPlane(std::string_view letters) {
 
 // "altitude above something": a height, whatever it counts from.
 void MapUnknownHeight(const NameAndUnit& name, CsvColumn& column) {
-  constexpr std::array<std::string_view, 5> kBegin = {"alt", "elev", "height", "hoehe", "hhe"};
-  if (std::none_of(kBegin.begin(), kBegin.end(),
-                   [&](std::string_view begin) { return name.letters.starts_with(begin); }))
-    return;
+  if (!StartsWithOneOf(name.letters, {"alt", "elev", "height", "hoehe", "hhe"})) return;
   column.meant = M::kHeightAmsl;
   column.unknown_words = column.header;
 }

@@ -150,9 +150,7 @@ void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>
   CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
   if (column == nullptr || HasColumn(columns, M::kHeightEllipsoid)) return;
   const std::string name = LowerCase(column->header);
-  constexpr std::array<std::string_view, 3> kNames = {"height", "hauteur", "altura"};
-  const auto begins = [&](std::string_view word) { return name.starts_with(word); };
-  if (std::none_of(kNames.begin(), kNames.end(), begins) || HoldsOneOf(name, {"take", "rel"})) return;
+  if (!StartsWithOneOf(name, {"height", "hauteur", "altura"}) || HoldsOneOf(name, {"take", "rel"})) return;
   std::vector<double> heights_m;
   for (const CsvRow& row : preview) {
     const auto height_m = row[M::kHeightAboveTakeoff], amsl_m = row[M::kHeightAmsl];
