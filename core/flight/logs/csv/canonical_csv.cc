@@ -206,7 +206,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
   std::vector<std::string_view> cells;
   const bool has_time = HasColumn(columns, M::kTime);
   const bool says_utc = std::any_of(columns.begin(), columns.end(), [](const CsvColumn& column) {
-    return column.says_utc && column.meaning >= M::kUtc && column.meaning <= M::kTimeOfDay;
+    return column.says_utc && IsOfClock(column.meaning);
   });
   const AttitudeKind kind = settled.pitch_is_level ? AttitudeKind::kAirframe : AttitudeKind::kGimbal;
   std::optional<UtcTime> first;

@@ -39,8 +39,6 @@ struct MeaningAndUnit {
   std::string unit;
 };
 
-bool IsHeight(M meaning) { return meaning >= M::kHeightEllipsoid && meaning <= M::kHeightAboveGround; }
-
 // What a height counts from by a word beside it; levels of nations are sea levels, to their decimetres.
 M ZeroOfHeights(std::string_view word) {
   constexpr std::array<std::string_view, 36> kSea = {

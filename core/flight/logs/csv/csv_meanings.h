@@ -60,6 +60,10 @@ enum class CsvMeaning {
   kKappa,  // rad
   kCount
 };
+inline bool IsHeight(CsvMeaning m) {
+  return m >= CsvMeaning::kHeightEllipsoid && m <= CsvMeaning::kHeightAboveGround;
+}
+inline bool IsOfClock(CsvMeaning m) { return m >= CsvMeaning::kUtc && m <= CsvMeaning::kTimeOfDay; }
 
 // In words, for the user.
 std::string_view CsvMeaningName(CsvMeaning meaning);

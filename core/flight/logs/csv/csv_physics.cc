@@ -122,7 +122,7 @@ void CheckDate(const std::vector<CsvColumn>& columns, const std::vector<CsvRow>&
   bool has_date = false;
   bool says_utc = false;
   for (const CsvColumn& column : columns) {
-    const bool is_clock = column.meaning >= M::kUtc && column.meaning <= M::kTimeOfDay;
+    const bool is_clock = IsOfClock(column.meaning);
     has_date = has_date || is_clock;
     says_utc = says_utc || (is_clock && column.says_utc);
   }

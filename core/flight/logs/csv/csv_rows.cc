@@ -104,7 +104,7 @@ CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::
     const CsvColumn& column = columns[i];
     if (column.meaning == M::kIgnored || cells[i].empty()) continue;
     bool is_read = true;
-    const bool is_date = column.meaning >= M::kUtc && column.meaning <= M::kTimeOfDay;
+    const bool is_date = IsOfClock(column.meaning);
     counts_gps = counts_gps || (is_date && column.counts_gps);
     switch (column.meaning) {
       case M::kUtc:

@@ -74,9 +74,7 @@ std::optional<double> NamedUnitOfHeights(const std::vector<std::string_view>& co
   constexpr std::size_t kHeightColumn = 2;
   if (columns.size() <= kHeightColumn) return std::nullopt;
   const CsvColumn height = MapListColumns({columns[kHeightColumn]}).front();
-  const bool is_height =
-      height.meaning >= CsvMeaning::kHeightEllipsoid && height.meaning <= CsvMeaning::kHeightAboveGround;
-  return is_height && height.unit_is_written ? std::optional(height.scale) : std::nullopt;
+  return IsHeight(height.meaning) && height.unit_is_written ? std::optional(height.scale) : std::nullopt;
 }
 
 bool SaysYes(std::string_view word) {
