@@ -79,6 +79,9 @@ struct LinearSink {
 template <typename Sink>
 void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
   const SmootherOptions& o = input_.options;
+  constexpr double kGyroBiasWalk = 2.0e-5;   // rad/s/sqrt(s)
+  constexpr double kAccelBiasWalk = 1.0e-3;  // m/s2/sqrt(s)
+  constexpr double kGnssBiasTimeS = 120.0, kStillRotationSigmaRad = 1.0e-4;
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
     const KnotState& a = guess.knots[Index(i)];
     const KnotState& b = guess.knots[Index(i) + 1];
@@ -92,10 +95,10 @@ void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
                            false);
     }
     BiasWalk walk;
-    walk.gyro = o.imu.gyro_bias_walk * std::sqrt(duration_s);
-    walk.accel = o.imu.accel_bias_walk * std::sqrt(duration_s);
+    walk.gyro = kGyroBiasWalk * std::sqrt(duration_s);
+    walk.accel = kAccelBiasWalk * std::sqrt(duration_s);
     walk.baro = o.baro_bias_walk * std::sqrt(duration_s);
-    walk.gnss_keep = std::exp(-duration_s / o.gnss_bias_time_s);
+    walk.gnss_keep = std::exp(-duration_s / kGnssBiasTimeS);
     walk.attitude_keep = std::exp(-duration_s / o.attitude_bias_time_s);
     walk.gnss = o.gnss_bias_sigma_m * std::sqrt(1.0 - walk.gnss_keep * walk.gnss_keep);
     walk.attitude = o.attitude_bias_sigma_rad * std::sqrt(1.0 - walk.attitude_keep * walk.attitude_keep);
@@ -107,7 +110,7 @@ void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
     }
     sink.template Add<13>("bias walk", i, i + 1, BiasWalkFactor(a, b, walk), false);
     if (still_[Index(i)] && still_[Index(i) + 1]) {
-      sink.template Add<3>("still rotation", i, i + 1, StillRotationFactor(a, b, o.still_rotation_sigma_rad),
+      sink.template Add<3>("still rotation", i, i + 1, StillRotationFactor(a, b, kStillRotationSigmaRad),
                            true);
     }
   }
@@ -116,6 +119,9 @@ void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
 template <typename Sink>
 void ChainProblem::VisitPriors(const ChainGuess& guess, Sink& sink) const {
   const SmootherOptions& o = input_.options;
+  constexpr double kPositionSigmaM = 1.0e4, kVelocitySigmaMps = 30.0, kTiltSigmaRad = 0.5, kYawSigmaRad = 2.0;
+  constexpr double kGyroBiasSigmaRadps = 0.0087;  // 0.5 deg/s
+  constexpr double kAccelBiasSigmaMps2 = 0.05;    // 5 mg
   const KnotState& k = guess.knots.front();
   const StateBetween s = StateAtKnot(k);
   Linear<22> prior;
@@ -124,10 +130,10 @@ void ChainProblem::VisitPriors(const ChainGuess& guess, Sink& sink) const {
     prior.by_first(at, at) = 1.0 / sigma;
   };
   for (int i = 0; i < 3; ++i) {
-    hold(kAtVelocity + i, k.velocity_in_enu_mps(i), o.first_velocity_sigma_mps);
-    hold(kAtPosition + i, k.position_in_enu_m(i), o.first_position_sigma_m);
-    hold(kAtGyroBias + i, k.gyro_bias_radps(i), o.imu.gyro_bias_sigma);
-    hold(kAtAccelBias + i, k.accel_bias_mps2(i), o.imu.accel_bias_sigma);
+    hold(kAtVelocity + i, k.velocity_in_enu_mps(i), kVelocitySigmaMps);
+    hold(kAtPosition + i, k.position_in_enu_m(i), kPositionSigmaM);
+    hold(kAtGyroBias + i, k.gyro_bias_radps(i), kGyroBiasSigmaRadps);
+    hold(kAtAccelBias + i, k.accel_bias_mps2(i), kAccelBiasSigmaMps2);
     hold(kAtGnssBias + i, k.gnss_bias_in_enu_m(i), o.gnss_bias_sigma_m(i));
     hold(kAtAttitudeBias + i, k.attitude_bias_rad(i), o.attitude_bias_sigma_rad(i));
   }
@@ -135,8 +141,7 @@ void ChainProblem::VisitPriors(const ChainGuess& guess, Sink& sink) const {
   sink.template Add<22>("prior", 0, -1, prior, false);
   StateBetween unbiased = s;
   unbiased.state.attitude_bias_rad.setZero();
-  Linear<3> rotation =
-      AttitudeFactor(unbiased, *first_rotation_, o.first_tilt_sigma_rad, o.first_yaw_sigma_rad);
+  Linear<3> rotation = AttitudeFactor(unbiased, *first_rotation_, kTiltSigmaRad, kYawSigmaRad);
   rotation.by_first.middleCols<3>(kAtAttitudeBias).setZero();
   sink.template Add<3>("prior", 0, -1, rotation, false);
   if (!has_border_) return;
@@ -187,10 +192,11 @@ void ChainProblem::VisitFixes(const ChainGuess& guess, Sink& sink) const {
     if (f.yaw_rad) add("marker", p, YawFactor(s, *f.yaw_rad, f.sigma_yaw_rad), false);
   }
   constexpr double kAssumptionSigmaRad = 0.02;  // the slow part is the attitude bias
+  constexpr double kStillVelocitySigmaMps = 0.02;
   for (int k = 0; k < timeline_.size(); ++k) {
     const KnotState& knot = guess.knots[Index(k)];
     if (still_[Index(k)]) {
-      sink.template Add<3>("still", k, -1, StillVelocityFactor(knot, o.still_velocity_sigma_mps), true);
+      sink.template Add<3>("still", k, -1, StillVelocityFactor(knot, kStillVelocitySigmaMps), true);
     }
     if (o.assume_level)
       sink.template Add<2>("level", k, -1, LevelFactor(StateAtKnot(knot), kAssumptionSigmaRad), true);

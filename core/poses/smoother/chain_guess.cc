@@ -149,7 +149,7 @@ class Guesser {
     for (std::size_t k = 0; k < n; ++k) {
       const Vector3d& v = guess_.knots[k].velocity_in_enu_mps;
       sums[k + 1] = sums[k];
-      if (v.head<2>().norm() < input_.options.course_min_speed_mps) continue;
+      if (v.head<2>().norm() < kCourseMinSpeedMps) continue;
       const double offset = HeadingOf(v) - turned[k];
       sums[k + 1] += Eigen::Vector2d(std::cos(offset), std::sin(offset));
     }

@@ -67,7 +67,7 @@ int ChainTimeline::Nearest(double t_s) const {
 }
 
 std::optional<CourseEvidence> JudgeCourse(const std::vector<KnotState>& knots,
-                                          const std::vector<double>& times_s, double min_speed_mps) {
+                                          const std::vector<double>& times_s) {
   std::vector<double> nose, course;
   for (const KnotState& knot : knots) {
     nose.push_back(HeadingOf(knot.enu_from_body * Eigen::Vector3d::UnitX()));
@@ -78,7 +78,7 @@ std::optional<CourseEvidence> JudgeCourse(const std::vector<KnotState>& knots,
   std::vector<double> apart;
   for (std::size_t k = 1; k + 1 < knots.size(); ++k) {
     const double most = kStraightRadps * (times_s[k + 1] - times_s[k - 1]);
-    evidence.runs_straight[k] = knots[k].velocity_in_enu_mps.head<2>().norm() > min_speed_mps &&
+    evidence.runs_straight[k] = knots[k].velocity_in_enu_mps.head<2>().norm() > kCourseMinSpeedMps &&
                                 std::abs(geo::WrapRad(nose[k + 1] - nose[k - 1])) < most &&
                                 std::abs(geo::WrapRad(course[k + 1] - course[k - 1])) < most;
     if (evidence.runs_straight[k]) apart.push_back(std::abs(geo::WrapRad(nose[k] - course[k])));
@@ -150,8 +150,7 @@ void ChainProblem::ExpandAbout(const std::vector<KnotState>& knots) {
   SKYQUILT_CHECK(static_cast<int>(knots.size()) == timeline_.size(), "a guess has one state a knot");
   if (!first_rotation_) first_rotation_ = knots.front().enu_from_body;
   for (int k = 0; k < timeline_.size(); ++k) {
-    has_course_[Index(k)] =
-        knots[Index(k)].velocity_in_enu_mps.head<2>().norm() > input_.options.course_min_speed_mps;
+    has_course_[Index(k)] = knots[Index(k)].velocity_in_enu_mps.head<2>().norm() > kCourseMinSpeedMps;
   }
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
     const Eigen::Vector3d before = knots[Index(i)].enu_from_body * Eigen::Vector3d::UnitX();
@@ -161,8 +160,7 @@ void ChainProblem::ExpandAbout(const std::vector<KnotState>& knots) {
   }
   const bool has_headings = std::any_of(input_.attitudes.begin(), input_.attitudes.end(),
                                         [](const AttitudeFix& a) { return a.has_yaw; });
-  if (has_headings && input_.imu.empty())
-    course_evidence_ = JudgeCourse(knots, timeline_.times(), input_.options.course_min_speed_mps);
+  if (has_headings && input_.imu.empty()) course_evidence_ = JudgeCourse(knots, timeline_.times());
   if (input_.imu.empty()) return;
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
     const KnotState& k = knots[Index(i)];

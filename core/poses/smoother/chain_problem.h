@@ -44,6 +44,8 @@ class ChainTimeline {
   std::vector<double> times_;
 };
 
+inline constexpr double kCourseMinSpeedMps = 3.0;  // of knots whose course is believed
+
 // JudgeCourse: what a flight's course says of its recorded headings. A nose that keeps to the course shows
 // where the compass errs; how well it keeps to it is measured on the flight itself, by how far recorded
 // headings and courses lie apart where the flight runs straight. Flights sideways, and small aircraft that
@@ -56,7 +58,7 @@ struct CourseEvidence {
 // knots: headings as recorded. Nothing where fewer than 10 knots run straight or the nose does not keep to
 // the course.
 std::optional<CourseEvidence> JudgeCourse(const std::vector<KnotState>& knots,
-                                          const std::vector<double>& times_s, double min_speed_mps);
+                                          const std::vector<double>& times_s);
 
 struct ChainGuess {
   std::vector<KnotState> knots;

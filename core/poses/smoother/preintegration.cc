@@ -112,9 +112,10 @@ std::optional<Preintegration> Preintegrate(const std::vector<flight::ImuSample>&
   const auto later = [](double t, const flight::ImuSample& s) { return t < s.t_s; };
   auto next = static_cast<std::size_t>(std::upper_bound(samples.begin(), samples.end(), begin_s, later) -
                                        samples.begin());
+  constexpr double kMaxGapS = 0.2;  // a longer hole ends the inertial chain
   // Half a usual step may be missing at either end of the log.
-  const double reach = 0.5 * noise.max_gap_s;
-  if (begin_s < samples.front().t_s - reach || end_s > samples.back().t_s + reach) return std::nullopt;
+  constexpr double kReachS = 0.5 * kMaxGapS;
+  if (begin_s < samples.front().t_s - kReachS || end_s > samples.back().t_s + kReachS) return std::nullopt;
   Preintegration sum;
   sum.delta.gyro_bias = gyro_bias;
   sum.delta.accel_bias = accel_bias;
@@ -141,7 +142,7 @@ std::optional<Preintegration> Preintegrate(const std::vector<flight::ImuSample>&
       stop = cuts[cut];
       at_sample = false;
     }
-    if (next > 0 && next < samples.size() && samples[next].t_s - samples[next - 1].t_s > noise.max_gap_s) {
+    if (next > 0 && next < samples.size() && samples[next].t_s - samples[next - 1].t_s > kMaxGapS) {
       return std::nullopt;
     }
     const ImuReading after = ReadingAt(samples, next, stop);

@@ -24,15 +24,10 @@ double NormalGravityMps2(double lat_deg, double height_ellipsoid_m);
 
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
-// White noise densities and the walk of the biases; the turn-on biases' priors.
+// White noise densities.
 struct ImuNoise {
-  double gyro_white = 7.0e-5;       // rad/s/sqrt(Hz): 0.004 deg/s/sqrt(Hz)
-  double accel_white = 2.0e-3;      // m/s2/sqrt(Hz): 100 ug/sqrt(Hz), doubled in flight
-  double gyro_bias_walk = 2.0e-5;   // rad/s/sqrt(s)
-  double accel_bias_walk = 1.0e-3;  // m/s2/sqrt(s)
-  double gyro_bias_sigma = 0.0087;  // rad/s: 0.5 deg/s
-  double accel_bias_sigma = 0.05;   // m/s2: 5 mg
-  double max_gap_s = 0.2;           // a longer hole ends the inertial chain
+  double gyro_white = 7.0e-5;   // rad/s/sqrt(Hz): 0.004 deg/s/sqrt(Hz)
+  double accel_white = 2.0e-3;  // m/s2/sqrt(Hz): 100 ug/sqrt(Hz), doubled in flight
 };
 
 struct ImuDelta {
@@ -64,7 +59,7 @@ struct Preintegration {
 };
 
 // Over [begin_s, end_s], with the sums up to each of `cuts` (rising, inside the interval) kept as well.
-// Nothing where the samples leave a hole longer than noise.max_gap_s inside or at the ends of the interval.
+// Nothing where the samples leave a hole longer than 0.2 s inside or at the ends of the interval.
 std::optional<Preintegration> Preintegrate(const std::vector<flight::ImuSample>& samples, double begin_s,
                                            double end_s, const std::vector<double>& cuts,
                                            const Eigen::Vector3d& gyro_bias,

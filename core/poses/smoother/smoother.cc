@@ -49,10 +49,11 @@ bool BiasesMovedFar(const ChainProblem& problem, const ChainGuess& guess) {
 // Gauss-Newton with step halving. Marquardt's damping stalls from a start that is kilometres off; plain steps
 // do not.
 Result<void> Iterate(ChainProblem& problem, ChainGuess& guess, SmootherReport& report) {
+  constexpr int kMaxIterations = 40;
   BlockSkyline matrix(problem.Outline(false));
   std::vector<Vector22> step;
   bool expanded_again = false;
-  for (report.iterations = 0; report.iterations < problem.input().options.max_iterations;) {
+  for (report.iterations = 0; report.iterations < kMaxIterations;) {
     ++report.iterations;
     const double cost = problem.Linearise(guess, matrix, step);
     if (!std::isfinite(cost) || !matrix.Factor()) {
@@ -166,12 +167,12 @@ void FillPoses(const ChainProblem& problem, const ChainGuess& guess, const Block
 
 // Between knots the motion is a prior's guess: velocities that come faster than knots would be blurred by it.
 double KnotSpacingS(const SmootherInput& input) {
-  if (!input.imu.empty()) return input.options.knot_spacing_s;
-  const double slow_s = std::max(1.0, input.options.knot_spacing_s);
-  if (input.velocities.size() < 2) return slow_s;
+  constexpr double kWithImuS = 0.5, kSlowS = 1.0;
+  if (!input.imu.empty()) return kWithImuS;
+  if (input.velocities.size() < 2) return kSlowS;
   const double step_s = (input.velocities.back().t_s - input.velocities.front().t_s) /
                         static_cast<double>(input.velocities.size() - 1);
-  return step_s < 0.5 * slow_s ? std::max(0.2, step_s) : slow_s;
+  return step_s < 0.5 * kSlowS ? std::max(0.2, step_s) : kSlowS;
 }
 
 // Free memory is the caller's, but a chain longer than any flight is a mistake in the times.

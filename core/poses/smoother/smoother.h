@@ -71,34 +71,23 @@ struct Marker {
 };
 
 struct SmootherOptions {
-  double knot_spacing_s = 0.5;  // 1 s where there is no inertial data
   double gravity_mps2 = kStandardGravityMps2;
   ImuNoise imu;
   double acceleration_density = 1.0;  // (m/s2)^2/Hz, motion prior without inertial data; 4 for fixed wing
   double rotation_walk = 0.349;       // rad/sqrt(s), the same: 20 deg
   Eigen::Vector3d gnss_bias_sigma_m{1.0, 1.0, 1.8};
-  double gnss_bias_time_s = 120.0;
   Eigen::Vector3d attitude_bias_sigma_rad{0.01047, 0.01047, 0.0436};  // tilt, tilt, yaw: 0.6, 0.6, 2.5 deg
   double attitude_bias_time_s = 40.0;
   double baro_bias_walk = 0.0577;  // m/sqrt(s): 1 m over 300 s
   double baro_bias_first_sigma_m = 0.1;
   bool assume_level = false;     // no attitude: the body is level up to the attitude bias
   bool yaw_from_course = false;  // no yaw: the body points along its course up to the attitude bias
-  double course_min_speed_mps = 3.0;
-  double still_velocity_sigma_mps = 0.02;
-  double still_rotation_sigma_rad = 1.0e-4;
   double huber_sigmas = 3.0;
   // Priors of what is common to the flight; zero sigma = held.
   double tau_gnss_sigma_s = 0.0;
   double tau_camera_sigma_s = 0.0;
   double lever_gnss_sigma_m = 0.0;
   double boresight_sigma_rad = 0.0;
-  // The first knot, where nothing else says it.
-  double first_position_sigma_m = 1.0e4;
-  double first_velocity_sigma_mps = 30.0;
-  double first_tilt_sigma_rad = 0.5;
-  double first_yaw_sigma_rad = 2.0;
-  int max_iterations = 40;
 };
 
 struct SmootherInput {

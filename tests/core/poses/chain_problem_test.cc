@@ -103,7 +103,7 @@ struct Track {
 TEST(CourseEvidence, MeasuresHowWellTheNoseKeepsToTheCourse) {
   Track track;
   for (int k = 0; k < 40; ++k) track.Add(170.0, 170.0 + 6.0 * std::sin(0.2 * k));
-  const auto evidence = test::ValueOf(JudgeCourse(track.knots, track.times_s, 3.0));
+  const auto evidence = test::ValueOf(JudgeCourse(track.knots, track.times_s));
   EXPECT_NEAR(geo::RadToDeg(evidence.sigma_rad), 1.4826 * 6.0 / std::sqrt(2.0), 0.8);
   EXPECT_FALSE(evidence.runs_straight.front());
   EXPECT_TRUE(evidence.runs_straight[20]);
@@ -112,7 +112,7 @@ TEST(CourseEvidence, MeasuresHowWellTheNoseKeepsToTheCourse) {
 TEST(CourseEvidence, IsNoBetterThanTwoDegrees) {
   Track track;
   for (int k = 0; k < 40; ++k) track.Add(10.0, 10.0);
-  EXPECT_NEAR(JudgeCourse(track.knots, track.times_s, 3.0)->sigma_rad, 0.035, 1e-9);
+  EXPECT_NEAR(JudgeCourse(track.knots, track.times_s)->sigma_rad, 0.035, 1e-9);
 }
 
 TEST(CourseEvidence, SaysNothingOfFlightsSidewaysOrSlow) {
@@ -120,9 +120,9 @@ TEST(CourseEvidence, SaysNothingOfFlightsSidewaysOrSlow) {
   for (int k = 0; k < 40; ++k) sideways.Add(90.0, 1.0);
   for (int k = 0; k < 40; ++k) slow.Add(90.0, 90.0, 1.0);
   for (int k = 0; k < 9; ++k) few.Add(90.0, 90.0);
-  EXPECT_FALSE(JudgeCourse(sideways.knots, sideways.times_s, 3.0));
-  EXPECT_FALSE(JudgeCourse(slow.knots, slow.times_s, 3.0));
-  EXPECT_FALSE(JudgeCourse(few.knots, few.times_s, 3.0));
+  EXPECT_FALSE(JudgeCourse(sideways.knots, sideways.times_s));
+  EXPECT_FALSE(JudgeCourse(slow.knots, slow.times_s));
+  EXPECT_FALSE(JudgeCourse(few.knots, few.times_s));
 }
 
 TEST(CourseEvidence, LeavesTurnsOut) {
@@ -130,7 +130,7 @@ TEST(CourseEvidence, LeavesTurnsOut) {
   for (int k = 0; k < 20; ++k) track.Add(0.0, 0.0);
   for (int k = 0; k < 9; ++k) track.Add(20.0 * k, 180.0 - 20.0 * k);
   for (int k = 0; k < 20; ++k) track.Add(180.0, 180.0);
-  const auto evidence = test::ValueOf(JudgeCourse(track.knots, track.times_s, 3.0));
+  const auto evidence = test::ValueOf(JudgeCourse(track.knots, track.times_s));
   for (std::size_t k = 20; k < 29; ++k) EXPECT_FALSE(evidence.runs_straight[k]) << k;
   EXPECT_TRUE(evidence.runs_straight[10]);
   EXPECT_TRUE(evidence.runs_straight[40]);
