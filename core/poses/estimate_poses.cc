@@ -167,11 +167,11 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
   report.height_rule = part.takeoff.rule;
   report.heights_above_ellipsoid = part.takeoff.is_above_ellipsoid;
   report.series = std::move(part.placed.series);
-  report.knots = part.placed.knots;
-  report.iterations = part.placed.iterations;
+  report.knots = part.placed.smoothing.knots;
+  report.iterations = part.placed.smoothing.iterations;
   report.photos_by_log = static_cast<int>(posed.photos.size());
   report.method = "smoothed track of the log";
-  Append(std::move(part.placed.warnings), posed.warnings);
+  Append(std::move(part.placed.smoothing.warnings), posed.warnings);
   if (part.takeoff.assumption) {
     posed.assumptions.push_back(*std::move(part.takeoff.assumption));
     report.is_height_guessed = true;

@@ -108,9 +108,7 @@ Result<PlacedByLog> PlaceByLog(const FlightSources& whole, const geo::LocalFrame
   placed.photos = PlaceCameras(prepared, smoothed, ground_z_in_enu_m);
   placed.is_placed = prepared.is_placed;
   placed.series = prepared.notes;
-  placed.warnings = smoothed.report.warnings;
-  placed.knots = smoothed.report.knots;
-  placed.iterations = smoothed.report.iterations;
+  placed.smoothing = std::move(smoothed.report);
   for (std::size_t k = 0; k < placed.photos.size(); ++k) {
     PosedPhoto& pose = placed.photos[k];
     pose.photo = *photos[k].photo;

@@ -23,9 +23,7 @@ struct PlacedByLog {
   std::vector<PosedPhoto> photos;  // in the order of those given
   bool is_placed = true;           // false: reckoned from the frame's origin, which nothing placed
   std::vector<std::string> series;
-  std::vector<std::string> warnings;
-  int knots = 0;
-  int iterations = 0;
+  SmootherReport smoothing;
 };
 
 // `sources` has a log, `ground_z_in_enu_m` as above.
