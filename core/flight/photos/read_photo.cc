@@ -99,9 +99,8 @@ PictureOrigin OriginOf(const ImageHeader& header, const ExifRecord& exif, const 
                               header.exif.Find(ExifIfd::kImage, kTimeTag) != nullptr;
   if (is_of_exposure) origin.clock = exif.taken_at;
   origin.is_edited = NamesAnEditor(exif.software) || NamesAnEditor(xmp.Text("xmp:CreatorTool"));
-  const bool has_xmp = std::any_of(xmp.values().begin(), xmp.values().end(), [&](const auto& value) {
-    return StartsWithOneOf(value.first, kMakers);
-  });
+  const bool has_xmp = std::any_of(xmp.values().begin(), xmp.values().end(),
+                                   [&](const auto& value) { return StartsWithOneOf(value.first, kMakers); });
   origin.makers_records = static_cast<int>(header.exif.Find(ExifIfd::kExif, kMakerNoteTag) != nullptr) +
                           static_cast<int>(has_xmp) + static_cast<int>(!header.flir.empty());
   return origin;
