@@ -41,19 +41,22 @@ void MendSunlight(Captures& captures, std::vector<flight::Remark>& warnings) {
   std::size_t mended = 0;
   double most_times = 1.0;
   for (const auto& [band_and_camera, photos] : photos_of) {
-    std::vector<double> read;
-    for (const BandPhoto* photo : photos) read.push_back(*photo->facts.radiometry.sunlight);
+    std::vector<std::optional<double>> instead(photos.size());
     for (std::size_t k = 1; k + 1 < photos.size(); ++k) {
-      if (!AreNeighbours(photos[k - 1]->photo, photos[k]->photo) ||
-          !AreNeighbours(photos[k]->photo, photos[k + 1]->photo))
-        continue;
-      const auto instead = SunlightInstead(read[k - 1], read[k], read[k + 1]);
-      if (!instead) continue;
+      const BandPhoto &before = *photos[k - 1], &own = *photos[k], &after = *photos[k + 1];
+      if (!AreNeighbours(before.photo, own.photo) || !AreNeighbours(own.photo, after.photo)) continue;
+      instead[k] = SunlightInstead(*before.facts.radiometry.sunlight, *own.facts.radiometry.sunlight,
+                                   *after.facts.radiometry.sunlight);
+    }
+    for (std::size_t k = 1; k + 1 < photos.size(); ++k) {
+      // Between two that are off a true one stands alone too.
+      if (!instead[k] || instead[k - 1] || instead[k + 1]) continue;
       Radiometry& radiometry = photos[k]->facts.radiometry;
-      radiometry.per_level *= read[k] / *instead;
-      radiometry.sunlight = instead;
+      const double times = *radiometry.sunlight / *instead[k];
+      radiometry.per_level *= times;
+      radiometry.sunlight = instead[k];
       ++mended;
-      most_times = std::max({most_times, read[k] / *instead, *instead / read[k]});
+      most_times = std::max({most_times, times, 1.0 / times});
     }
   }
   if (mended == 0) return;

@@ -47,7 +47,7 @@ TEST(MendSunlight, AReadingFarOffItsNeighboursGivesWayToThem) {
 TEST(MendSunlight, LightThatChangesStaysAsItWasMeasured) {
   for (const std::vector<double>& sunlight :
        {std::vector{1.0, 1.0, 0.4, 0.4, 0.4, 1.0}, std::vector{1.0, 0.55, 1.0}, std::vector{1.0, 0.3, 0.8},
-        std::vector{3.0, 1.0, 1.0}, std::vector{1.0}}) {
+        std::vector{3.0, 1.0, 1.0}, std::vector{1.0, 1.0, 3.0, 1.0, 3.0, 1.0, 1.0}, std::vector{1.0}}) {
     Captures captures = Under(sunlight);
     std::vector<flight::Remark> warnings;
     MendSunlight(captures, warnings);
