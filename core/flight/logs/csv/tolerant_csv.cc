@@ -101,6 +101,8 @@ std::vector<std::string_view> ZonesOfRows(const CsvHeader& header, LineReader li
   while (seen.size() < kMaxLookedUp && NextRow(lines, header.separator, cells)) {
     if (at >= cells.size() || cells[at].empty() || IsOneOf(cells[at], seen)) continue;
     seen.push_back(cells[at]);
+    // A number alone is one of fields, though it may be the code of a system as well.
+    if (cells[at].find_first_not_of("0123456789") == std::string_view::npos) continue;
     const auto system = geo::ReferenceSystem::Parse(cells[at]);
     if (!system || system->is_geographic() || IsOneOf(system->definition(), systems)) continue;
     systems.push_back(system->definition());

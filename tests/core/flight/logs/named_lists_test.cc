@@ -53,8 +53,11 @@ TEST(NamedLists, AColumnOfZonesNamesTheSystem) {
   EXPECT_EQ(WhyOf(several.error()).code, RemarkCode::kListOfSeveralZones);
   const FlightLog named = ReadList("EPSG:25832\nimage,easting,northing,zone\n" + rows);
   EXPECT_EQ(named.written_system, "EPSG:25832") << "above the rows";
-  const FlightLog of_field = ReadList("image,easting,northing,zone\na.jpg,576667.1,5188164.6,Lisbon\n");
-  EXPECT_TRUE(of_field.written_system.empty()) << "of a field, say";
+  for (const char* field : {"Lisbon", "25832"}) {
+    const FlightLog of_field =
+        ReadList(std::string("image,easting,northing,zone\na.jpg,576667.1,5188164.6,") + field + "\n");
+    EXPECT_TRUE(of_field.written_system.empty()) << field;
+  }
 }
 
 TEST(NamedLists, ReadsWhatMetashapeExportsInAProjectedSystem) {
