@@ -416,8 +416,9 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
         {RemarkCode::kFailNoneWhereRecorded, {{"left", FirstImplausible({first, posed.left_out.end()})}}});
   }
   const geo::Wgs84& origin = posed.frame.origin();
-  TellLackOfGeoid(geo::GeoidHeightM({origin.lat_deg, origin.lon_deg}), tie.photos, log ? &log->log : nullptr,
-                  dem_zero == DemZero::kSeaLevel, posed);
+  const bool is_by_log = log && posed.report.photos_by_log > 0;
+  TellLackOfGeoid(geo::GeoidHeightM({origin.lat_deg, origin.lon_deg}), tie.photos,
+                  is_by_log ? &log->log : nullptr, dem_zero == DemZero::kSeaLevel, posed);
   posed.report.is_placed = posed.is_placed;
   std::sort(posed.left_out.begin(), posed.left_out.end(),
             [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
