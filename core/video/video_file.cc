@@ -178,7 +178,9 @@ Result<VideoFile> VideoFile::Open(const std::filesystem::path& path, int threads
                                                    {"height_px", facts.height_px},
                                                    {"most_side_px", kMaxFrameSidePx}}});
   }
-  if (streams->format->duration > 0)
+  if (stream.duration > 0)
+    facts.duration_s = static_cast<double>(stream.duration) * av_q2d(stream.time_base);
+  else if (streams->format->duration > 0)
     facts.duration_s = static_cast<double>(streams->format->duration) / AV_TIME_BASE;
   facts.created_at = CreatedAt(*streams->format);
   VideoFile file(std::move(streams));

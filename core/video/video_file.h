@@ -22,7 +22,7 @@ inline constexpr double kLongestFilmS = 86'400.0;  // what says that it lasts lo
 
 struct VideoFacts {
   int width_px = 0, height_px = 0;
-  double duration_s = 0.0;                    // 0: not said
+  double duration_s = 0.0;                    // of the pictures, else of the whole film; 0: not said
   std::optional<flight::UtcTime> created_at;  // when it began or ended, by a clock of whatever zone
 };
 
