@@ -91,7 +91,7 @@ export function keepToken(text) {
 
 /** The page anew, with its token: by its address, which takeSharedToken clears at once, where the browser keeps none. */
 export function reloadWithToken() {
-  if ((keptIn('sessionStorage') ?? keptIn('localStorage')) !== token()) history.replaceState(null, '', withToken(location.hash || '#/', token()));
+  if ((keptIn('sessionStorage') ?? keptIn('localStorage') ?? '') !== token()) history.replaceState(null, '', withToken(location.hash || '#/', token()));
   location.reload();
 }
 
