@@ -232,7 +232,7 @@ TEST(PreviewMessages, ComeAsTheyWereSentAndNothingElse) {
   const auto asked = test::ValueOf(ParseRequest(ToText(request)));
   EXPECT_EQ(asked.fresh[0].stored_name, id);
   EXPECT_EQ(asked.preview->bounds, preview.bounds);
-  const Result<bool> drawn = ParsePreviewMessage(ToText(PreviewMessage(PreviewDrawn{preview, {id}})));
+  const auto drawn = ParsePreviewMessage(ToText(PreviewMessage(PreviewDrawn{preview, {id}})));
   ASSERT_TRUE(drawn) << drawn.error().detail;
   EXPECT_EQ(std::get<PreviewDrawn>(*drawn).preview->photos, 3);
   const auto begun = test::ValueOf(ParsePreviewMessage(ToText(PreviewMessage(PhotoBegun{id}))));
