@@ -97,7 +97,7 @@ Cbor OfFeatures(const alignment::PhotoFeatures& features) {
           {"height_px", features.thumbnail.height_px},
           {"grey", CborOfValues<Cbor>(features.thumbnail.grey)},
           {"sigma_px", features.sigma_px},
-          {"detail", CborOfValues<Cbor>(features.detail.cells)},
+          {"detail", CborOfValues<Cbor>(features.detail)},
           {"decode_s", features.decode_s},
           {"detect_s", features.detect_s}};
 }
@@ -109,12 +109,12 @@ alignment::PhotoFeatures ToFeatures(const Cbor& json) {
   features.thumbnail = {json.at("width_px"), json.at("height_px"),
                         ValuesOfCbor<std::uint8_t>(json.at("grey"))};
   features.sigma_px = json.at("sigma_px");
-  features.detail.cells = ValuesOfCbor<alignment::DetailCell>(json.at("detail"));
+  features.detail = ValuesOfCbor<alignment::DetailCell>(json.at("detail"));
   features.decode_s = json.at("decode_s");
   features.detect_s = json.at("detect_s");
   const auto& thumbnail = features.thumbnail;
   constexpr int kMaxSidePx = 1 << 14;
-  const std::size_t cells = features.detail.cells.size();
+  const std::size_t cells = features.detail.size();
   constexpr std::size_t kWholeDetail = std::size_t{alignment::kDetailCells} * alignment::kDetailCells;
   if (cells != 0 && cells != kWholeDetail) ThrowOfFound("the detail of a picture is not of its size");
   if (features.keypoints.size() > alignment::kMaxKeypoints)

@@ -207,7 +207,9 @@ TEST(MapTolerantColumns, ReadsUnitsBehindNamesInAnyCase) {
     for (const std::string_view header : c.headers) {
       const CsvColumn column = MapTolerantColumns({header}).at(0);
       EXPECT_EQ(column.meaning, c.meaning) << header;
-      if (c.meaning != M::kIgnored) EXPECT_DOUBLE_EQ(column.scale, c.scale) << header;
+      if (c.meaning != M::kIgnored) {
+        EXPECT_DOUBLE_EQ(column.scale, c.scale) << header;
+      }
     }
   }
 }
