@@ -32,6 +32,7 @@ constexpr AsideFacts kAsides[] = {
     {Aside::kThermal, ErrorCode::kUnprocessable, RemarkCode::kLeftThermal, "camera"},
     {Aside::kVisible, ErrorCode::kUnprocessable, RemarkCode::kLeftVisible, "camera"},
     {Aside::kOtherTags, ErrorCode::kConflict, RemarkCode::kLeftOtherTags, "other"},
+    {Aside::kMap, ErrorCode::kUnsupportedFormat, RemarkCode::kLeftMap, ""},
 };
 
 const AsideFacts& FactsOf(Aside why) {
@@ -201,6 +202,14 @@ std::optional<Error> WhyRaw(const ExifTable& first, ByteSource& source) {
   }
   if (IsReduced(first) && has_larger) return AsideError(Aside::kThumbnailFirst, "");
   return std::nullopt;
+}
+
+std::optional<Error> WhyMap(const ExifTable& tags) {
+  constexpr std::uint16_t kLatitudeOfGps = 2;
+  const bool is_of_camera = tags.Find(ExifIfd::kImage, kMakeOfTiff) != nullptr ||
+                            tags.Find(ExifIfd::kGps, kLatitudeOfGps) != nullptr;
+  if (is_of_camera || !IsGeoTiff(tags)) return std::nullopt;
+  return AsideError(Aside::kMap, "");
 }
 
 std::optional<Error> WhyPanorama(int width_px, int height_px, const XmpTags& xmp) {

@@ -28,6 +28,7 @@ enum class Aside {
   kThermal = 8,         // beside visible pictures; `of` and `instead` as above
   kVisible = 9,         // beside more thermal pictures; the same
   kOtherTags = 10,      // `of`: the file of the same picture whose tags are used
+  kMap = 11,            // a GeoTIFF that no camera wrote
 };
 
 // The reason as an error of reading it, and as an entry of a flight's list.
@@ -56,6 +57,9 @@ BoxedPicture BoxedPictureOf(std::string_view head);
 // Why a TIFF, of which `first` are the tags, holds no picture as others hold it; nothing for a photo. Looks
 // at 16 directories, and only of a TIFF whose first is a thumbnail or has others below it.
 std::optional<Error> WhyRaw(const ExifTable& first, ByteSource& source);
+
+// Why a TIFF of these tags is a map, of this program or of others, and no photo.
+std::optional<Error> WhyMap(const ExifTable& tags);
 
 std::optional<Error> WhyPanorama(int width_px, int height_px, const XmpTags& xmp);
 

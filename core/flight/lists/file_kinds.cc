@@ -9,10 +9,9 @@
 namespace skyquilt::flight {
 namespace {
 
-// TIFF 6.0; GeoTIFF 1.1 (OGC 19-008r4).
+// TIFF 6.0.
 constexpr std::uint16_t kSamplesPerPixel = 277;
 constexpr std::uint16_t kSampleFormat = 339;
-constexpr std::uint16_t kGeoKeyDirectory = 34735;
 constexpr double kSigned = 2.0;
 constexpr double kFloatingPoint = 3.0;
 
@@ -21,7 +20,7 @@ constexpr double kFloatingPoint = 3.0;
 bool IsElevationModel(ByteSource& source) {
   if (!IsTiff(source.ReadUpTo(0, 4))) return false;
   const Result<ExifTable> tags = ReadTiffTags(source);
-  if (!tags || tags->Find(ExifIfd::kImage, kGeoKeyDirectory) == nullptr) return false;
+  if (!tags || !IsGeoTiff(*tags)) return false;
   const double format = tags->Number(ExifIfd::kImage, kSampleFormat).value_or(1.0);
   return tags->Number(ExifIfd::kImage, kSamplesPerPixel).value_or(1.0) == 1.0 &&
          (format == kSigned || format == kFloatingPoint);

@@ -89,6 +89,11 @@ bool IsTiff(std::span<const std::uint8_t> head) {
   return is_little || is_big;
 }
 
+bool IsGeoTiff(const ExifTable& table) {
+  constexpr std::uint16_t kGeoKeyDirectory = 34735;
+  return table.Find(ExifIfd::kImage, kGeoKeyDirectory) != nullptr;
+}
+
 const ExifValue* ExifTable::Find(ExifIfd ifd, std::uint16_t tag) const {
   const auto it = values_.find({ifd, tag});
   return it == values_.end() ? nullptr : &it->second;

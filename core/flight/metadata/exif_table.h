@@ -67,6 +67,9 @@ class ExifTable {
   std::map<std::pair<ExifIfd, std::uint16_t>, ExifValue> values_;
 };
 
+// Whether a TIFF says where on Earth it lies, as maps do (GeoTIFF 1.1, OGC 19-008r4).
+bool IsGeoTiff(const ExifTable& table);
+
 // By the first four bytes; BigTIFF too.
 bool IsTiff(std::span<const std::uint8_t> head);
 

@@ -103,6 +103,7 @@ Result<ImageHeader> ReadTiff(ByteSource& source) {
   constexpr std::uint16_t kWidth = 0x0100, kHeight = 0x0101;
   SKYQUILT_TRY_ASSIGN(auto table, ReadTiffTags(source));
   if (auto raw = WhyRaw(table, source)) return *std::move(raw);
+  if (auto map = WhyMap(table)) return *std::move(map);
   const auto width = table.Number(ExifIfd::kImage, kWidth);
   const auto height = table.Number(ExifIfd::kImage, kHeight);
   if (!width || !height || *width < 1.0 || *height < 1.0) {

@@ -451,6 +451,18 @@ TEST(WhyRaw, KnowsRawPicturesByTheirContent) {
   }
 }
 
+TEST(WhyMap, KnowsGeoTiffsThatNoCameraWrote) {
+  constexpr std::uint16_t kGeoKeyDirectory = 34735;
+  const auto refused = [](const ExifWriter& tags) {
+    return Refused(TiffImage(tags, 32, 24, Bytes(32 * 24 * 3, 5)));
+  };
+  const ExifWriter map = ExifWriter().Short(ExifIfd::kImage, kGeoKeyDirectory, 1);
+  EXPECT_THAT(refused(map), HasSubstr("a map (a GeoTIFF"));
+  EXPECT_EQ(refused(ExifWriter(map).Ascii(ExifIfd::kImage, 0x010F, "Parrot")), "");
+  EXPECT_EQ(refused(ExifWriter(map).Position(46.5, 7.5)), "");
+  EXPECT_EQ(refused(ExifWriter()), "");
+}
+
 TEST(WhyRaw, KnowsFormatsByTheirMarks) {
   using namespace std::string_literals;
   for (const auto& [head, format] : {std::pair("FUJIFILMCCD-RAW 0201"s, "RAF"s),

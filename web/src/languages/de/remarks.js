@@ -345,6 +345,7 @@ export const remark_words = {
   left_panorama: () => 'Ein Panorama: Eine Karte entsteht aus einzelnen Fotos. Fügen Sie diese hinzu.',
   left_raw_picture: (v) => `Ein Rohbild (${v.format}). Fügen Sie das JPEG hinzu, das die Kamera daneben gespeichert hat, oder exportieren Sie es als JPEG oder TIFF mit seinen Metadaten.`,
   left_thumbnail_first: () => 'Das erste Bild in diesem TIFF ist ein Vorschaubild eines größeren, wie in Rohbildern. Fügen Sie das JPEG der Kamera hinzu oder exportieren Sie es als JPEG oder TIFF mit seinen Metadaten.',
+  left_map: () => 'Eine Karte (ein GeoTIFF, das nicht von einer Kamera stammt), kein Foto. Importieren Sie sie als eigene Karte; Bodenhöhen müssen Gleitkommazahlen oder ganze Zahlen mit Vorzeichen sein.',
   left_copy: (v) => `Eine Kopie von ${v.other}, das verwendet wird.`,
   left_older_metadata: (v) => `Die Datei vor einer Änderung ihrer Metadaten; verwendet wird ${v.other} mit den neuen.`,
   left_other_tags: (v) => `Dasselbe Bild wie ${v.other} mit anderen Angaben; verwendet wird jenes: Seine Position ist mindestens so gut aufgezeichnet.`,

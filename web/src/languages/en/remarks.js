@@ -344,6 +344,7 @@ export const remark_words = {
   left_panorama: () => 'A panorama: a map is made of single photos. Add those instead.',
   left_raw_picture: (v) => `A raw picture (${v.format}). Add the JPEG that the camera saved beside it, or export it as JPEG or TIFF, keeping the metadata.`,
   left_thumbnail_first: () => 'The first picture in this TIFF is a thumbnail of a larger one, as in raw pictures. Add the JPEG of the camera, or export it as JPEG or TIFF, keeping the metadata.',
+  left_map: () => 'A map (a GeoTIFF that no camera wrote), no photo. Import it as a map of its own; heights of the ground must be floating-point or signed whole numbers.',
   left_copy: (v) => `A copy of ${v.other}, which is used.`,
   left_older_metadata: (v) => `The file before its metadata were changed; ${v.other} with the new metadata is used.`,
   left_other_tags: (v) => `The same picture as ${v.other}, with other tags; that one is used: its position is recorded at least as well.`,
