@@ -10,6 +10,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/text/file_names.h"
 #include "core/base/text/printable.h"
+#include "core/base/try.h"
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
 #include "core/flight/lists/sort_files.h"
@@ -212,7 +213,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<void> WalkFolder(const fs::path& folder, std::vector<fs::path>& found) {
+Result<std::vector<fs::path>> WalkFolder(const fs::path& folder) {
   std::error_code error;
   fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
   std::vector<fs::path> paths;
@@ -230,13 +231,13 @@ Result<void> WalkFolder(const fs::path& folder, std::vector<fs::path>& found) {
                  "The folder " + folder.string() + " cannot be read: " + error.message() + ".", ""};
   }
   std::sort(paths.begin(), paths.end());
-  found.insert(found.end(), paths.begin(), paths.end());
-  return {};
+  return paths;
 }
 
 }  // namespace
 
-Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths) {
+Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths,
+                                              const PassesOver& passes_over) {
   std::vector<fs::path> found;
   for (const fs::path& path : paths) {
     std::error_code error;
@@ -245,8 +246,10 @@ Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths
       return Error{ErrorCode::kNotFound, "There is no file or folder " + path.string() + ".", ""};
     if (!fs::is_directory(status)) {
       found.push_back(path);
-    } else if (auto walked = WalkFolder(path, found); !walked) {
-      return walked.error();
+    } else {
+      SKYQUILT_TRY_ASSIGN(std::vector<fs::path> walked, WalkFolder(path));
+      if (passes_over) std::erase_if(walked, [&](const fs::path& file) { return passes_over(file, path); });
+      found.insert(found.end(), walked.begin(), walked.end());
     }
   }
   std::vector<InputFile> files;

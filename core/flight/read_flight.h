@@ -7,6 +7,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -16,8 +17,12 @@
 
 namespace skyquilt::flight {
 
+// Which files of a folder that is walked (`root`) are none of a flight, whatever they hold.
+using PassesOver = std::function<bool(const std::filesystem::path& file, const std::filesystem::path& root)>;
+
 // Folders are walked (sorted, hidden files skipped); files are taken as they are.
-Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem::path>& paths);
+Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem::path>& paths,
+                                              const PassesOver& passes_over = {});
 
 // `threads`: 0 for all cores.
 Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Progress& progress);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "core/base/digest.h"
 #include "core/base/text/printable.h"
+#include "core/flight/read_flight.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/render/map_layer.h"
 #include "server/inputs/film_frames.h"
@@ -149,6 +151,19 @@ Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::I
                  fmt::format("has the finished map of other photos: {} of its {} photos are not among "
                              "those given (first {}). To add photos to it, say --append.",
                              missing.photos.size(), facts->flight.photos.size(), missing.photos.front()));
+}
+
+Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<fs::path>& inputs) {
+  const std::vector<std::string> names = ProductNames();
+  return flight::ListInputFiles(inputs, [&](const fs::path& file, const fs::path& root) {
+    std::error_code none;  // what is gone is of no map
+    const fs::path folder = file.parent_path();
+    if (IsFrameOf(folder.parent_path(), {"", file})) return !fs::equivalent(root, folder, none);
+    const std::string name = file.filename().string();
+    const bool is_named_so =
+        name.starts_with("mosaic.state") || std::find(names.begin(), names.end(), name) != names.end();
+    return is_named_so && fs::exists(folder / "mosaic.state", none);
+  });
 }
 
 Result<void> CheckNoInputIsReplaced(const fs::path& out_dir, const std::vector<flight::InputFile>& files) {

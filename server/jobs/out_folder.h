@@ -17,6 +17,11 @@ namespace skyquilt::server {
 Result<void> CheckOutFolder(const std::filesystem::path& out_dir, const std::vector<flight::InputFile>& files,
                             const pipeline::MosaicOptions& options);
 
+// What is given of a flight, without what lies in its folders of maps that were made there: products beside
+// their mosaic.state, and frames of films. They would pass for photos, positions and heights of the flight. A
+// file that is given by itself counts, as does a folder of frames. Errors: kNotFound, kIo.
+Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<std::filesystem::path>& inputs);
+
 // Even where the user said to overwrite: no file that the map is to be made from. Errors: kConflict.
 Result<void> CheckNoInputIsReplaced(const std::filesystem::path& out_dir,
                                     const std::vector<flight::InputFile>& files);

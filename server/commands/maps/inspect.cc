@@ -8,6 +8,7 @@
 #include "core/pipeline/inspect_flight.h"
 #include "server/commands/commands.h"
 #include "server/inputs/open_elevation_model.h"
+#include "server/jobs/out_folder.h"
 #include "server/terminal/fail.h"
 
 namespace skyquilt::server {
@@ -19,7 +20,7 @@ struct InspectArguments {
 };
 
 void Run(const InspectArguments& arguments) {
-  const auto files = OrFail("skyquilt", flight::ListInputFiles(arguments.inputs));
+  const auto files = OrFail("skyquilt", FilesOfFlight(arguments.inputs));
   SilentProgress progress;
   const auto elevations = OrFail("skyquilt", OpenElevationModel("", files));
   auto verdict = OrFail("skyquilt", pipeline::InspectFlight(files, {}, progress, elevations.source.get()));

@@ -189,7 +189,7 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_kmz = arguments.kmz || is_wanted(OtherFormat::kKmz, "mosaic.kmz");
   if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
     Fail("skyquilt", possible.error());
-  auto files = OrFail("skyquilt", flight::ListInputFiles(arguments.inputs));
+  auto files = OrFail("skyquilt", FilesOfFlight(arguments.inputs));
   if (arguments.append) {
     AddFinishedFiles(arguments.out_dir, files);
     OrFail("skyquilt", TakeOptionsOfMap(arguments.out_dir, arguments.said, arguments.job.mosaic));

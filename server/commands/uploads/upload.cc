@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/base/text/printable.h"
-#include "core/flight/read_flight.h"
 #include "server/commands/arguments.h"
 #include "server/commands/commands.h"
+#include "server/jobs/out_folder.h"
 #include "server/terminal/fail.h"
 #include "storage/tags/flight_tags.h"
 
@@ -27,7 +27,7 @@ struct UploadArguments {
 
 void Run(UploadArguments& arguments) {
   UploadOptions& options = arguments.options;
-  const auto files = OrFail(kCommandName, flight::ListInputFiles(arguments.inputs));
+  const auto files = OrFail(kCommandName, FilesOfFlight(arguments.inputs));
   if (options.name.empty()) options.name = NameOfInput(arguments.inputs.front());
   options.server.patience = std::chrono::seconds(arguments.patience_s);
   options.makes_map = !arguments.no_map;

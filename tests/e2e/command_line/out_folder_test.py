@@ -133,6 +133,21 @@ class OutFolder(ScratchCase):
         self.assertEqual(self.stitch(self.scratch / "one", out).returncode, 0)
         self.assertEqual((out / "notes.txt").read_text(), "mine")
 
+    def test_a_map_among_its_photos_is_none_of_the_flight(self):
+        photos = self.scratch / "with_map"
+        shutil.copytree(self.scratch / "one", photos)
+        self.stitch(photos, photos / "map", "--formats", "utm", code=0)
+        first = report_of(photos / "map")
+        # Its positions (geo.txt), pictures and heights came from these photos: they say nothing more of them.
+        for out in (photos / "map", photos / "again"):
+            self.stitch(photos, out, code=0)
+            again = report_of(out)
+            self.assertEqual(again["photos"], first["photos"])
+            self.assertFalse([line for line in again["warnings"] if "geo.txt" in line], again["warnings"])
+        self.assertNotIn("geo.txt", run("inspect", photos).stdout)
+        # Given by itself it is a list as any other.
+        self.assertIn("geo.txt", run("inspect", photos, photos / "map" / "geo.txt").stdout)
+
     def test_a_file_that_is_read_is_never_replaced(self):
         photos = self.scratch / "with_geo"
         shutil.copytree(self.scratch / "one", photos)
