@@ -13,6 +13,7 @@
 #include "core/base/try.h"
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
+#include "core/flight/lists/file_kinds.h"
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/metadata/capture_time.h"
@@ -193,7 +194,9 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Prog
   TakePositionsFromSidecars(sorted.sidecars, flight.photos, flight.warnings);
   LeaveOutRetagged(flight.photos, flight.left_out);
   LeaveOutCopies(flight.photos, flight.left_out);
-  for (const InputFile& film : sorted.films) {
+  std::vector<InputFile> films = sorted.films;
+  if (auto previews = LeaveOutFilmPreviews(films)) flight.warnings.push_back(*std::move(previews));
+  for (const InputFile& film : films) {
     flight.films.push_back(film.name);
     flight.warnings.push_back({RemarkCode::kFilm, {{"file", film.name}}});
   }

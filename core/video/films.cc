@@ -134,9 +134,13 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
   std::set<std::string> stems, films_stems;
   std::optional<std::string> without_place;  // the first film of which nothing says where it was taken
   std::vector<flight::InputFile> taken_files;
-  const std::map<fs::path, Filmed> filmed = WhenFilmed(films);
+  std::vector<flight::InputFile> true_films = films;
+  if (auto previews = flight::LeaveOutFilmPreviews(true_films))
+    result.warnings.push_back(*std::move(previews));
+  for (const flight::InputFile& film : films) used.insert(film.path);
+  const std::map<fs::path, Filmed> filmed = WhenFilmed(true_films);
   std::vector<flight::Remark> timed_by_creation;
-  for (const flight::InputFile& film : films) {
+  for (const flight::InputFile& film : true_films) {
     films_stems.insert(Stem(film));
     const auto beside = subtitles.find(Stem(film));
     const std::optional<flight::InputFile> srt =
@@ -147,7 +151,6 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
     Result<TakenFrames> taken = TakeFrames(WithNameOfItsOwn(film, stems), srt, folder, its_options, progress);
     if (!taken && (taken.error().code == ErrorCode::kCancelled || taken.error().code == ErrorCode::kIo))
       return taken.error();
-    used.insert(film.path);
     if (!taken) {
       result.warnings.push_back(flight::WhyOf(taken.error()));
       continue;

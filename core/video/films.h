@@ -3,7 +3,8 @@
 // of its frames and are not read again; those of no film's name are named where a film lacks its own. Frames
 // have the time that the films' names say where each film has one, else that of the creation, which is named
 // where a log is to place them. A film that cannot be read is named with its reason, and the others go on.
-// Two films of one name keep apart by a number. Errors: kCancelled, kIo.
+// Two films of one name keep apart by a number; small copies that cameras write beside films (.LRF) are left
+// out. Errors: kCancelled, kIo.
 #pragma once
 
 #include <filesystem>

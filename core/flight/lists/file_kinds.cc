@@ -1,8 +1,11 @@
 #include "core/flight/lists/file_kinds.h"
 
 #include <algorithm>
+#include <iterator>
+#include <string>
 
 #include "core/flight/aside/aside.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/metadata/exif_table.h"
 #include "core/flight/remarks/because.h"
 
@@ -51,6 +54,18 @@ std::vector<InputFile> ElevationModelsAmong(const std::vector<InputFile>& files)
 bool LooksLikeFilm(std::string_view head) {
   if (head.size() < kFilmHeadBytes || head.substr(4, 4) != "ftyp") return false;
   return BoxedPictureOf(head) == BoxedPicture::kNone && head.substr(8, 4) != "crx ";
+}
+
+std::optional<Remark> LeaveOutFilmPreviews(std::vector<InputFile>& films) {
+  const auto previews = std::stable_partition(films.begin(), films.end(), [](const InputFile& film) {
+    const std::string name = LowerCase(film.name);
+    return !name.ends_with(".lrf") && !name.ends_with(".lrv");
+  });
+  if (previews == films.begin() || previews == films.end()) return std::nullopt;
+  Remark left{RemarkCode::kFilmPreviews,
+              {{"files", std::distance(previews, films.end())}, {"file", previews->name}}};
+  films.erase(previews, films.end());
+  return left;
 }
 
 }  // namespace skyquilt::flight

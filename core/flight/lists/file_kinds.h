@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/input_file.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
@@ -27,5 +29,9 @@ std::vector<InputFile> ElevationModelsAmong(const std::vector<InputFile>& files)
 // container (HEIC, AVIF, CR3) are none.
 inline constexpr std::size_t kFilmHeadBytes = 12;
 bool LooksLikeFilm(std::string_view head);
+
+// Takes out what cameras write as small copies beside their films (.LRF, .LRV) where a film is left, and says
+// so; nothing where there are none, or nothing else.
+std::optional<Remark> LeaveOutFilmPreviews(std::vector<InputFile>& films);
 
 }  // namespace skyquilt::flight

@@ -86,6 +86,15 @@ TEST(ReadFlight, LeavesOutBadFilesWithTheirReasonsAndKeepsTheRest) {
   EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("1 of 2 photos carry no usable position")));
 }
 
+TEST(ReadFlight, SaysThatSmallCopiesBesideFilmsAreNotUsed) {
+  const Bytes film{0, 0, 0, 32, 'f', 't', 'y', 'p', 'i', 's', 'o', 'm'};
+  const TemporaryFolder folder;
+  for (const char* name : {"DJI_0001.LRF", "DJI_0001.MP4", "GL010002.lrv"}) folder.Write(name, film);
+  const Flight flight = Read(folder);
+  EXPECT_EQ(flight.films, std::vector<std::string>{"DJI_0001.MP4"});
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("2 films (DJI_0001.LRF first) are not used")));
+}
+
 TEST(ReadFlight, KeepsTwoPhotosOfOneNameAndDropsTrueDoubles) {
   const TemporaryFolder folder;
   folder.Write("100/DJI_0001.JPG", PhotoAt(1.0, "2021:06:03 12:00:00"));

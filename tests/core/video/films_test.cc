@@ -210,6 +210,24 @@ TEST_F(FilmsTest, AreToldFromOtherFiles) {
   EXPECT_TRUE(FilmsAmong({File("photo.jpg"), File("log.srt"), File("missing.jpg")}).empty());
 }
 
+// As DJI writes beside each film; alone it is all there is.
+TEST_F(FilmsTest, LeaveOutSmallCopiesBesideThem) {
+  const std::filesystem::path film = folder_.path() / "DJI_0001.MP4";
+  if (!WriteFilm(film, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
+  ASSERT_NO_FATAL_FAILURE(SetCreation(film, kFilmedAt));
+  std::filesystem::copy_file(film, folder_.path() / "DJI_0001.LRF");
+  const auto given = test::ValueOf(Replace({File("DJI_0001.LRF"), File("DJI_0001.MP4")}));
+  ASSERT_EQ(given.sources.size(), 1U);
+  EXPECT_EQ(given.sources[0].name, "DJI_0001.MP4");
+  ASSERT_EQ(given.warnings.size(), 1U);
+  EXPECT_EQ(given.warnings[0].code, flight::RemarkCode::kFilmPreviews);
+  EXPECT_EQ(given.files.front().name, "DJI_0001_000000.jpg");
+  EXPECT_TRUE(PhotosOf(given).front().captured_at);
+  const auto alone = test::ValueOf(Replace({File("DJI_0001.LRF")}));
+  ASSERT_EQ(alone.sources.size(), 1U);
+  EXPECT_EQ(alone.sources[0].name, "DJI_0001.LRF");
+}
+
 TEST_F(FilmsTest, NamesAFilmThatCannotBeReadAndGoesOn) {
   folder_.Write("broken.mp4", std::string("\0\0\0\x18"
                                           "ftypmp42",

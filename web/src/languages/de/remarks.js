@@ -35,6 +35,7 @@ export const remark_words = {
   elevation_model_unit: (v) => `${v.file} gibt seine Höhen in einer unbekannten Einheit an, ${v.unit}; sie werden als Meter verwendet.`,
   elevation_model_not_read: (v) => `${v.file} wird nicht für die Höhen des Bodens verwendet. ${v.why}`,
   film: (v) => `${v.file} ist ein Video. Einzelbilder daraus werden Fotos, wenn die Karte erstellt wird.`,
+  film_previews: (v) => `${count(v.files, { one: 'Video wird', other: 'Videos werden' })} nicht verwendet (zuerst ${v.file}): Kameras speichern .LRF und .LRV als kleine Kopien ihrer Videos.`,
   no_bands_for_list: (v) => `${unused(v)}Der Flug hat keine Fotos mehrerer Kanäle.`,
   panel_rows_name_no_photo: (v) => `${v.file}: ${count(v.rows, { one: 'Zeile nennt', other: 'Zeilen nennen' })} keines der Fotos (die erste: ${v.first}); was dort zu Kalibriertafeln steht, wird nicht verwendet.`,
   photos_without_position: (v) => `${some(v)} ohne brauchbare Position.`,

@@ -34,6 +34,7 @@ export const remark_words = {
   elevation_model_unit: (v) => `${v.file} states its heights in a unit that is not known, ${v.unit}; they are taken as metres.`,
   elevation_model_not_read: (v) => `${v.file} is not used for the ground heights. ${v.why}`,
   film: (v) => `${v.file} is a video. Frames of it become photos when the map is made.`,
+  film_previews: (v) => `${count(v.files, { one: 'video is', other: 'videos are' })} not used (${v.file} first): cameras save .LRF and .LRV as small copies of their videos.`,
   no_bands_for_list: (v) => `${unused(v)}the flight has no photos of several bands.`,
   panel_rows_name_no_photo: (v) => `${v.file}: ${count(v.rows, { one: 'row names', other: 'rows name' })} none of the photos (the first is ${v.first}); what is said there of calibration panels is not used.`,
   photos_without_position: (v) => `${some(v)} have no usable position.`,
