@@ -204,6 +204,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Prog
   std::sort(flight.photos.begin(), flight.photos.end(), ComesBefore);
   KeepOneCamera(flight);
   TakeCorrectedHeights(flight.photos, flight.warnings);
+  DropAltitudesOfZero(flight.photos, flight.warnings);
   std::sort(flight.left_out.begin(), flight.left_out.end(),
             [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
   WarnAboutFlight(timed_by_name, flight);

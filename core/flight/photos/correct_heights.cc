@@ -196,4 +196,24 @@ void TakeCorrectedHeights(std::vector<Photo>& photos, std::vector<Remark>& warni
                        {"zero", Remark(zero.told_by)}}});
 }
 
+void DropAltitudesOfZero(std::vector<Photo>& photos, std::vector<Remark>& warnings) {
+  constexpr std::size_t kFewestZeros = 3;
+  std::size_t zeros = 0;
+  for (const Photo& photo : photos) {
+    if (!photo.position) continue;
+    for (const auto& height_m : {photo.position->height_amsl_m, photo.position->height_ellipsoid_m}) {
+      if (!height_m) continue;
+      if (*height_m != 0.0) return;
+      ++zeros;
+    }
+  }
+  if (zeros < kFewestZeros) return;
+  for (Photo& photo : photos) {
+    if (!photo.position) continue;
+    photo.position->height_amsl_m.reset();
+    photo.position->height_ellipsoid_m.reset();
+  }
+  warnings.push_back({RemarkCode::kAltitudesOfZero, {{"photos", zeros}}});
+}
+
 }  // namespace skyquilt::flight

@@ -21,4 +21,8 @@ namespace skyquilt::flight {
 // are in the order in which they were taken.
 void TakeCorrectedHeights(std::vector<Photo>& photos, std::vector<Remark>& warnings);
 
+// Programs that know no altitude write 0, as cameras without one do. Where all photos have it, three or more,
+// none counts: the ground would lie a flight height below the sea. Says so in `warnings`.
+void DropAltitudesOfZero(std::vector<Photo>& photos, std::vector<Remark>& warnings);
+
 }  // namespace skyquilt::flight

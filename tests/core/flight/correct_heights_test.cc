@@ -173,5 +173,29 @@ TEST(TakeCorrectedHeights, HoldsForAFlightThatIsRead) {
             1);
 }
 
+TEST(DropAltitudesOfZero, TakesThemForUnknownWhereAllPhotosHaveThem) {
+  const auto altitudes_after = [](const std::vector<std::optional<double>>& altitudes_m) {
+    std::vector<Photo> photos(altitudes_m.size());
+    for (std::size_t i = 0; i < photos.size(); ++i) {
+      photos[i].position.emplace();
+      photos[i].position->height_amsl_m = altitudes_m[i];
+    }
+    photos.emplace_back();  // without a position
+    std::vector<Remark> warnings;
+    DropAltitudesOfZero(photos, warnings);
+    std::vector<std::optional<double>> after;
+    for (const Photo& photo : photos) {
+      if (photo.position) after.push_back(photo.position->height_amsl_m);
+    }
+    EXPECT_EQ(warnings.empty(), after == altitudes_m);
+    return after;
+  };
+  const std::vector<std::optional<double>> one_known{0.0, 0.0, 0.0, 3.5}, two{0.0, 0.0};
+  EXPECT_EQ(altitudes_after({0.0, 0.0, 0.0}), (std::vector<std::optional<double>>(3)));
+  EXPECT_EQ(altitudes_after({0.0, {}, 0.0, 0.0}), (std::vector<std::optional<double>>(4)));
+  EXPECT_EQ(altitudes_after(one_known), one_known) << "a flight over the sea";
+  EXPECT_EQ(altitudes_after(two), two);
+}
+
 }  // namespace
 }  // namespace skyquilt::flight

@@ -59,6 +59,7 @@ export const remark_words = {
   altitude_of_takeoff: () => 'Die Höhe in EXIF ist die über dem Startort; sie wurde nicht als Höhe über dem Meer verwendet.',
   altitude_repeats_height: () => 'Die Höhe in EXIF wiederholt die über dem Startort und wurde nicht als Höhe über dem Meer verwendet.',
   altitudes_apart: (v) => `EXIF sagt ${fixed(v.exif_m, 0)}\u00a0m über dem Meer, XMP ${fixed(v.xmp_m, 0)}\u00a0m; beidem ist nicht zu trauen.`,
+  altitudes_of_zero: (v) => `Alle ${number(v.photos)} Fotos, die eine Höhe über dem Meer nennen, sagen genau 0, wie Programme, die keine kennen: Sie wird nicht verwendet.`,
   exif_corrected: (v) => `EXIF legt ${some(v)} ${fixed(v.apart_m, 1)}\u00a0m (Median) neben den Ort im XMP des Herstellers und ${fixed(v.differ_m, 1)}\u00a0m (Median) höher oder tiefer: Es wurde später korrigiert. Verwendet werden mit seinen Positionen auch seine Höhen, und zwar als ${v.zero}.`,
   from_sea_said: () => 'Höhen über dem Meer, wie EXIF sagt',
   from_sea_found: () => 'Höhen über dem Meer, weil sie so zu denen in XMP passen',

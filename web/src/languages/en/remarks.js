@@ -58,6 +58,7 @@ export const remark_words = {
   altitude_of_takeoff: () => 'The altitude in EXIF is the height above the take-off location; it was not used as height above the sea.',
   altitude_repeats_height: () => 'The altitude in EXIF repeats the height above the take-off location and was not used as height above the sea.',
   altitudes_apart: (v) => `EXIF says ${fixed(v.exif_m, 0)}\u00a0m above the sea, XMP ${fixed(v.xmp_m, 0)}\u00a0m; neither is to be trusted.`,
+  altitudes_of_zero: (v) => `The altitudes of all ${count(v.photos, photos)} that record one are exactly 0, as programs write that know none: they are not used.`,
   exif_corrected: (v) => `EXIF puts ${some(v)} ${fixed(v.apart_m, 1)}\u00a0m (median) from where the XMP of the maker does, and ${fixed(v.differ_m, 1)}\u00a0m (median) higher or lower: it was corrected later. Its altitudes are used with its positions, as heights ${v.zero}.`,
   from_sea_said: () => 'above the sea, which EXIF names',
   from_sea_found: () => 'above the sea, as they then fit those in XMP',
