@@ -80,6 +80,13 @@ std::optional<double> MetresPerUnitUpwards(const OGRSpatialReference& system) {
   return is_known ? std::optional(metres) : std::nullopt;
 }
 
+// Of the ground, in metres above whatever zero: others mark holes of which no tag tells (-9999, -32768, the
+// largest float).
+bool IsHeightOfGround(double height_m) {
+  constexpr double kLowestM = -600.0, kHighestM = 9500.0;
+  return height_m > kLowestM && height_m < kHighestM;
+}
+
 // A mark of holes such as -9999.9 stands in the file's cells as the nearest float.
 double AsStored(double hole, GDALDataType type) {
   const bool is_float = type == GDT_Float32 && std::abs(hole) <= std::numeric_limits<float>::max();
@@ -205,7 +212,8 @@ std::optional<double> GeotiffDem::GroundHeightM(const geo::LatLon& position) con
       return std::nullopt;
     }
     // A hole beside solid ground: what is left of the four cells says it.
-    if (!std::isfinite(value) || (raster_->hole && value == *raster_->hole)) continue;
+    const bool is_hole = raster_->hole && value == *raster_->hole;
+    if (is_hole || !IsHeightOfGround(raster_->scale_m * value + raster_->offset_m)) continue;
     sum += w * value;
     weight += w;
   }

@@ -119,6 +119,19 @@ TEST_F(GeotiffDemTest, ReadsProjectedModels) {
   EXPECT_NEAR(dem->GroundHeightM({y, x}).value(), height_m, 0.01);
 }
 
+TEST_F(GeotiffDemTest, KnowsHolesThatNoTagTells) {
+  for (const auto& [type, mark] :
+       {std::pair{GDT_Int16, -32768.0}, {GDT_Float32, -9999.0}, {GDT_Float32, 3.4e38}}) {
+    Model model;
+    model.type = type;
+    model.height = [mark = mark](double lon, double) { return lon < 8.503 ? mark : 321.0; };
+    const auto dem = Open(model);
+    EXPECT_FALSE(dem->GroundHeightM({47.418, 8.502})) << mark;
+    EXPECT_NEAR(dem->GroundHeightM({47.418, 8.50301}).value(), 321.0, 1e-3) << mark;
+    EXPECT_NEAR(dem->GroundHeightM({47.418, 8.504}).value(), 321.0, 1e-3) << mark;
+  }
+}
+
 TEST_F(GeotiffDemTest, KnowsNothingOutsideAndInHoles) {
   Model model;
   model.hole = -9999.0;
