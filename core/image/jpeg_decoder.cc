@@ -37,9 +37,10 @@ struct Callbacks {
 }
 
 void OnMessage(j_common_ptr jpeg, int level) {
-  // Below 0 are warnings, after which pixels are guessed. Some cameras leave stray bytes between segments;
-  // nothing is lost by those.
-  if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA) Leave(jpeg);
+  // Below 0 are warnings, after which pixels are guessed. Nothing is lost by what some cameras and phones
+  // write: stray bytes between segments, a scan of all coefficients that names another range of them.
+  const int code = jpeg->err->msg_code;
+  if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_NOT_SEQUENTIAL) Leave(jpeg);
 }
 
 void OnProgress(j_common_ptr jpeg) {

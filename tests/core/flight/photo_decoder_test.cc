@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -260,6 +261,20 @@ TEST(DecodePhotoBytes, RefusesAPictureOfTooManyScans) {
   for (int i = 0; i < 600; ++i) bomb.insert(bomb.end(), scan.begin(), scan.end());
   bomb.insert(bomb.end(), {0xFF, 0xD9});
   EXPECT_EQ(test::ErrorOf(DecodePhotoBytes(bomb, 64, 48, 1)).code, ErrorCode::kCorrupt);
+}
+
+// As phones write it ("Invalid SOS parameters for sequential JPEG").
+TEST(DecodePhotoBytes, ReadsAJpegWhoseScanNamesAWrongRangeOfCoefficients) {
+  Bytes jpeg = Jpeg(Ramp(64, 48), 64, 48, TJPF_RGB, TJSAMP_444);
+  const auto image = test::ValueOf(DecodePhotoBytes(jpeg, 64, 48, 1));
+  const Bytes start{0xFF, 0xDA};
+  const auto scan = std::search(jpeg.begin(), jpeg.end(), start.begin(), start.end());
+  constexpr std::ptrdiff_t kLastCoefficientAt = 12;
+  ASSERT_GT(jpeg.end() - scan, kLastCoefficientAt);
+  ASSERT_EQ(scan[kLastCoefficientAt], 63);
+  scan[kLastCoefficientAt] = 0;
+  const auto same = test::ValueOf(DecodePhotoBytes(jpeg, 64, 48, 1));
+  EXPECT_TRUE(same.rgb == image.rgb);
 }
 
 TEST(DecodePhotoBytes, TurnsGreyIntoRgb) {
