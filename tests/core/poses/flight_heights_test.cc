@@ -201,5 +201,37 @@ TEST(ChooseHeights, PutsAbsoluteHeightsOverAGivenTakeoff) {
       << "a take-off above the cameras";
 }
 
+// Three photos 20 m apart at the height of the ground.
+PosedFlight OnTheGround() {
+  PosedFlight posed;
+  posed.frame = geo::LocalFrame({50.8, -0.1, 0.0});
+  for (int i = 0; i < 3; ++i) {
+    PosedPhoto& photo = posed.photos.emplace_back();
+    photo.photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+    photo.cam_from_enu =
+        geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), {0.0, 20.0 * i, 0.0});
+  }
+  return posed;
+}
+
+TEST(PutGroundBelow, SaysThatHeightsContradictOnlyWhereSomeAreRecorded) {
+  PosedFlight recorded = OnTheGround();
+  PutGroundBelow(recorded);
+  ASSERT_EQ(recorded.assumptions.size(), 1U);
+  EXPECT_EQ(recorded.assumptions[0].missing.code, flight::RemarkCode::kOnTheGround);
+  // A track without heights.
+  PosedFlight untold = OnTheGround();
+  untold.report.is_height_guessed = true;
+  untold.assumptions.push_back({flight::RemarkCode::kNoHeights,
+                                {flight::RemarkCode::kHeightBySpacing, {{"height_m", 50.0}}},
+                                50.0});
+  PutGroundBelow(untold);
+  EXPECT_NEAR(untold.photos[1].height_above_ground_m, 80.0, 0.1);
+  ASSERT_EQ(untold.assumptions.size(), 1U);
+  EXPECT_EQ(untold.assumptions[0].missing.code, flight::RemarkCode::kNoHeights);
+  EXPECT_NEAR(untold.assumptions[0].height_above_ground_m.value_or(0.0), 80.0, 0.1);
+  EXPECT_NE(flight::InWords(untold.assumptions[0].assumed).find("80 m is assumed"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace skyquilt::poses
