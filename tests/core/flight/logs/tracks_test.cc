@@ -56,6 +56,27 @@ TEST(TrackTime, TakesDatesAndCountsOfSeconds) {
     EXPECT_FALSE(TrackTime(text)) << text;
 }
 
+TEST(ParseGpx, TakesHeightsThatAreAllZeroForUnknown) {
+  const auto read = [](const char* last_height_m) {
+    std::string text = "<gpx><trk><trkseg>";
+    for (const std::string_view second : {"09", "10", "11"}) {
+      const std::string height_m = second == "11" ? last_height_m : "0.0";
+      text += "<trkpt lat='46.5' lon='7." + std::string(second) + "'><ele>" + height_m +
+              "</ele><geoidheight>48</geoidheight><time>2016-06-23T21:31:" + std::string(second) +
+              "Z</time></trkpt>";
+    }
+    text += "</trkseg></trk></gpx>";
+    return ValueOf(ParseGpx("a.gpx", BytesOf(text)));
+  };
+  const auto flat = read("0");
+  ASSERT_EQ(flat.gnss.size(), 3U);
+  EXPECT_FALSE(flat.gnss[1].height_amsl_m);
+  EXPECT_FALSE(flat.gnss[1].height_ellipsoid_m);
+  ASSERT_EQ(flat.warnings.size(), 1U);
+  EXPECT_EQ(flat.warnings[0].code, RemarkCode::kHeightsNotSurveyed);
+  EXPECT_EQ(read("1.5").gnss.at(1).height_amsl_m, 0.0) << "by the sea";
+}
+
 TEST(ParseGpx, ReadsAnyPrefixQuoteAndOrder) {
   const std::string text =
       "<?xml version='1.0'?><gpx:gpx xmlns:gpx='http://www.topografix.com/GPX/1/1'><gpx:wpt lat='1' lon='1'>"
