@@ -258,8 +258,15 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
   const auto midnight = ParseExifTime(date + " 00:00:00");
   // Without a fix a receiver counts from where its clock (1980) or its weeks (1999) begin.
   constexpr std::chrono::sys_days kFirstFix = std::chrono::year(2000) / 1 / 1;
-  if (!midnight || midnight->as_written < kFirstFix) return;
-  record.gps_time = midnight->as_written + of_day;
+  if (!midnight) return;
+  // Receivers count 1024 weeks and begin anew: the camera's clock, of whatever zone, tells which they mean.
+  constexpr std::chrono::days kWeeksCounted(1024 * 7);
+  constexpr std::chrono::hours kWidestZone(15);
+  UtcTime time = midnight->as_written + of_day;
+  if (record.taken_at && std::chrono::abs(*record.taken_at - (time + kWeeksCounted)) <= kWidestZone)
+    time += kWeeksCounted;
+  if (time < kFirstFix) return;
+  record.gps_time = time;
 }
 
 }  // namespace

@@ -102,6 +102,19 @@ TEST(ReadPhotoTime, TakesTheZoneOfTheFilesTimeUnlessItWasChangedLater) {
   EXPECT_FALSE(zone_of("2021:11:20 09:00:00")) << "exported in winter";
 }
 
+// As of receivers of before 2019 that are never renewed.
+TEST(ReadPhotoTime, AddsTheWeeksThatAReceiverLost) {
+  ExifWriter exif;
+  exif.Ascii(ExifIfd::kExif, 0x9003, "2024:06:01 12:00:00");
+  exif.Ascii(ExifIfd::kGps, 0x1D, "2004:10:16").Rational(ExifIfd::kGps, 7, {{10, 1}, {0, 1}, {0, 1}});
+  const Photo photo = test::ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write()})));
+  const UtcTime in_time = std::chrono::sys_days(std::chrono::year(2024) / 6 / 1) + 10h;
+  EXPECT_EQ(photo.captured_at, in_time);
+  EXPECT_EQ(photo.receiver_time, in_time);
+  EXPECT_EQ(photo.clock_minus_utc, 2h);
+  for (const Remark& note : photo.notes) EXPECT_NE(note.code, RemarkCode::kClocksDisagree);
+}
+
 TEST(ReadFlight, TellsTheZoneByMostOfItsPhotos) {
   const test::TemporaryFolder folder;
   const auto write = [&](const std::string& name, const std::string& clock, std::uint32_t second) {
