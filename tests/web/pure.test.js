@@ -334,6 +334,13 @@ test('previews and deleted photos in folders of network drives are passed over',
   assert.deepEqual(ignored, []);
 });
 
+test('a map that was made below the folder of its photos is passed over', async () => {
+  const paths = ['photos/geo.txt', 'photos/map/mosaic.state', 'photos/map/geo.txt', 'photos/map/dsm.tif', 'photos/map/thumbnail.png', 'photos/map/notes.txt'];
+  const { chosen, ignored } = await selectFiles([file('DJI_0001.JPG', jpeg, 'photos/DJI_0001.JPG'), ...paths.map((path) => file(path.slice(path.lastIndexOf('/') + 1), jpeg, path))]);
+  assert.deepEqual(chosen.map(({ name }) => name).sort(), ['DJI_0001.JPG', 'geo.txt', 'notes.txt']);
+  assert.deepEqual(ignored, []);
+});
+
 test('a photo is known by its first bytes', () => {
   assert.ok(looksLikePhoto(Uint8Array.from([0x4d, 0x4d, 0, 0x2a])));
   assert.ok(!looksLikePhoto(Uint8Array.from([0x50, 0x4b, 3, 4])));

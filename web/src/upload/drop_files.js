@@ -18,6 +18,8 @@ const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
 const kMaxFolders = 8;
 // What network drives and systems keep in folders of their own, hidden ones too: previews of each photo, deleted files.
 const kFolderOfPrograms = /(^|\/)(\.[^/]*|@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
+// What `skyquilt stitch` makes of the photos beside its mosaic.state, as server/jobs/out_folder.cc names it.
+const kMapProduct = /^(mosaic\..+|mosaic_utm\.tif|thumbnail\.png|(report|locate|cameras|layers)\.json|photos\.geojson|geo\.txt|bands\.tif|(dsm|dtm)(_photos|_ground|_hillshade)?\.tif|contours\..+|layer_\w+\.mbtiles)$/;
 // Tables as office programs save them by themselves.
 const kOffice = new Set(['xlsx', 'xlsm', 'xls', 'ods', 'numbers']);
 const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'tbz2', 'xz', 'txz', 'zst']);
@@ -66,10 +68,13 @@ export async function selectFiles(found) {
   /** @type {Selection} */
   const selection = { chosen: [], ignored: [], folder: commonFolder(found) };
   const reasons = strings.drop.reasons;
+  const folderOf = (/** @type {string} */ path) => path.slice(0, path.lastIndexOf('/') + 1);
+  const maps = new Set(found.map(({ path }) => path).filter((path) => /(^|\/)mosaic\.state$/.test(path)).map(folderOf));
   const sorted = [...found].sort((a, b) => (a.path < b.path ? -1 : a.path > b.path ? 1 : 0));
   for (const { file, path } of sorted) {
     const name = path.slice(path.lastIndexOf('/') + 1);
     if (name.startsWith('.') || /^(thumbs\.db|desktop\.ini)$/i.test(name) || kFolderOfPrograms.test(path)) continue;
+    if (maps.has(folderOf(path)) && kMapProduct.test(name)) continue;
     const kind = extension(name);
     let reason = '';
     if (kOtherFilms.has(kind)) reason = reasons.film;
