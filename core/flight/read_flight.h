@@ -18,8 +18,7 @@
 namespace skyquilt::flight {
 
 // Which files of a folder that is walked (`root`) are none of a flight, whatever they hold.
-using PassesOver =
-    std::function<bool(const std::filesystem::path& file, const std::filesystem::path& root)>;
+using PassesOver = std::function<bool(const std::filesystem::path& file, const std::filesystem::path& root)>;
 
 // Folders are walked (sorted, hidden files skipped); files are taken as they are.
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem::path>& paths,

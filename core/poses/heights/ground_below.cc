@@ -78,9 +78,8 @@ void PutGroundBelow(PosedFlight& posed) {
   posed.report.height_rule = "height above ground guessed from the spacing of the photos";
   const bool is_untold = posed.report.is_height_guessed.value_or(false);
   posed.report.is_height_guessed = true;
-  const auto said =
-      std::find_if(posed.assumptions.begin(), posed.assumptions.end(),
-                   [](const Assumption& one) { return one.height_above_ground_m.has_value(); });
+  const auto said = std::find_if(posed.assumptions.begin(), posed.assumptions.end(),
+                                 [](const Assumption& one) { return one.height_above_ground_m.has_value(); });
   if (is_untold && said != posed.assumptions.end()) {  // no record tells a height that could be wrong
     said->assumed = {flight::RemarkCode::kHeightBySpacing, {{"height_m", guessed_m}}};
     said->height_above_ground_m = guessed_m;

@@ -222,9 +222,8 @@ TEST(PutGroundBelow, SaysThatHeightsContradictOnlyWhereSomeAreRecorded) {
   // A track without heights.
   PosedFlight untold = OnTheGround();
   untold.report.is_height_guessed = true;
-  untold.assumptions.push_back({flight::RemarkCode::kNoHeights,
-                                {flight::RemarkCode::kHeightBySpacing, {{"height_m", 50.0}}},
-                                50.0});
+  untold.assumptions.push_back(
+      {flight::RemarkCode::kNoHeights, {flight::RemarkCode::kHeightBySpacing, {{"height_m", 50.0}}}, 50.0});
   PutGroundBelow(untold);
   EXPECT_NEAR(untold.photos[1].height_above_ground_m, 80.0, 0.1);
   ASSERT_EQ(untold.assumptions.size(), 1U);

@@ -61,10 +61,9 @@ Result<FlightLog> TrackPoints::Finish(std::vector<std::string> mapping) && {
                    [](const Placed& a, const Placed& b) { return a.time < b.time; });
   // Recorders that know no altitude write 0.
   constexpr std::size_t kFewestZeros = 3;
-  const bool are_zero =
-      placed_.size() >= kFewestZeros &&
-      std::all_of(placed_.begin(), placed_.end(),
-                  [](const Placed& placed) { return placed.point.height_amsl_m == 0.0; });
+  const bool are_zero = placed_.size() >= kFewestZeros &&
+                        std::all_of(placed_.begin(), placed_.end(),
+                                    [](const Placed& placed) { return placed.point.height_amsl_m == 0.0; });
   LogBuilder builder(format_, file_name_);
   if (are_zero) builder.Warn(RemarkCode::kHeightsNotSurveyed);
   for (const Placed& placed : placed_) {
