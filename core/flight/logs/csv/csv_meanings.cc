@@ -113,32 +113,36 @@ constexpr MeaningFacts kFacts[] = {
 };
 static_assert(std::size(kFacts) == static_cast<std::size_t>(M::kCount));
 
-struct ListNames {
-  ListColumn meaning;
-  std::string_view names;
+constexpr ListName kListNames[] = {
+    {"east easting eastings eastingm geox e ost ostwert rechts rechtswert este est xeast xeasting utmeast "
+     "utmeasting coordeast mapeast",
+     M::kEast},
+    {"north northing northings northingm geoy n nord nordwert hoch hochwert norte ynorth ynorthing utmnorth "
+     "utmnorthing coordnorth mapnorth",
+     M::kNorth},
+    {"x mapx xcoord xcoordinate coordinatex coordx pointx", M::kEast, PairOrder::kXThenY},
+    {"y mapy ycoord ycoordinate coordinatey coordy pointy", M::kNorth, PairOrder::kXThenY},
+    {"coordinate1", M::kEast, PairOrder::kOpen},
+    {"coordinate2", M::kNorth, PairOrder::kOpen},
+    {"z h ht hgt mapz geoz zcoord zcoordinate coordinatez coordinate3 coordz pointz", M::kHeightAmsl},
+    {"heightz", M::kHeightAboveTakeoff},  // "height/Z" of Mission Planner
+    {"omega", M::kOmega},
+    {"phi", M::kPhi},
+    {"kappa", M::kKappa},
+    {"px py imx imy pixelx pixely imagex imagey", M::kIgnored, PairOrder::kNamed, MarkPart::kPixel},
+    {"u col gcp gcpname point pointname pointid punkt", M::kIgnored, PairOrder::kNamed, MarkPart::kPoint},
+    {"v row photo punktnummer"},
 };
-// "x" and "y" are columns, but say no order: surveyors' x is north in half of the world.
-constexpr ListNames kListNames[] = {
-    {ListColumn::kEast,
-     "east easting eastings eastingm geox e ost ostwert rechts rechtswert este est xeast xeasting utmeast "
-     "utmeasting coordeast mapeast"},
-    {ListColumn::kNorth,
-     "north northing northings northingm geoy n nord nordwert hoch hochwert norte ynorth ynorthing utmnorth "
-     "utmnorthing coordnorth mapnorth"},
-    {ListColumn::kOther,
-     "x y z h ht hgt mapx mapy mapz geoz xcoord ycoord zcoord coordx coordy coordz pointx pointy pointz px "
-     "py imx imy pixelx pixely u v col row photo gcp gcpname point pointname pointid punkt punktnummer omega "
-     "phi kappa"}};
 
 template <typename Row, std::size_t kRows>
-auto MeaningsByName(const Row (&rows)[kRows]) {
-  std::unordered_map<std::string_view, decltype(Row::meaning)> meanings;
+auto RowsByName(const Row (&rows)[kRows]) {
+  std::unordered_map<std::string_view, const Row*> by_name;
   std::vector<std::string_view> names;
   for (const Row& each : rows) {
     SplitBlanks(each.names, names);
-    for (const std::string_view name : names) meanings.emplace(name, each.meaning);
+    for (const std::string_view name : names) by_name.emplace(name, &each);
   }
-  return meanings;
+  return by_name;
 }
 
 const MeaningFacts& FactsOf(M meaning) { return kFacts[static_cast<std::size_t>(meaning)]; }
@@ -150,15 +154,18 @@ std::string_view CsvMeaningName(CsvMeaning meaning) { return FactsOf(meaning).wo
 Dimension CsvMeaningDimension(CsvMeaning meaning) { return FactsOf(meaning).dimension; }
 
 CsvMeaning FindCsvSynonym(std::string_view letters) {
-  static const auto kMeanings = MeaningsByName(kFacts);
-  const auto found = kMeanings.find(letters);
-  return found == kMeanings.end() ? M::kIgnored : found->second;
+  static const auto kByName = RowsByName(kFacts);
+  const auto found = kByName.find(letters);
+  return found == kByName.end() ? M::kIgnored : found->second->meaning;
 }
 
-ListColumn FindListColumn(std::string_view letters) {
-  static const auto kColumns = MeaningsByName(kListNames);
-  const auto found = kColumns.find(letters);
-  return found == kColumns.end() ? ListColumn::kNone : found->second;
+const ListName* FindListName(std::string_view letters) {
+  static const auto kByName = RowsByName(kListNames);
+  if (const auto found = kByName.find(letters); found != kByName.end()) return found->second;
+  for (const std::string_view begin : {"easting", "northing"}) {
+    if (letters.starts_with(begin)) return kByName.at(begin);
+  }
+  return nullptr;
 }
 
 }  // namespace skyquilt::flight

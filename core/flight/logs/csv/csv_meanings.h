@@ -72,9 +72,23 @@ Dimension CsvMeaningDimension(CsvMeaning meaning);
 // By one of the names that other programs use, lower case, without blanks, underscores and units.
 CsvMeaning FindCsvSynonym(std::string_view letters);
 
-// Columns of lists beside those that logs have: coordinates in a plane, places in a picture, names of points.
-enum class ListColumn { kNone, kEast, kNorth, kOther };
-// By the same letters; a letter alone ("E") must be the whole name.
-ListColumn FindListColumn(std::string_view letters);
+// Which of two coordinates is the east one, by their names.
+enum class PairOrder {
+  kNamed,
+  kXThenY,  // "x", "y": longitude and latitude in degrees; surveyors' x may be north
+  kOpen,    // "coordinate1", "coordinate2"
+};
+// Of marks that surveyed points have in photos.
+enum class MarkPart { kNone, kPixel, kPoint };
+
+// Columns of lists beside those that logs have: coordinates in a plane, angles, marks.
+struct ListName {
+  std::string_view names;
+  CsvMeaning meaning = CsvMeaning::kIgnored;  // of a photo's own
+  PairOrder order = PairOrder::kNamed;
+  MarkPart mark = MarkPart::kNone;
+};
+// By the same letters, null for others; a letter alone ("E") must be the whole name.
+const ListName* FindListName(std::string_view letters);
 
 }  // namespace skyquilt::flight

@@ -13,23 +13,6 @@ namespace {
 using M = CsvMeaning;
 constexpr std::size_t kLongestName = 64;
 
-struct NamesOfLists {
-  std::string_view letters;  // apart by blanks
-  M meaning;
-  PairOrder order = PairOrder::kNamed;
-};
-constexpr NamesOfLists kNamesOfLists[] = {
-    {"x mapx xcoord xcoordinate coordinatex coordx pointx", M::kEast, PairOrder::kXThenY},
-    {"y mapy ycoord ycoordinate coordinatey coordy pointy", M::kNorth, PairOrder::kXThenY},
-    {"coordinate1", M::kEast, PairOrder::kOpen},
-    {"coordinate2", M::kNorth, PairOrder::kOpen},
-    {"z h ht hgt mapz geoz zcoord zcoordinate coordinatez coordinate3 coordz pointz", M::kHeightAmsl},
-    {"heightz", M::kHeightAboveTakeoff},  // "height/Z" of Mission Planner
-    {"omega", M::kOmega},
-    {"phi", M::kPhi},
-    {"kappa", M::kKappa},
-};
-
 std::string LettersOf(std::string_view text) {
   return LettersAndDigits(LowerCase(text.substr(0, kLongestName)));
 }
@@ -58,28 +41,12 @@ NameAndUnit WithUnitBehind(std::string_view header) {
   return {LettersOf(base.substr(0, cut)), "(" + unit + ")" + std::string(header.substr(bracket))};
 }
 
-const NamesOfLists* FindNameOfList(std::string_view letters) {
-  std::vector<std::string_view> names;
-  for (const NamesOfLists& each : kNamesOfLists) {
-    SplitBlanks(each.letters, names);
-    if (IsOneOf(letters, names)) return &each;
-  }
-  return nullptr;
-}
-
 // As the column of a log that has the same kind of unit.
 CsvColumn MapAs(std::string_view name, const std::string& unit, const CsvColumn& column) {
   const std::string whole = std::string(name) + unit;
   CsvColumn mapped = MapTolerantColumns({std::string_view(whole)}).front();
   mapped.header = column.header;
   return mapped;
-}
-
-M MeaningInPlane(std::string_view letters) {
-  const ListColumn kind = FindListColumn(letters);
-  if (kind == ListColumn::kEast || letters.starts_with("easting")) return M::kEast;
-  if (kind == ListColumn::kNorth || letters.starts_with("northing")) return M::kNorth;
-  return M::kIgnored;
 }
 
 // "altitude above something": a height, whatever it counts from.
@@ -90,13 +57,12 @@ void MapUnknownHeight(const NameAndUnit& name, CsvColumn& column) {
 }
 
 bool MapByNamesOfLists(const NameAndUnit& name, CsvColumn& column) {
-  const NamesOfLists* known = FindNameOfList(name.letters);
-  const M in_plane = known == nullptr ? MeaningInPlane(name.letters) : known->meaning;
-  if (in_plane == M::kEast || in_plane == M::kNorth) {
-    column.meaning = in_plane;  // in the unit of the system, whatever the name says
+  const ListName* known = FindListName(name.letters);
+  if (known == nullptr || known->meaning == M::kIgnored) return false;
+  if (known->meaning == M::kEast || known->meaning == M::kNorth) {
+    column.meaning = known->meaning;  // in the unit of the system, whatever the name says
     return true;
   }
-  if (known == nullptr) return false;
   const bool is_open_height = known->meaning == M::kHeightAboveTakeoff;
   const bool is_height = is_open_height || known->meaning == M::kHeightAmsl;
   column = MapAs(is_open_height ? "height" : is_height ? "altitude" : "roll", name.unit, column);
@@ -130,20 +96,18 @@ void MapAccuracy(const NameAndUnit& name, bool has_horizontal, CsvColumn& column
 }
 
 // Beside angles px and py are a lens's middle, as RealityCapture writes it.
-template <std::size_t kNames>
-bool NamesMarks(const std::vector<CsvColumn>& columns, const std::array<std::string_view, kNames>& names) {
+bool NamesMarks(const std::vector<CsvColumn>& columns, MarkPart part) {
   const bool has_angles = HasColumn(columns, M::kPitch) || HasColumn(columns, M::kPhi);
   return !has_angles && std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& column) {
-    return IsOneOf(LettersOf(column.header), names);
+    const ListName* known = FindListName(LettersOf(column.header));
+    return known != nullptr && known->mark == part;
   });
 }
 
 // Tables of marks that points have in photos: their coordinates are not the photos'. Beside degrees, which
 // stand in tables of all kinds, only pixels tell.
 bool HasPoints(const std::vector<CsvColumn>& columns) {
-  constexpr std::array<std::string_view, 8> kNames = {"u",     "gcp",       "col",     "gcpname",
-                                                      "point", "pointname", "pointid", "punkt"};
-  return HasPixels(columns) || (HasPlane(columns) && NamesMarks(columns, kNames));
+  return HasPixels(columns) || (HasPlane(columns) && NamesMarks(columns, MarkPart::kPoint));
 }
 
 bool IsListOfPhotos(const std::vector<CsvColumn>& columns) {
@@ -260,9 +224,9 @@ PairOrder OrderOfPair(const std::vector<CsvColumn>& columns) {
   for (const M meaning : {M::kEast, M::kNorth}) {
     const CsvColumn* column = ColumnOf(columns, meaning);
     if (column == nullptr) return PairOrder::kNamed;
-    const NamesOfLists* name = FindNameOfList(WithUnitInBrackets(column->header).letters);
-    if (name == nullptr) name = FindNameOfList(WithUnitBehind(column->header).letters);
-    if (name == nullptr) return PairOrder::kNamed;
+    const ListName* name = FindListName(WithUnitInBrackets(column->header).letters);
+    if (name == nullptr) name = FindListName(WithUnitBehind(column->header).letters);
+    if (name == nullptr || name->order == PairOrder::kNamed) return PairOrder::kNamed;
     order = name->order;
   }
   return order;
@@ -280,11 +244,7 @@ bool NamesPhotos(const std::vector<CsvColumn>& columns) {
   return HasColumn(columns, M::kImage) || HasColumn(columns, M::kIsPhoto);
 }
 
-bool HasPixels(const std::vector<CsvColumn>& columns) {
-  constexpr std::array<std::string_view, 8> kNames = {"px",     "py",     "imx",    "imy",
-                                                      "pixelx", "pixely", "imagex", "imagey"};
-  return NamesMarks(columns, kNames);
-}
+bool HasPixels(const std::vector<CsvColumn>& columns) { return NamesMarks(columns, MarkPart::kPixel); }
 
 std::optional<ListHeading> ReadListHeading(std::string_view line, LineReader below) {
   const std::string_view names = NamesIn(line);

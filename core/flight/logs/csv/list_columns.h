@@ -15,12 +15,7 @@ namespace skyquilt::flight {
 // Columns without a meaning in logs that have one in lists; the others as MapTolerantColumns has them.
 std::vector<CsvColumn> MapListColumns(const std::vector<std::string_view>& header);
 
-// Which of two coordinates is the east one, by their names.
-enum class PairOrder {
-  kNamed,
-  kXThenY,  // "x", "y": longitude and latitude in degrees; surveyors' x may be north
-  kOpen,    // "coordinate1", "coordinate2"
-};
+// By the names of the two coordinates.
 PairOrder OrderOfPair(const std::vector<CsvColumn>& columns);
 
 bool HasDegrees(const std::vector<CsvColumn>& columns);  // a latitude and a longitude

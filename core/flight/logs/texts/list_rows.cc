@@ -28,25 +28,29 @@ std::string LettersOfColumn(std::string_view name) {
   return letters;
 }
 
-// As tables name their columns, and as lists do.
-ListColumn KindOfColumn(std::string_view name) {
+// As tables name their columns, and as lists do: kEast or kNorth, also of degrees, where the name says which
+// of a pair it is; nothing for a name that none of them has.
+std::optional<M> MeaningOfColumn(std::string_view name) {
   name = name.substr(0, kLongestColumnName);
   const M meaning = MapTolerantColumns({name}).front().meaning;
-  if (meaning == M::kLon) return ListColumn::kEast;
-  if (meaning == M::kLat) return ListColumn::kNorth;
+  if (meaning == M::kLon) return M::kEast;
+  if (meaning == M::kLat) return M::kNorth;
   for (const auto& [first, last] : {std::pair{M::kHeightEllipsoid, M::kHeightAboveGround},
                                     {M::kSigmaHorizontal, M::kSigmaVertical},
                                     {M::kRoll, M::kYaw},
                                     {M::kImage, M::kImage}}) {
-    if (meaning >= first && meaning <= last) return ListColumn::kOther;
+    if (meaning >= first && meaning <= last) return meaning;
   }
   const std::string letters = LettersOfColumn(name);
-  if (letters.size() == 1 && Trim(name).size() > 1) return ListColumn::kNone;  // the "n" of "32N"
-  if (const ListColumn column = FindListColumn(letters); column != ListColumn::kNone) return column;
-  if (letters.starts_with("longitude") || letters.starts_with("easting")) return ListColumn::kEast;
-  if (letters.starts_with("latitude") || letters.starts_with("northing")) return ListColumn::kNorth;
-  return ListColumn::kNone;
+  if (letters.size() == 1 && Trim(name).size() > 1) return std::nullopt;  // the "n" of "32N"
+  if (const ListName* known = FindListName(letters))
+    return known->order == PairOrder::kNamed ? known->meaning : M::kIgnored;
+  if (letters.starts_with("longitude")) return M::kEast;
+  if (letters.starts_with("latitude")) return M::kNorth;
+  return std::nullopt;
 }
+
+bool IsKnownColumn(std::string_view name) { return MeaningOfColumn(name).has_value(); }
 
 constexpr char kQuote = '"';
 
@@ -115,8 +119,7 @@ std::vector<std::string_view> ColumnNames(std::string_view line) {
   }
   const bool has_number =
       std::any_of(words.begin(), words.end(), [](std::string_view w) { return ParseNumber(w).has_value(); });
-  const auto is_known = [](std::string_view word) { return KindOfColumn(word) != ListColumn::kNone; };
-  if (has_number || std::count_if(words.begin(), words.end(), is_known) < 2) words.clear();
+  if (has_number || std::count_if(words.begin(), words.end(), IsKnownColumn) < 2) words.clear();
   return words;
 }
 
@@ -174,18 +177,16 @@ std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_ro
 std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& columns) {
   std::optional<std::size_t> east, north;
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    const ListColumn kind = KindOfColumn(columns[i]);
-    if (!east && kind == ListColumn::kEast) east = i;
-    if (!north && kind == ListColumn::kNorth) north = i;
+    const std::optional<M> meaning = MeaningOfColumn(columns[i]);
+    if (!east && meaning == M::kEast) east = i;
+    if (!north && meaning == M::kNorth) north = i;
   }
   if (!east || !north) return std::nullopt;
   return *east < *north ? NamedOrder::kEastFirst : NamedOrder::kNorthFirst;
 }
 
 bool AreNamesOfColumns(const std::vector<std::string_view>& columns) {
-  const auto known = std::count_if(columns.begin(), columns.end(), [](std::string_view name) {
-    return KindOfColumn(name) != ListColumn::kNone;
-  });
+  const auto known = std::count_if(columns.begin(), columns.end(), IsKnownColumn);
   constexpr std::ptrdiff_t kOfAList = 3;  // a photo and two coordinates
   return known >= kOfAList || (known > 0 && 2 * known >= static_cast<std::ptrdiff_t>(columns.size()));
 }

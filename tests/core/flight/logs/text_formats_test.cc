@@ -199,7 +199,9 @@ TEST(ParseGeoTxt, LeavesColumnsInAnotherPlaceToTheReaderOfNames) {
   EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(timed)));
   const std::string height_first = "image alt lat lon\na.jpg 500 46.8 8.1\nb.jpg 500 46.9 8.1\n";
   EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(height_first)));
-  for (const std::string& text : {timed, height_first}) {
+  const std::string north_first = "image ycoordinate xcoordinate\na.jpg 46.8 8.1\nb.jpg 46.9 8.1\n";
+  EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(north_first)));
+  for (const std::string& text : {timed, height_first, north_first}) {
     const auto log = ValueOf(ParseLog("list.txt", BytesOf(text)));
     ASSERT_EQ(log.events.size(), 2u) << text;
     ASSERT_TRUE(log.events[0].position) << text;
