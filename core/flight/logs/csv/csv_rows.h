@@ -14,6 +14,9 @@
 
 namespace skyquilt::flight {
 
+// Of a table, before its rows are read.
+inline constexpr std::size_t kRowsLookedAhead = 5000, kBytesLookedAhead = std::size_t{16} << 20;
+
 // The cells of one row by meaning, in our units.
 struct CsvRow {
   std::array<std::optional<double>, static_cast<std::size_t>(CsvMeaning::kCount)> number;

@@ -17,8 +17,6 @@ namespace skyquilt::flight {
 namespace {
 
 using M = CsvMeaning;
-constexpr std::size_t kRowsLookedAt = 5000;
-constexpr std::size_t kBytesLookedAt = std::size_t{16} << 20;
 constexpr std::size_t kDateBytesLookedAt = std::size_t{64} << 20;
 constexpr std::uint64_t kClocksLookedAt = 200;  // cells a column: each is tried as all kinds of times
 constexpr std::array kAllOrders = {DateOrder::kYearFirst, DateOrder::kDayFirst, DateOrder::kMonthFirst,
@@ -98,9 +96,9 @@ struct TableCounts {
 TableCounts CountCells(LineReader lines, char separator, const std::vector<CsvColumn>& columns) {
   TableCounts table;
   table.columns.resize(columns.size());
-  const std::size_t end = lines.offset() + kBytesLookedAt;
+  const std::size_t end = lines.offset() + kBytesLookedAhead;
   std::vector<std::string_view> cells;
-  while (table.rows < kRowsLookedAt && NextRow(lines, separator, cells, end)) {
+  while (table.rows < kRowsLookedAhead && NextRow(lines, separator, cells, end)) {
     ++table.rows;
     while (!cells.empty() && cells.back().empty()) cells.pop_back();
     if (cells.size() > columns.size() && ++table.rows_too_long == 1) {
@@ -181,7 +179,7 @@ int WorthAsName(M meaning, const CellCounts& counts) {
 void ChooseAmongRepeated(const TableCounts& table, std::vector<CsvColumn>& columns) {
   std::array<std::optional<std::size_t>, static_cast<std::size_t>(M::kCount)> best{};
   const auto worth = [&](std::size_t i) {
-    const bool is_date = IsClock(columns[i].meaning) && columns[i].meaning != M::kTime;
+    const bool is_date = IsOfClock(columns[i].meaning);
     return std::tuple(IsReadable(columns[i], table.columns[i]), is_date && columns[i].says_utc,
                       WorthAsName(columns[i].meaning, table.columns[i]));
   };

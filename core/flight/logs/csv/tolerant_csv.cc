@@ -22,8 +22,6 @@ namespace skyquilt::flight {
 namespace {
 
 using M = CsvMeaning;
-constexpr std::size_t kPreviewRows = 5000;
-constexpr std::size_t kPreviewBytes = std::size_t{16} << 20;
 
 struct CsvHeader {
   std::vector<CsvColumn> columns;
@@ -127,8 +125,8 @@ Result<void> TakeZoneOfRows(std::string_view name, LineReader lines, CsvHeader& 
 std::vector<CsvRow> PreviewOf(LineReader lines, const CsvHeader& header) {
   std::vector<CsvRow> preview;
   std::vector<std::string_view> cells;
-  const std::size_t end = lines.offset() + kPreviewBytes;
-  while (preview.size() < kPreviewRows && NextRow(lines, header.separator, cells, end))
+  const std::size_t end = lines.offset() + kBytesLookedAhead;
+  while (preview.size() < kRowsLookedAhead && NextRow(lines, header.separator, cells, end))
     preview.push_back(ReadCsvRow(header.columns, cells));
   return preview;
 }
@@ -292,8 +290,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
     settled.pitch_is_level = PitchIsLevel(preview);
     SettleListHeight(header->columns, preview, named != nullptr || HasPlane(header->columns));
     SettleZeroOfHeights(named, header->columns);
-    return ReadImageRows(header->columns, settled, header->separator, lines, LogBuilder("tolerant_csv", name),
-                         named);
+    return ReadImageRows(header->columns, settled, header->separator, lines, std::move(builder), named);
   }
   LeaveOpenHeight(header->columns);
   const auto found = CheckCsvPhysics(header->columns, preview);
