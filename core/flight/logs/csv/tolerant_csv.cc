@@ -67,13 +67,12 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
     }
     header.separator = GuessSeparator(line);
     SplitFields(line, header.separator, cells);
-    header.columns = MapTolerantColumns(cells);
     // Names apart by blanks are columns only where all of them are known: prose has such words too.
     if (cells.size() == 1) {
       SplitBlanks(line, cells);
       header.separator = ' ';
-      header.columns = MapTolerantColumns(cells);
     }
+    header.columns = MapTolerantColumns(cells);
     const bool may_be_prose = header.separator == ' ' && HasColumn(header.columns, M::kIgnored);
     const auto has = [&](M meaning) { return HasColumn(header.columns, meaning); };
     const bool timed = has(M::kTime) || has(M::kUtc) || has(M::kDate);
