@@ -29,15 +29,20 @@ inline UtcTime LaterBy(UtcTime time, double seconds) {
 }
 
 // Height zero matters more than the number: each kind is kept apart, absent when not recorded.
-struct RecordedPosition {
-  geo::LatLon position;
+struct GnssHeights {
+  std::optional<double> height_ellipsoid_m, height_amsl_m;
+  bool is_rtk_fixed = false;  // the fix that these and the place are of
+};
+
+struct RecordedHeights : GnssHeights {
   std::optional<double> height_above_takeoff_m;
   std::optional<double> height_above_ground_m;  // measured (range finder)
-  std::optional<double> height_amsl_m;
-  std::optional<double> height_ellipsoid_m;
+};
+
+struct RecordedPosition : RecordedHeights {
+  geo::LatLon position;
   std::optional<double> sigma_horizontal_m;
   std::optional<double> sigma_vertical_m;
-  bool is_rtk_fixed = false;
   bool is_repeated = false;  // of a fix of before, and moved on from there: it places nothing
   std::string source;        // "xmp", "exif", "geo.txt", ...
 };

@@ -33,10 +33,7 @@ bool SaysHeights(const flight::FlightLog& log) {
 void TakePosition(const CameraEvent& event, const std::string& source, bool has_heights, Photo& photo) {
   flight::RecordedPosition position;
   position.position = *event.position;
-  position.height_ellipsoid_m = event.height_ellipsoid_m;
-  position.height_amsl_m = event.height_amsl_m;
-  position.height_above_takeoff_m = event.height_above_takeoff_m;
-  position.height_above_ground_m = event.height_above_ground_m;
+  static_cast<flight::RecordedHeights&>(position) = event;
   // The heights that only the photo knows stay: they do not contradict a better position.
   if (!position.height_above_takeoff_m) {
     position.height_above_takeoff_m =
@@ -46,8 +43,7 @@ void TakePosition(const CameraEvent& event, const std::string& source, bool has_
     position.height_above_ground_m = photo.position->height_above_ground_m;
   if (photo.position && !has_heights) {
     const flight::RecordedPosition& own = *photo.position;
-    position.height_amsl_m = own.height_amsl_m;
-    position.height_ellipsoid_m = own.height_ellipsoid_m;
+    static_cast<flight::GnssHeights&>(position) = own;
     // Beside a corrected place a receiver's would pass for surveyed; one above the sea does not.
     if (IsCorrected(event) && !own.is_rtk_fixed && own.height_ellipsoid_m) {
       if (!own.height_amsl_m)

@@ -33,15 +33,12 @@ struct AttitudeSample {
   bool has_yaw = true;
 };
 
-struct GnssSample {
+struct GnssSample : GnssHeights {
   double t_s = 0.0;
   geo::LatLon position;
-  std::optional<double> height_ellipsoid_m;
-  std::optional<double> height_amsl_m;
   std::optional<Eigen::Vector3d> velocity_in_ned_mps;
   std::optional<double> sigma_horizontal_m;
   std::optional<double> sigma_vertical_m;
-  bool is_rtk_fixed = false;
 };
 
 struct BaroSample {
@@ -62,25 +59,20 @@ struct WrittenPlace {
 };
 
 // One exposure as the recorder saw it.
-struct CameraEvent {
+struct CameraEvent : RecordedHeights {
   double t_s = 0.0;
   bool is_feedback = true;  // measured shutter; false: only the command to trigger
   std::optional<std::int64_t> sequence;
   std::optional<std::string> image_name;
   std::optional<WrittenPlace> written;  // of rows that name a photo, also where it can be no place as written
   std::optional<geo::LatLon> position;
-  std::optional<double> height_ellipsoid_m;
-  std::optional<double> height_amsl_m;
-  std::optional<double> height_above_takeoff_m;
   std::optional<Eigen::Vector3d> sigma_in_ned_m;
   // Horizon-zero angles of the camera or of the airframe, as `attitude_kind` says.
   std::optional<Eigen::Vector3d> yaw_pitch_roll_rad;
   AttitudeKind attitude_kind = AttitudeKind::kAirframe;
   bool has_time = true;  // false: the format names the image only, and t_s is the number of the row
-  std::optional<double> height_above_ground_m;  // measured (range finder)
   std::optional<double> sigma_tilt_rad;
   std::optional<double> sigma_yaw_rad;
-  bool is_rtk_fixed = false;
 };
 
 struct FlightLog {

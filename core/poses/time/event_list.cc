@@ -97,11 +97,9 @@ std::optional<FlightLog> AsEventList(const FlightLog& log, const std::vector<fli
     flight::CameraEvent event;
     event.t_s = row.t_s;
     event.position = row.position;
-    event.height_ellipsoid_m = row.height_ellipsoid_m;
-    event.height_amsl_m = row.height_amsl_m;
+    static_cast<flight::GnssHeights&>(event) = row;
     if (row.sigma_horizontal_m && row.sigma_vertical_m)
       event.sigma_in_ned_m = {*row.sigma_horizontal_m, *row.sigma_horizontal_m, *row.sigma_vertical_m};
-    event.is_rtk_fixed = row.is_rtk_fixed;
     list.events.push_back(std::move(event));
   }
   return list;
