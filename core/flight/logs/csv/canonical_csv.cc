@@ -86,11 +86,7 @@ std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& 
 CameraEvent EventOf(const CsvRow& row, AttitudeKind kind) {
   CameraEvent event;
   event.image_name = std::string(row.image.substr(0, kMaxNameLength));
-  event.written = WrittenPlaceOf(row);
-  event.height_ellipsoid_m = row[M::kHeightEllipsoid];
-  event.height_amsl_m = row[M::kHeightAmsl];
-  event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
-  TakeAngles(row, kind, event);
+  TakePose(row, kind, event);
   event.sigma_in_ned_m = SigmaInNedM(row[M::kSigmaHorizontal], row[M::kSigmaVertical]);
   event.sigma_tilt_rad = row[M::kSigmaTilt];
   event.sigma_yaw_rad = row[M::kSigmaYaw];

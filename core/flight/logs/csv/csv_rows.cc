@@ -66,6 +66,15 @@ Eigen::Vector3d YawPitchRollFromOpk(double omega_rad, double phi_rad, double kap
   return YawPitchRollFromNed(Eigen::Quaterniond(Eigen::Matrix3d(swap * enu_from_camera * swap)));
 }
 
+// The two coordinates of a row as its cells give them.
+std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row) {
+  const bool in_degrees = row[M::kLat] && row[M::kLon];
+  const auto x = in_degrees ? row[M::kLon] : row[M::kEast];
+  const auto y = in_degrees ? row[M::kLat] : row[M::kNorth];
+  if (!x || !y || !std::isfinite(*x) || !std::isfinite(*y)) return std::nullopt;
+  return WrittenPlace{*x, *y};
+}
+
 }  // namespace
 
 bool CsvRow::Has(CsvMeaning first, CsvMeaning last) const {
@@ -157,15 +166,11 @@ CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::
   return row;
 }
 
-std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row) {
-  const bool in_degrees = row[M::kLat] && row[M::kLon];
-  const auto x = in_degrees ? row[M::kLon] : row[M::kEast];
-  const auto y = in_degrees ? row[M::kLat] : row[M::kNorth];
-  if (!x || !y || !std::isfinite(*x) || !std::isfinite(*y)) return std::nullopt;
-  return WrittenPlace{*x, *y};
-}
-
-void TakeAngles(const CsvRow& row, AttitudeKind kind, CameraEvent& event) {
+void TakePose(const CsvRow& row, AttitudeKind kind, CameraEvent& event) {
+  if (event.image_name) event.written = WrittenPlaceOf(row);
+  event.height_ellipsoid_m = row[M::kHeightEllipsoid];
+  event.height_amsl_m = row[M::kHeightAmsl];
+  event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
   if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
     event.yaw_pitch_roll_rad =
         Eigen::Vector3d(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
@@ -277,12 +282,8 @@ void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
     event.is_feedback = false;  // the app's note of the command
   }
   if (row[M::kLat] && row[M::kLon]) event.position = geo::LatLon{*row[M::kLat], *row[M::kLon]};
-  if (event.image_name) event.written = WrittenPlaceOf(row);
-  event.height_ellipsoid_m = row[M::kHeightEllipsoid];
-  event.height_amsl_m = row[M::kHeightAmsl];
-  event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
   event.height_above_ground_m = row[M::kHeightAboveGround];
-  TakeAngles(row, event.attitude_kind, event);
+  TakePose(row, event.attitude_kind, event);
   builder_.Add(std::move(event));
 }
 

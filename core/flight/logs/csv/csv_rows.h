@@ -47,11 +47,9 @@ struct CsvClockRule {
   bool utc_is_utc = true;      // false: a local clock of unknown zone
 };
 
-// The two coordinates of a row as its cells give them.
-std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row);
-
-// The camera's own angles; where the row has none the others, which are of `kind`.
-void TakeAngles(const CsvRow& row, AttitudeKind kind, CameraEvent& event);
+// Of a row that names a photo its coordinates as written; its heights, and the camera's own angles, else the
+// others, which are of `kind`.
+void TakePose(const CsvRow& row, AttitudeKind kind, CameraEvent& event);
 
 // What came of the rows below the names of their columns.
 struct SampledRows {
