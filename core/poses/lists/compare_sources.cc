@@ -29,43 +29,33 @@ using flight::ListFault;
 using flight::ListUse;
 using geo::LatLon;
 
-struct JudgedList {
-  ListUse use;
-  ListVerdict verdict;
+struct JudgedList : ListVerdict {
   std::vector<std::size_t> events;         // of the log: those that were judged
   std::vector<std::size_t> photos;         // that they name
   std::vector<std::size_t> others;         // events of photos that are not here
   std::vector<std::size_t> contradicting;  // of `events`: those that say of a photo what another row does not
 };
 
-ListUse UseOf(const ListVerdict& verdict, const OwnRecords& own) {
-  ListUse use = verdict.use;
-  use.own_are_photos = own.is_of_photos;
-  use.own_are_stale = own.is_stale;
-  use.rows_used = static_cast<std::size_t>(std::count_if(
-      verdict.places.begin(), verdict.places.end(), [](const auto& place) { return place.has_value(); }));
-  return use;
-}
-
 // Rows of other names that give one photo other places: of two cards of which one is here, say. Nothing tells
 // which of them is true.
 void DropContradicting(const FlightLog& log, JudgedList& judged) {
-  if (judged.verdict.places.empty()) return;
+  if (judged.places.empty()) return;
   std::map<std::size_t, std::size_t> first_of;  // by photo
   std::set<std::size_t> doubted;                // photos
   for (std::size_t k = 0; k < judged.events.size(); ++k) {
-    const auto& place = judged.verdict.places[k];
+    const auto& place = judged.places[k];
     if (!place) continue;
     const std::size_t first = first_of.try_emplace(judged.photos[k], k).first->second;
     const bool is_other_name =
         log.events[judged.events[first]].image_name != log.events[judged.events[k]].image_name;
-    if (is_other_name && geo::MetresApart(*judged.verdict.places[first], *place) > kOneExposureM)
+    if (is_other_name && geo::MetresApart(*judged.places[first], *place) > kOneExposureM)
       doubted.insert(judged.photos[k]);
   }
   for (std::size_t k = 0; k < judged.events.size(); ++k) {
-    if (!doubted.contains(judged.photos[k]) || !judged.verdict.places[k]) continue;
-    judged.verdict.places[k].reset();
+    if (!doubted.contains(judged.photos[k]) || !judged.places[k]) continue;
+    judged.places[k].reset();
     judged.contradicting.push_back(judged.events[k]);
+    --judged.use.rows_used;
   }
 }
 
@@ -95,7 +85,7 @@ void DoubtByTime(const FlightLog& log, const std::vector<flight::Photo>& photos,
   if (!judged.use.apart_days || !is_placed_otherwise || judged.use.fault != ListFault::kNone) return;
   judged.use.fault = ListFault::kOtherTime;
   judged.use.rows_used = 0;
-  judged.verdict.is_ambiguous = false;
+  judged.is_ambiguous = false;
 }
 
 // Nothing for a log without rows that name photos and say where they were taken.
@@ -103,16 +93,19 @@ std::optional<JudgedList> Judge(const FlightLog& log, const std::vector<flight::
                                 const NamedPhotos& named, const OwnRecords& own) {
   JudgedList judged;
   WrittenList list;
-  list.system = log.written_system;
-  list.order_is_named = log.written_order_is_named;
+  list.use.file_name = log.file_name;
+  list.use.format = log.format;
+  list.use.system = log.written_system;
+  list.use.order_is_named = log.written_order_is_named;
+  list.use.own_are_photos = own.is_of_photos;
+  list.use.own_are_stale = own.is_stale;
   list.order_is_assumed = log.written_order_is_assumed;
-  OwnPlaces places{.of_row = {}, .of_flight = own.anywhere, .is_stale = own.is_stale};
-  std::size_t rows = 0;
+  list.own_of_flight = own.anywhere;
   const std::vector<NamedPhotos::Found> found = named.FindAll(log);
   for (std::size_t i = 0; i < log.events.size(); ++i) {
     const CameraEvent& event = log.events[i];
     if (!event.written || !event.image_name) continue;
-    ++rows;
+    ++list.use.rows;
     const std::vector<std::size_t>& called = found[i].photos;
     if (called.empty()) {
       judged.others.push_back(i);
@@ -122,18 +115,15 @@ std::optional<JudgedList> Judge(const FlightLog& log, const std::vector<flight::
     judged.events.push_back(i);
     judged.photos.push_back(called.front());
     list.rows.push_back(*event.written);
-    places.of_row.push_back(own.moving[called.front()]);
+    list.own_of_row.push_back(own.moving[called.front()]);
   }
-  if (rows == 0) return std::nullopt;
-  if (!judged.events.empty()) judged.verdict = JudgeList(list, places);
+  if (list.use.rows == 0) return std::nullopt;
+  judged.use = list.use;
+  if (judged.events.empty())
+    judged.use.fault = ListFault::kNamesNoPhoto;
+  else
+    static_cast<ListVerdict&>(judged) = JudgeList(list);
   DropContradicting(log, judged);
-  judged.use = UseOf(judged.verdict, own);
-  if (judged.events.empty()) judged.use.fault = ListFault::kNamesNoPhoto;
-  judged.use.file_name = log.file_name;
-  judged.use.format = log.format;
-  judged.use.system = log.written_system;
-  judged.use.order_is_named = log.written_order_is_named;
-  judged.use.rows = rows;
   DoubtByTime(log, photos, own, judged);
   return judged;
 }
@@ -153,18 +143,18 @@ void TakeReading(const JudgedList& judged, FlightLog& log) {
       }
     }
   };
-  take(judged.events, judged.verdict.places);
-  take(judged.others, judged.verdict.other_places);
+  take(judged.events, judged.places);
+  take(judged.others, judged.other_places);
 }
 
 // What one list says of photos without a position of their own is a source for the others.
 void Learn(const JudgedList& judged, OwnRecords& own) {
   if (judged.use.fault != ListFault::kNone || judged.use.apart_m) return;
   for (std::size_t k = 0; k < judged.events.size(); ++k) {
-    if (!own.moving[judged.photos[k]]) own.moving[judged.photos[k]] = judged.verdict.places[k];
+    if (!own.moving[judged.photos[k]]) own.moving[judged.photos[k]] = judged.places[k];
   }
   if (!own.anywhere || own.is_stale) {
-    own.anywhere = judged.verdict.middle;
+    own.anywhere = judged.middle;
     own.is_of_photos = false;
   }
   own.is_stale = false;
@@ -198,17 +188,16 @@ Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& fli
   for (std::size_t i = 0; i < flight.logs.size(); ++i) {
     auto judged = Judge(flight.logs[i], flight.photos, named, own);
     if (!judged) continue;
-    if (judged->verdict.is_ambiguous || judged->use.apart_days)
+    if (judged->is_ambiguous || judged->use.apart_days)
       open.push_back(i);
     else
       TakeList(*std::move(judged), flight.logs[i], own, flight);
   }
   for (const std::size_t i : open) {
     auto judged = Judge(flight.logs[i], flight.photos, named, own);
-    const ListVerdict& verdict = judged->verdict;
-    if (verdict.is_ambiguous) {
+    if (judged->is_ambiguous) {
       return Error{ErrorCode::kUnprocessable,
-                   QuestionOf(judged->use, *verdict.middle, *verdict.other, *verdict.other_middle), ""};
+                   QuestionOf(judged->use, *judged->middle, *judged->other, *judged->other_middle), ""};
     }
     TakeList(*std::move(judged), flight.logs[i], own, flight);
   }
@@ -216,15 +205,12 @@ Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& fli
 }
 
 // Where the photos that show the points were taken, else where any was.
-OwnPlaces PlacesAround(const flight::GcpList& list, const MarkedPhotosFound& found, const OwnRecords& own) {
+std::optional<LatLon> PlaceAround(const MarkedPhotosFound& found, const OwnRecords& own) {
   std::vector<LatLon> seen;
   for (const std::size_t photo : found.photos) {
     if (own.moving[photo]) seen.push_back(*own.moving[photo]);
   }
-  OwnPlaces places{.of_row = {}, .of_flight = MedianPosition(seen), .is_stale = own.is_stale};
-  if (!places.of_flight) places.of_flight = own.anywhere;
-  places.of_row.resize(list.points.size());
-  return places;
+  return seen.empty() ? own.anywhere : MedianPosition(seen);
 }
 
 // The list where it serves.
@@ -232,15 +218,16 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
                                              const OwnRecords& own, Flight& flight) {
   const MarkedPhotosFound found = FindMarkedPhotos(flight.photos, named, list);
   WrittenList written;
-  written.system = list.reference_system;
-  written.is_one_of_photos = false;
+  written.use.kind = flight::ListKind::kControl;
+  written.use.file_name = list.file_name;
+  written.use.system = list.reference_system;
+  written.use.rows = list.points.size();
+  written.use.own_are_photos = own.is_of_photos;
+  written.use.own_are_stale = own.is_stale;
+  written.own_of_flight = PlaceAround(found, own);
   for (const flight::GcpPoint& point : list.points) written.rows.push_back({point.x, point.y});
-  const ListVerdict verdict = JudgeList(written, PlacesAround(list, found, own));
-  ListUse use = UseOf(verdict, own);
-  use.kind = flight::ListKind::kControl;
-  use.file_name = list.file_name;
-  use.system = list.reference_system;
-  use.rows = list.points.size();
+  ListVerdict verdict = JudgeList(written);
+  ListUse& use = verdict.use;
   use.marks = found.marks;
   use.marks_outside = found.outside;
   if (use.fault == ListFault::kNone && found.AreOfOtherPictures()) use.fault = ListFault::kOtherPixels;

@@ -44,12 +44,9 @@ constexpr double kMinShareOfPlaces = 0.5;
 constexpr double kAreaMarginDeg = 1.0;
 
 struct TriedReading {
-  ListReading reading;
+  flight::ListUse use;
   Places places;  // of the rows compared
   LatLon middle;
-  bool is_in_area = true;
-  std::optional<double> apart_m;      // from the photos' own positions, row by row
-  std::optional<double> off_shape_m;  // nothing: the rows have no shape to compare
   bool has_other_shape = false;
 };
 
@@ -133,10 +130,11 @@ std::optional<LatLon> MiddleOf(const Places& places) {
 }
 
 // Nothing where most rows are no places, or lie further apart than a flight does.
-std::optional<TriedReading> TryReading(const ListReading& reading, const std::vector<WrittenPlace>& rows,
-                                       const ListReader& reader) {
+std::optional<TriedReading> TryReading(const ListReading& reading, const flight::ListUse& use,
+                                       const std::vector<WrittenPlace>& rows, const ListReader& reader) {
   TriedReading tried;
-  tried.reading = reading;
+  tried.use = use;
+  tried.use.reading = reading;
   tried.places = reader.PlacesOf(rows, reading);
   const auto middle = MiddleOf(tried.places);
   if (!middle) return std::nullopt;
@@ -148,7 +146,7 @@ std::optional<TriedReading> TryReading(const ListReading& reading, const std::ve
     return std::nullopt;
   if (Median(std::move(spread_m)) > kFlightM) return std::nullopt;
   tried.middle = *middle;
-  if (reader.named()) tried.is_in_area = reader.named()->area().Contains(*middle, kAreaMarginDeg);
+  if (reader.named()) tried.use.is_in_area = reader.named()->area().Contains(*middle, kAreaMarginDeg);
   return tried;
 }
 
@@ -174,19 +172,18 @@ void CompareShape(const Places& own, TriedReading& tried) {
   };
   const double extent_m = median_length_around_median(own_at);
   if (extent_m < kMinExtentM) return;
-  tried.off_shape_m = median_length_around_median(differences);
-  tried.has_other_shape = *tried.off_shape_m > std::max(kWanderM, kShareOfExtent * extent_m);
+  tried.use.off_shape_m = median_length_around_median(differences);
+  tried.has_other_shape = *tried.use.off_shape_m > std::max(kWanderM, kShareOfExtent * extent_m);
 }
 
-void CompareWithOwn(const OwnPlaces& own, const Places& own_compared, TriedReading& tried) {
+void CompareWithOwn(const Places& own, const std::optional<LatLon>& of_flight, TriedReading& tried) {
   std::vector<double> apart_m;
-  for (std::size_t i = 0; i < own_compared.size(); ++i) {
-    if (own_compared[i] && tried.places[i])
-      apart_m.push_back(MetresApart(*own_compared[i], *tried.places[i]));
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (own[i] && tried.places[i]) apart_m.push_back(MetresApart(*own[i], *tried.places[i]));
   }
-  tried.apart_m = MedianIfAny(std::move(apart_m));
-  if (tried.apart_m) CompareShape(own_compared, tried);
-  if (!tried.apart_m && own.of_flight) tried.apart_m = MetresApart(*own.of_flight, tried.middle);
+  tried.use.apart_m = MedianIfAny(std::move(apart_m));
+  if (tried.use.apart_m) CompareShape(own, tried);
+  if (!tried.use.apart_m && of_flight) tried.use.apart_m = MetresApart(*of_flight, tried.middle);
 }
 
 // In the order in which they are preferred: the plain one first.
@@ -201,7 +198,7 @@ std::vector<ListReading> ReadingsOf(const WrittenList& list, const ListReader& r
     for (const bool south_is_positive : {false, true}) {
       for (const bool west_is_positive : {false, true}) {
         const bool is_turned = south_is_positive || west_is_positive;
-        if (is_turned && (!knows_place || !list.is_one_of_photos)) continue;
+        if (is_turned && (!knows_place || list.use.kind == flight::ListKind::kControl)) continue;
         for (const bool is_swapped : {false, true}) {
           if (is_geographic && !is_turned) continue;  // the named system says the same
           readings.push_back({.counts_in = CountsIn::kDegrees,
@@ -224,15 +221,15 @@ std::vector<ListReading> ReadingsOf(const WrittenList& list, const ListReader& r
 
 const TriedReading* FindReading(const std::vector<TriedReading>& tried, const ListReading& reading) {
   const auto found = std::find_if(tried.begin(), tried.end(),
-                                  [&](const TriedReading& one) { return one.reading == reading; });
+                                  [&](const TriedReading& one) { return one.use.reading == reading; });
   return found == tried.end() ? nullptr : &*found;
 }
 
 const TriedReading* NearestReading(const std::vector<TriedReading>& tried, bool with_same_shape) {
   const TriedReading* nearest = nullptr;
   for (const TriedReading& one : tried) {
-    if (!one.apart_m || (with_same_shape && one.has_other_shape)) continue;
-    if (nearest == nullptr || *one.apart_m < *nearest->apart_m) nearest = &one;
+    if (!one.use.apart_m || (with_same_shape && one.has_other_shape)) continue;
+    if (nearest == nullptr || *one.use.apart_m < *nearest->use.apart_m) nearest = &one;
   }
   return nearest;
 }
@@ -248,13 +245,13 @@ struct Choice {
 Choice ChooseByAgreement(const std::vector<TriedReading>& tried, const TriedReading* plain, double far_m,
                          double slack_m) {
   const TriedReading* nearest = NearestReading(tried, true);
-  if (nearest == nullptr || *nearest->apart_m > far_m) {
+  if (nearest == nullptr || *nearest->use.apart_m > far_m) {
     const TriedReading* any = NearestReading(tried, false);
-    const bool is_near = *any->apart_m <= far_m;
+    const bool is_near = *any->use.apart_m <= far_m;
     return {any, nullptr, is_near ? ListFault::kOtherShape : ListFault::kFarAway};
   }
-  const bool plain_agrees = plain != nullptr && plain->apart_m && !plain->has_other_shape &&
-                            *plain->apart_m <= std::min(far_m, *nearest->apart_m + slack_m);
+  const bool plain_agrees = plain != nullptr && plain->use.apart_m && !plain->has_other_shape &&
+                            *plain->use.apart_m <= std::min(far_m, *nearest->use.apart_m + slack_m);
   return {plain_agrees ? plain : nearest, nullptr, ListFault::kNone};
 }
 
@@ -266,21 +263,21 @@ Choice ChooseAlone(const WrittenList& list, const ListReader& reader, const std:
   const bool is_at_origin = reader.named() && !reader.named()->is_geographic() && AreMostlyDegrees(list.rows);
   std::vector<const TriedReading*> fitting;
   for (const TriedReading& one : tried) {
-    if (one.is_in_area && !(is_at_origin && one.reading.counts_in == CountsIn::kSystem))
+    if (one.use.is_in_area && !(is_at_origin && one.use.reading.counts_in == CountsIn::kSystem))
       fitting.push_back(&one);
   }
-  if (plain != nullptr && plain->is_in_area && !is_at_origin) {
-    ListReading turned = plain->reading;
+  if (plain != nullptr && plain->use.is_in_area && !is_at_origin) {
+    ListReading turned = plain->use.reading;
     turned.is_swapped = true;
     const TriedReading* other = FindReading(tried, turned);
-    const bool is_open = other != nullptr && other->is_in_area &&
-                         MetresApart(other->middle, plain->middle) > kFlightM && !list.order_is_named;
+    const bool is_open = other != nullptr && other->use.is_in_area &&
+                         MetresApart(other->middle, plain->middle) > kFlightM && !list.use.order_is_named;
     return {plain, is_open ? other : nullptr, ListFault::kNone};
   }
   if (fitting.size() == 1) return {fitting.front(), nullptr, ListFault::kNone};
   if (fitting.size() > 1) return {fitting[0], fitting[1], ListFault::kNone};
   if (plain != nullptr) return {plain, nullptr, ListFault::kNone};
-  return {nullptr, nullptr, list.system.empty() ? ListFault::kNoSystem : ListFault::kNoPlace};
+  return {nullptr, nullptr, list.use.system.empty() ? ListFault::kNoSystem : ListFault::kNoPlace};
 }
 
 // Of the first row that has a place, where rows count in the named system.
@@ -299,12 +296,13 @@ std::optional<geo::InexactShift> ShiftOf(const ListReader& reader, const std::ve
 
 }  // namespace
 
-ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
+ListVerdict JudgeList(const WrittenList& list) {
   ListVerdict verdict;
-  const Places own_compared = Thinned(own.of_row);
+  verdict.use = list.use;
+  const Places own_compared = Thinned(list.own_of_row);
   const std::optional<LatLon> own_middle = MiddleOf(own_compared);
-  const std::optional<LatLon> near = own_middle ? own_middle : own.of_flight;
-  const ListReader reader(list.system, near);
+  const std::optional<LatLon> near = own_middle ? own_middle : list.own_of_flight;
+  const ListReader reader(list.use.system, near);
   const ListReading plain_reading{.counts_in = reader.named() ? CountsIn::kSystem : CountsIn::kDegrees};
   verdict.use.reading = plain_reading;
   if (list.rows.empty()) {
@@ -314,45 +312,44 @@ ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
   const std::vector<WrittenPlace> rows = Thinned(list.rows);
   std::vector<TriedReading> tried;
   for (const ListReading& reading : ReadingsOf(list, reader, near.has_value())) {
-    auto one = TryReading(reading, rows, reader);
+    auto one = TryReading(reading, list.use, rows, reader);
     if (!one) continue;
-    CompareWithOwn(own, own_compared, *one);
+    CompareWithOwn(own_compared, list.own_of_flight, *one);
     tried.push_back(*std::move(one));
   }
   const TriedReading* plain = FindReading(tried, plain_reading);
   if (tried.empty()) {
-    const bool lacks_system = list.system.empty() && !AreMostlyDegrees(list.rows);
+    const bool lacks_system = list.use.system.empty() && !AreMostlyDegrees(list.rows);
     verdict.use.fault = lacks_system ? ListFault::kNoSystem : ListFault::kNoPlace;
     return verdict;
   }
-  const double flight_m = list.is_one_of_photos ? kFlightM : kSurveyOfFlightM;
+  const double flight_m = list.use.kind == flight::ListKind::kPositions ? kFlightM : kSurveyOfFlightM;
   const bool is_comparable = NearestReading(tried, false) != nullptr;
   Choice choice;
   if (is_comparable && own_middle) choice = ChooseByAgreement(tried, plain, kFarFromPhotosM, kReceiverM);
   if (is_comparable && !own_middle) choice = ChooseByAgreement(tried, plain, flight_m, flight_m);
   // A fix that all photos share may be of another day.
-  const bool is_refused_by_stale = choice.fault != ListFault::kNone && !own_middle && own.is_stale;
+  const bool is_refused_by_stale = choice.fault != ListFault::kNone && !own_middle && list.use.own_are_stale;
   if (!is_comparable || is_refused_by_stale) choice = ChooseAlone(list, reader, tried, plain);
+  const TriedReading* taken = choice.reading;
+  if (taken != nullptr) verdict.use = taken->use;
   verdict.use.fault = choice.fault;
-  if (choice.reading == nullptr) return verdict;
-  const TriedReading& taken = *choice.reading;
-  verdict.use.reading = taken.reading;
-  verdict.use.is_as_written = taken.reading == plain_reading;
-  verdict.use.is_in_area = taken.is_in_area;
-  verdict.use.apart_m = taken.apart_m;
-  verdict.use.off_shape_m = taken.off_shape_m;
-  verdict.middle = taken.middle;
-  if (plain != nullptr) verdict.use.as_written_apart_m = plain->apart_m;
+  if (taken == nullptr) return verdict;
+  verdict.use.is_as_written = taken->use.reading == plain_reading;
+  verdict.middle = taken->middle;
+  if (plain != nullptr) verdict.use.as_written_apart_m = plain->use.apart_m;
   if (choice.other != nullptr) {
     // The order that a format documents is not asked for, only said.
     const bool is_documented = verdict.use.is_as_written && !list.order_is_assumed;
-    verdict.is_ambiguous = !is_documented && list.is_one_of_photos;
-    verdict.other = choice.other->reading;
+    verdict.is_ambiguous = !is_documented && list.use.kind == flight::ListKind::kPositions;
+    verdict.other = choice.other->use.reading;
     verdict.other_middle = choice.other->middle;
-    verdict.use.other_order_apart_m = MetresApart(choice.other->middle, taken.middle);
+    verdict.use.other_order_apart_m = MetresApart(choice.other->middle, taken->middle);
   }
   if (verdict.use.fault == ListFault::kNone) {
     verdict.places = reader.PlacesOf(list.rows, verdict.use.reading);
+    verdict.use.rows_used = static_cast<std::size_t>(std::count_if(
+        verdict.places.begin(), verdict.places.end(), [](const auto& place) { return place.has_value(); }));
     if (const auto shift = ShiftOf(reader, list.rows, verdict)) {
       verdict.use.system_error_m = shift->error_m;
       verdict.use.lacks_grid = shift->lacks_grid;

@@ -8,7 +8,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/flight/lists/list_use.h"
@@ -17,23 +16,18 @@
 
 namespace skyquilt::poses {
 
+// A list before any reading of it is believed, and what the other sources say.
 struct WrittenList {
-  std::string system;                        // empty: none is named
-  bool order_is_named = false;               // by a header
+  flight::ListUse use;                       // what is known before it is read
   bool order_is_assumed = false;             // neither by a header nor by the format
-  bool is_one_of_photos = true;              // false: of surveyed points, which lie beside the photos
   std::vector<flight::WrittenPlace> rows;    // that are compared
   std::vector<flight::WrittenPlace> others;  // of photos that are not here: read as `rows` are
-};
-
-// What the other sources say.
-struct OwnPlaces {
   // By row: where its photo says it was; nothing of photos that share their position with others, as they do
-  // when a receiver has lost its fix.
-  std::vector<std::optional<geo::LatLon>> of_row;
+  // when a receiver has lost its fix. Empty for surveyed points, which lie beside the photos.
+  std::vector<std::optional<geo::LatLon>> own_of_row;
   // Where the flight was, by other photos, a track, or a fix that all photos share; nothing: nobody knows.
-  std::optional<geo::LatLon> of_flight;
-  bool is_stale = false;  // `of_flight` is such a fix: it says roughly where, and refuses no list
+  // Such a fix (`own_are_stale`) says roughly where, and refuses no list.
+  std::optional<geo::LatLon> own_of_flight;
 };
 
 struct ListVerdict {
@@ -45,6 +39,6 @@ struct ListVerdict {
   std::vector<std::optional<geo::LatLon>> places, other_places;  // by row; empty with a fault
 };
 
-ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own);
+ListVerdict JudgeList(const WrittenList& list);
 
 }  // namespace skyquilt::poses

@@ -12,8 +12,8 @@ namespace {
 // on.
 WrittenList ZonedList(const std::string& system) {
   WrittenList list;
-  list.system = system;
-  list.order_is_named = true;
+  list.use.system = system;
+  list.use.order_is_named = true;
   for (const double on_m : {0.0, 20.0, 40.0, 60.0}) list.rows.push_back({32'521'000.0 + on_m, 5'412'000.0});
   return list;
 }
@@ -29,14 +29,14 @@ void ExpectPlaced(const ListVerdict& verdict) {
 TEST(JudgeList, ReadsEastingsWithTheZoneBeforeThemInTheZoneThatIsNamed) {
   for (const char* system : {"EPSG:25832", "EPSG:4647"}) {
     SCOPED_TRACE(system);
-    ExpectPlaced(JudgeList(ZonedList(system), {}));
+    ExpectPlaced(JudgeList(ZonedList(system)));
   }
 }
 
 TEST(JudgeList, ReadsEastingsWithTheZoneBeforeThemInTheZoneOfThePhotos) {
-  OwnPlaces own;
-  own.of_flight = geo::LatLon{48.861, 9.287};
-  const ListVerdict verdict = JudgeList(ZonedList(""), own);
+  WrittenList list = ZonedList("");
+  list.own_of_flight = geo::LatLon{48.861, 9.287};
+  const ListVerdict verdict = JudgeList(list);
   EXPECT_EQ(verdict.use.reading.counts_in, flight::CountsIn::kUtmOfFlight);
   ExpectPlaced(verdict);
 }
