@@ -130,7 +130,8 @@ constexpr ListName kListNames[] = {
     {"phi", M::kPhi},
     {"kappa", M::kKappa},
     {"px py imx imy pixelx pixely imagex imagey", M::kIgnored, PairOrder::kNamed, MarkPart::kPixel},
-    {"u col gcp gcpname point pointname pointid punkt", M::kIgnored, PairOrder::kNamed, MarkPart::kPoint},
+    {"u col column xpx ypx xpixel ypixel gcp gcpname marker point pointname pointid punkt", M::kIgnored,
+     PairOrder::kNamed, MarkPart::kPoint},
     {"v row photo punktnummer"},
 };
 

@@ -171,6 +171,7 @@ void TakePose(const CsvRow& row, AttitudeKind kind, CameraEvent& event) {
   event.height_ellipsoid_m = row[M::kHeightEllipsoid];
   event.height_amsl_m = row[M::kHeightAmsl];
   event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
+  event.height_above_ground_m = row[M::kHeightAboveGround];
   if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
     event.yaw_pitch_roll_rad =
         Eigen::Vector3d(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
@@ -282,7 +283,6 @@ void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
     event.is_feedback = false;  // the app's note of the command
   }
   if (row[M::kLat] && row[M::kLon]) event.position = geo::LatLon{*row[M::kLat], *row[M::kLon]};
-  event.height_above_ground_m = row[M::kHeightAboveGround];
   TakePose(row, event.attitude_kind, event);
   builder_.Add(std::move(event));
 }

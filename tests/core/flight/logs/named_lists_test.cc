@@ -245,6 +245,7 @@ TEST(NamedLists, FindsHeightsByTheirWordsInOtherLanguages) {
   EXPECT_EQ(row("height above ellipsoid", "500").height_ellipsoid_m, 500.0);
   for (const char* above_takeoff : {"hauteur", "altura"})
     EXPECT_EQ(row(above_takeoff, "60").height_above_takeoff_m, 60.0) << above_takeoff;
+  EXPECT_EQ(row("agl_m", "60").height_above_ground_m, 60.0);
 }
 
 TEST(NamedLists, FindsWhatHeightsOfAbbreviatedNamesCountFrom) {
@@ -353,6 +354,8 @@ TEST(NamedLists, LeavesPointsProseAndLogsAlone) {
   EXPECT_TRUE(reads("image,x,y,z", "a.jpg,1,2,3\n"));
   EXPECT_FALSE(reads("image,x,y,z,px,py,point", "a.jpg,1,2,3,4,5,p\n")) << "marks of surveyed points";
   EXPECT_FALSE(reads("gcp,lat,lon,alt,px,py,image", "p,46.8,8.1,500,4,5,a.jpg\n")) << "marks too";
+  EXPECT_FALSE(reads("xcoordinate,ycoordinate,zcoordinate,column,line,photo", "1,2,3,4,5,a.jpg\n"))
+      << "and these";
   EXPECT_TRUE(reads("point,lat,lon,image", "1,46.8,8.1,a.jpg\n")) << "numbered photos";
   EXPECT_FALSE(reads("PhotoID,x,y,z", "1,2,3,4\n")) << "numbers name no photo";
   EXPECT_FALSE(reads("photo of the x and y axes", "taken in the evening\n"));
