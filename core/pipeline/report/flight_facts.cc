@@ -11,7 +11,19 @@
 #include "core/pipeline/report/locate.h"
 #include "core/pipeline/report/report_codec.h"
 
+namespace skyquilt::render {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PhotoLight, gain, hot_spot)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SeamGrid, zoom, tile_size_px, cell_px, first_column, first_row, columns,
+                                   rows)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SeamShift, patches, reliable, gsd_m, median_m, p90_m)
+
+}  // namespace skyquilt::render
+
 namespace skyquilt::pipeline {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GroundChoice, leaning_share, seen_share)
+
 namespace {
 
 using Cbor = nlohmann::json;
@@ -24,10 +36,7 @@ Cbor OfExposure(const render::KnownExposure& exposure) {
   const auto& spot = exposure.light.directions.hot_spot;
   Cbor cameras = Cbor::array();
   for (const auto& [key, terms] : exposure.light.cameras) cameras.push_back({{"key", key}, {"terms", terms}});
-  Cbor photos = Cbor::array();
-  for (const render::PhotoLight& photo : exposure.photos)
-    photos.push_back({{"gain", photo.gain}, {"hot_spot", photo.hot_spot}});
-  return {{"photos", photos},
+  return {{"photos", exposure.photos},
           {"cameras", cameras},
           {"directions", exposure.light.of_directions},
           {"widest_look", exposure.light.directions.widest_look},
@@ -36,10 +45,7 @@ Cbor OfExposure(const render::KnownExposure& exposure) {
 
 render::KnownExposure ToExposure(const Cbor& json) {
   render::KnownExposure exposure;
-  for (const Cbor& photo : json.at("photos")) {
-    exposure.photos.push_back(
-        {photo.at("gain").get<std::array<double, 3>>(), photo.at("hot_spot").get<std::array<double, 3>>()});
-  }
+  exposure.photos = json.at("photos").get<std::vector<render::PhotoLight>>();
   exposure.light.of_directions = json.at("directions").get<std::array<render::DirectionTerms, 3>>();
   exposure.light.directions.widest_look = json.at("widest_look");
   if (const Cbor& look = json.at("hot_spot"); !look.is_null()) {
@@ -77,18 +83,13 @@ Cbor OfAppearance(const MapAppearance& appearance) {
       runs.back() += alike;
     }
   }
-  return {{"gsd_m", appearance.gsd_m},
-          {"exposure", OfExposure(appearance.exposure)},
-          {"zoom", appearance.grid.zoom},
-          {"tile_size_px", appearance.grid.tile_size_px},
-          {"cell_px", appearance.grid.cell_px},
-          {"first_column", appearance.grid.first_column},
-          {"first_row", appearance.grid.first_row},
-          {"columns", appearance.grid.columns},
-          {"rows", appearance.grid.rows},
-          {"upright", appearance.stands_upright},
-          {"gsd_asked", appearance.is_gsd_asked},
-          {"labels", CborOfValues<Cbor>(runs)}};
+  Cbor json = appearance.grid;
+  json["gsd_m"] = appearance.gsd_m;
+  json["exposure"] = OfExposure(appearance.exposure);
+  json["upright"] = appearance.stands_upright;
+  json["gsd_asked"] = appearance.is_gsd_asked;
+  json["labels"] = CborOfValues<Cbor>(runs);
+  return json;
 }
 
 MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
@@ -96,13 +97,7 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   appearance.gsd_m = json.at("gsd_m");
   appearance.exposure = ToExposure(json.at("exposure"));
   if (appearance.exposure.photos.size() > photos) ThrowDamaged<Cbor>("more light than photos");
-  appearance.grid.zoom = json.at("zoom");
-  appearance.grid.tile_size_px = json.at("tile_size_px");
-  appearance.grid.cell_px = json.at("cell_px");
-  appearance.grid.first_column = json.at("first_column");
-  appearance.grid.first_row = json.at("first_row");
-  appearance.grid.columns = json.at("columns");
-  appearance.grid.rows = json.at("rows");
+  appearance.grid = json.get<render::SeamGrid>();
   appearance.stands_upright = json.value("upright", false);  // not in maps of earlier versions
   appearance.is_gsd_asked = json.value("gsd_asked", false);  // nor this
   constexpr int kMaxSideCells = 1 << 30;
@@ -113,9 +108,7 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
     ThrowDamaged<Cbor>("the seam grid is of no size");
   }
   appearance.labels = render::SeamLabels(appearance.grid.columns, appearance.grid.rows);
-  const std::vector<std::uint8_t>& bytes = json.at("labels").get_binary();
-  std::vector<std::int32_t> runs(bytes.size() / sizeof(std::int32_t));
-  std::copy_n(bytes.data(), runs.size() * sizeof(std::int32_t), reinterpret_cast<std::uint8_t*>(runs.data()));
+  const auto runs = ValuesOfCbor<std::int32_t>(json.at("labels"));
   std::int64_t cell = 0;
   for (std::size_t run = 0; run + 1 < runs.size(); run += 2) {
     const bool is_photo = runs[run] >= 0 && static_cast<std::size_t>(runs[run]) < photos;
@@ -126,19 +119,6 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
     }
   }
   return appearance;
-}
-
-Cbor OfSeams(const render::SeamShift& seams) {
-  return {{"patches", seams.patches},
-          {"reliable", seams.reliable},
-          {"gsd_m", seams.gsd_m},
-          {"median_m", seams.median_m},
-          {"p90_m", seams.p90_m}};
-}
-
-render::SeamShift ToSeams(const Cbor& json) {
-  return {json.at("patches").get<int>(), json.at("reliable").get<int>(), json.at("gsd_m").get<double>(),
-          json.at("median_m").get<double>(), json.at("p90_m").get<double>()};
 }
 
 // Polygons of rings of longitudes and latitudes in turn.
@@ -184,11 +164,7 @@ FlightFacts Parse(std::string_view bytes) {
   if (json.at("version") != kVersion) return facts;
   facts.options = DigestOfCbor(json.at("options"));
   if (json.contains("asked")) facts.asked = json.at("asked").get<std::map<std::string, std::string>>();
-  if (json.contains("ground_choice")) {
-    const Cbor& choice = json.at("ground_choice");
-    facts.ground_choice =
-        GroundChoice{choice.at("leaning_share").get<double>(), choice.at("seen_share").get<double>()};
-  }
+  if (json.contains("ground_choice")) facts.ground_choice = json.at("ground_choice").get<GroundChoice>();
   for (const Cbor& input : json.at("inputs")) {
     facts.inputs.push_back(
         {{TextOfCbor(input.at("name")), TextOfCbor(input.at("path"))}, DigestOfCbor(input.at("digest"))});
@@ -240,7 +216,7 @@ FlightFacts Parse(std::string_view bytes) {
   if (json.contains("boundary")) facts.boundary = ToBoundary(json.at("boundary"));
   if (const Cbor& appearance = json.at("look"); !appearance.is_null())
     facts.appearance = ToAppearance(appearance, photos.size());
-  if (json.contains("seams")) facts.seams = ToSeams(json.at("seams"));
+  if (json.contains("seams")) facts.seams = json.at("seams").get<render::SeamShift>();
   return facts;
 }
 
@@ -273,10 +249,7 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["version"] = kVersion;
   json["options"] = CborOfDigest<Cbor>(facts.options);
   json["asked"] = facts.asked;
-  if (facts.ground_choice) {
-    json["ground_choice"] = {{"leaning_share", facts.ground_choice->leaning_share},
-                             {"seen_share", facts.ground_choice->seen_share}};
-  }
+  if (facts.ground_choice) json["ground_choice"] = *facts.ground_choice;
   json["inputs"] = Cbor::array();
   for (const NamedDigest& input : facts.inputs) {
     json["inputs"].push_back({{"name", CborOfText<Cbor>(input.file.name)},
@@ -316,7 +289,7 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["poses"] = ReportText(facts.poses_report);
   if (facts.boundary) json["boundary"] = OfBoundary(*facts.boundary);
   json["look"] = facts.appearance ? OfAppearance(*facts.appearance) : Cbor(nullptr);
-  if (facts.seams) json["seams"] = OfSeams(*facts.seams);
+  if (facts.seams) json["seams"] = *facts.seams;
   const std::vector<std::uint8_t> bytes = Cbor::to_cbor(json);
   return {bytes.begin(), bytes.end()};
 }
