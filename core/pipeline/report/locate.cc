@@ -141,9 +141,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kVersion = 1;
 
 Json GroundOf(const ground::GroundSurface& ground) {
-  if (ground.IsPlane()) return {{"z_m", ground.MeanHeight()}};
-  Json json;
-  json["z_m"] = ground.MeanHeight();
+  Json json = {{"z_m", ground.MeanHeight()}};
+  if (ground.IsPlane()) return json;
   json["south_west_m"] = {ground.SouthWest().x(), ground.SouthWest().y()};
   json["cell_m"] = ground.CellSize();
   json["columns"] = ground.Columns();
@@ -158,14 +157,13 @@ Json CameraOf(const alignment::AlignedPhoto& photo, alignment::ErrorsKnown known
   const std::optional<double> error_m = alignment::KnownErrorM(photo, known);
   const camera::Intrinsics& lens = photo.intrinsics;
   const Eigen::Quaterniond& rotation = photo.cam_from_enu.rotation;
-  const Eigen::Vector3d& translation = photo.cam_from_enu.translation;
   Json json = {{"name", photo.photo.name},
                {"size_px", {lens.width_px, lens.height_px}},
                {"focal_px", {lens.focal_x_px, lens.focal_y_px}},
                {"center_px", {lens.center_x_px, lens.center_y_px}},
                {"distortion", {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}},
                {"rotation_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}},
-               {"translation_m", {translation.x(), translation.y(), translation.z()}},
+               {"translation_m", Numbers(photo.cam_from_enu.translation)},
                {"placement", alignment::PlacementName(photo.placement)},
                {"error_radius_m", error_m ? Json(*error_m) : Json()}};
   if (photo.sharpness && std::isfinite(*photo.sharpness)) json["sharpness"] = *photo.sharpness;
@@ -180,6 +178,13 @@ Eigen::Matrix<double, kSize, 1> Vector(const Json& json) {
   Eigen::Matrix<double, kSize, 1> vector;
   for (int i = 0; i < kSize; ++i) vector[i] = json.at(static_cast<std::size_t>(i)).get<double>();
   return vector;
+}
+
+// The numbers of a list, one after the other.
+template <typename... Values>
+void Take(const Json& list, Values&... values) {
+  std::size_t i = 0;
+  (list.at(i++).get_to(values), ...);
 }
 
 // Throws Json's own exceptions for what is missing or of another kind; the caller turns them into an error.
@@ -207,24 +212,13 @@ LocatedMap MapFrom(const Json& json) {
     LocatedCamera camera;
     camera.name = from.at("name");
     camera::Intrinsics& lens = camera.intrinsics;
-    lens.width_px = from.at("size_px").at(0);
-    lens.height_px = from.at("size_px").at(1);
-    lens.focal_x_px = from.at("focal_px").at(0);
-    lens.focal_y_px = from.at("focal_px").at(1);
-    lens.center_x_px = from.at("center_px").at(0);
-    lens.center_y_px = from.at("center_px").at(1);
-    const Json& distortion = from.at("distortion");
-    lens.k1 = distortion.at(0);
-    lens.k2 = distortion.at(1);
-    lens.p1 = distortion.at(2);
-    lens.p2 = distortion.at(3);
-    lens.k3 = distortion.at(4);
-    const Json& rotation = from.at("rotation_wxyz");
-    camera.cam_from_enu.rotation =
-        Eigen::Quaterniond(rotation.at(0).get<double>(), rotation.at(1).get<double>(),
-                           rotation.at(2).get<double>(), rotation.at(3).get<double>());
-    const Json& translation = from.at("translation_m");
-    camera.cam_from_enu.translation = Vector<3>(translation);
+    Take(from.at("size_px"), lens.width_px, lens.height_px);
+    Take(from.at("focal_px"), lens.focal_x_px, lens.focal_y_px);
+    Take(from.at("center_px"), lens.center_x_px, lens.center_y_px);
+    Take(from.at("distortion"), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3);
+    Eigen::Quaterniond& rotation = camera.cam_from_enu.rotation;
+    Take(from.at("rotation_wxyz"), rotation.w(), rotation.x(), rotation.y(), rotation.z());
+    camera.cam_from_enu.translation = Vector<3>(from.at("translation_m"));
     camera.placement = from.at("placement") == alignment::PlacementName(alignment::Placement::kAligned)
                            ? alignment::Placement::kAligned
                            : alignment::Placement::kPoseOnly;
