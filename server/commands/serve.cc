@@ -75,7 +75,7 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
   std::string address = text.substr(0, colon);
   if (address.starts_with('[') && address.ends_with(']')) address = address.substr(1, address.size() - 2);
   if (address == "localhost") address = "127.0.0.1";
-  HttpSettings settings;
+  HttpSettings settings = options.http;
   const auto port = ParseNumber<std::uint16_t>(std::string_view(text).substr(colon + 1));
   if (!port || address.empty()) return bad;
   settings.port = *port;
@@ -88,18 +88,11 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
             address)};
   }
   settings.address = address;
-  settings.public_url = options.public_url;
   while (settings.public_url.ends_with('/')) settings.public_url.pop_back();
-  settings.base_path = options.base_path;
-  settings.hosts = options.hosts;
-  settings.always_checks_host = !options.hosts.empty();
+  settings.always_checks_host = !settings.hosts.empty();
   if (!settings.public_url.empty()) settings.hosts.push_back(HostOf(settings.public_url));
-  settings.cors_origins = options.cors_origins;
   settings.threads = std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
   settings.compute_threads = settings.threads;
-  settings.connections_of_client = options.connections_per_address;
-  settings.max_of_client = options.requests_per_address;
-  settings.max_waiting = options.waiting_requests;
   for (const std::string& proxy : options.trusted_proxies) {
     const std::optional<AddressRange> range = AddressRange::From(proxy);
     if (!range) {
@@ -232,22 +225,18 @@ void RunServer(const ServeOptions& options) {
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();
   storage::SqliteDb::CountNoMemory();
-  const Result<void> loaded = TryLate();  // a library that is missing is no surprise of the first request
-  if (!loaded) Fail("skyquilt serve", loaded.error());
+  OrFail("skyquilt serve", TryLate());  // a library that is missing is no surprise of the first request
   KeepFreedMemory();
   const storage::CataloguePlace given = PlaceOf("skyquilt serve", options.catalogue);
   const std::vector<std::string> catalogue_words = WordsOfPlace(given);
   // The store is looked at before anything is made beside it.
   const storage::CataloguePlace place = OrFail("skyquilt serve", storage::WithFilesAt(given, options.blobs));
-  Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders, place);
-  if (!storage) Fail("skyquilt serve", storage.error());
-  Storage& opened = *storage;
+  Storage opened = OrFail("skyquilt serve", OpenStorage(options.data_dir, kReaders, kTileReaders, place));
   const std::shared_ptr<storage::BlobStore> blobs =
       OrFail("skyquilt serve", OpenBlobsOf(opened.dir, *opened.db, options.blobs));
   if (!blobs->IsFolder()) LogEvent("photos and maps lie at " + blobs->Address());
   const bool requires_token = RequiresToken(*opened.db, options.open);
-  const Result<HttpSettings> settings = SettingsFrom(options, requires_token);
-  if (!settings) Fail("skyquilt serve", settings.error());
+  const HttpSettings settings = OrFail("skyquilt serve", SettingsFrom(options, requires_token));
   OrFail("skyquilt serve", CheckWatched(options.watched, opened.dir.root(), requires_token));
   // A folder of one machine among many holds no flights: backups of the database stand for the records.
   std::optional<storage::FlightRecords> records;
@@ -298,17 +287,17 @@ void RunServer(const ServeOptions& options) {
   router.SetFallback([page, origin = basemap.Origins()](const api::Request& request) {
     return page ? ServePage(*page, request, origin) : NoPage(request);
   });
-  Result<std::unique_ptr<HttpServer>> server = HttpServer::Listen(*settings, router, service);
-  if (!server) Fail("skyquilt serve", server.error());
-  service.addresses_for_others = [&settings = *settings, &server = **server] {
+  const std::unique_ptr<HttpServer> server =
+      OrFail("skyquilt serve", HttpServer::Listen(settings, router, service));
+  service.addresses_for_others = [&settings, &server = *server] {
     std::vector<std::string> addresses = AddressesForOthers(settings, server.port());
     return addresses.empty() ? server.NetworkAddresses() : addresses;
   };
-  if (IsForThisMachineAlone(*settings))
-    service.open_network = [&server = **server] { return server.OpenNetwork(); };
-  (*server)->Start();
-  fmt::print("Skyquilt is serving at http://{}:{}{}/\n", HostInUrl(settings->address), (*server)->port(),
-             settings->base_path);
+  if (IsForThisMachineAlone(settings))
+    service.open_network = [&server = *server] { return server.OpenNetwork(); };
+  server->Start();
+  fmt::print("Skyquilt is serving at http://{}:{}{}/\n", HostInUrl(settings.address), server->port(),
+             settings.base_path);
   std::fflush(stdout);
 
   const Housekeeper housekeeper(service);
@@ -326,20 +315,20 @@ void RunServer(const ServeOptions& options) {
   words.insert(words.end(), catalogue_words.begin(), catalogue_words.end());
   WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue, units,
                      std::move(words));
-  WatchProcess watching(WatchWords(options.watched, opened.dir.root(), OwnUrl(*settings, (*server)->port())));
+  WatchProcess watching(WatchWords(options.watched, opened.dir.root(), OwnUrl(settings, server->port())));
   SuperviseWorkers(workers, watching, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
   const auto deadline = std::chrono::steady_clock::now() + kStopTime;
   ExitAt(deadline);
-  std::thread draining([&server = **server] {
+  std::thread draining([&server = *server] {
     if (!server.Drain(kDrainTime)) LogEvent("some connections did not finish in time and were cut");
     EndAllSandboxed();
   });
   watching.Stop(kWatchGrace);
   workers.Stop(kWorkerGrace);
   draining.join();
-  if (!(*server)->End(deadline)) ExitNow();
+  if (!server->End(deadline)) ExitNow();
 }
 
 }  // namespace

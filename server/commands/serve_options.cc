@@ -37,13 +37,13 @@ void AddBounds(CLI::App& command, ServeOptions& options) {
   add("trusted-proxy", options.trusted_proxies,
       "Address (or network, as 10.0.0.0/8) of a proxy whose X-Forwarded-For, -Proto, -Host and -Prefix are believed; may be given several times")
       ->delimiter(',');
-  add_number("connections-per-address", options.connections_per_address, 0,
+  add_number("connections-per-address", options.http.connections_of_client, 0,
              "Connections that one client address may hold; 0: no bound");
   add_number("listeners-per-address", options.listeners_per_address, 0,
              "Listeners to events that one client address may have; 0: no bound");
-  add_number("requests-per-address", options.requests_per_address, 0,
+  add_number("requests-per-address", options.http.max_of_client, 0,
              "Requests of one client address that wait or are worked on, of each kind; 0: no bound");
-  add_number("waiting-requests", options.waiting_requests, 1,
+  add_number("waiting-requests", options.http.max_waiting, 1,
              "Requests that wait for a thread, of each kind; more are answered 429");
   add_number("tile-cache-mb", options.tile_cache_mb, 0,
              "Megabytes of memory for tiles in other formats and sizes than they are stored in");
@@ -117,12 +117,12 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
       ->capture_default_str();
   command.add_option("--web", options.web_dir, "Folder of the web page, instead of the built-in one");
   command
-      .add_option("--public-url", options.public_url,
+      .add_option("--public-url", options.http.public_url,
                   "How others reach this server, where a proxy is before it")
       ->check(IsHttpUrl);
   command
       .add_option(
-          "--base-path", options.base_path,
+          "--base-path", options.http.base_path,
           "Path that this server lies under at a proxy, as /skyquilt, whether the proxy takes it off or "
           "not")
       ->check([](const std::string& path) {
@@ -163,14 +163,14 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
   CLI::Option* hosts =
       command
           .add_option(
-              "--host", options.hosts,
+              "--host", options.http.hosts,
               "A name that the server goes by, besides those of this machine; several, or with commas. Without "
               "tokens no other is answered")
           ->delimiter(',');
   CLI::Option* cors_origins =
       command
           .add_option(
-              "--cors-origin", options.cors_origins,
+              "--cors-origin", options.http.cors_origins,
               "A site whose pages may use the API: https://host; several, or with commas. Without this, any "
               "with a token, and none where no token is asked for")
           ->delimiter(',')

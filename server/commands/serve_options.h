@@ -24,17 +24,14 @@ struct ServeOptions {
   std::string data_dir;
   CatalogueOptions catalogue;
   storage::BlobPlace blobs;
+  HttpSettings http;  // without what follows from `listen`, from proxies and from this machine
   std::string listen = "127.0.0.1:8080";
   std::string web_dir;
-  std::string public_url;
-  std::string base_path;
   std::string basemap;
   std::string basemap_attribution;
   std::string webhooks = "off";
   std::string node_engine = api::kUsualNodeEngine;
   WatchedFolders watched;
-  std::vector<std::string> hosts;
-  std::vector<std::string> cors_origins;
   std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
   int trash_days = 30;
@@ -47,10 +44,7 @@ struct ServeOptions {
   bool open = false;
   bool keyed_cache = false;  // of the operator's, in front, by token
   std::vector<std::string> trusted_proxies;
-  std::size_t connections_per_address = HttpSettings().connections_of_client;
   std::size_t listeners_per_address = api::EventHub::kUsualMostOfClient;
-  std::size_t requests_per_address = HttpSettings().max_of_client;
-  std::size_t waiting_requests = HttpSettings().max_waiting;
   std::size_t tile_cache_mb = storage::MadeTiles::kUsualBudgetBytes >> 20;
 };
 
