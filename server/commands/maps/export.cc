@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -28,18 +27,16 @@ struct ExportArguments {
   fs::path map;
   fs::path out;
   std::string format;
-  std::string crs;
   fs::path clip;
-  std::optional<double> resolution_m;
-  std::string index, expression;
-  bool has_expression = false;  // which may be empty, and is refused then
+  storage::ExportRequest request;  // as far as options say it word for word
+  bool has_expression = false;     // which may be empty, and is refused then
   int quality = 85;
   int threads = 0;
   bool overwrite = false;
 };
 
 storage::ExportRequest ExportRequestOf(const ExportArguments& arguments) {
-  storage::ExportRequest request;
+  storage::ExportRequest request = arguments.request;
   const auto format = arguments.format.empty()
                           ? storage::ExportFormatOfFile(arguments.out.filename().string())
                           : storage::ExportFormatOfName(arguments.format);
@@ -50,22 +47,16 @@ storage::ExportRequest ExportRequestOf(const ExportArguments& arguments) {
             " does not say its format. End its name in .tif, .pmtiles, .mbtiles or .kmz, or say --format. A PDF about the "
             "map is written by \"skyquilt report\".");
   request.format = *format;
-  request.crs = arguments.crs;
   if (!request.crs.empty() && request.format != storage::ExportFormat::kGeotiff)
     Refuse(kExportCommand, std::string("--crs is for GeoTIFFs; ") + storage::NameOf(request.format) +
                                " is always in Web Mercator.");
-  request.resolution_m = arguments.resolution_m;
-  request.index = arguments.index;
-  request.expression = arguments.expression;
   if (request.IsOfValues() && request.format != storage::ExportFormat::kGeotiff)
     Refuse(kExportCommand, "The values of an index are a GeoTIFF: end the file's name in .tif.");
   if (arguments.has_expression) {
     const auto parsed = indices::BandExpression::Parse(request.expression);
     if (!parsed) Refuse(kExportCommand, "--expression: " + parsed.error().message);
   }
-  if (!arguments.clip.empty()) {
-    request.boundary = ReadBoundary(kExportCommand, arguments.clip);
-  }
+  if (!arguments.clip.empty()) request.boundary = ReadBoundary(kExportCommand, arguments.clip);
   return request;
 }
 
@@ -115,7 +106,7 @@ void AddExportCommand(CLI::App& app) {
   command->add_option("--format", arguments->format, "The format, where the file's ending does not say it")
       ->check(OneOf({"geotiff", "pmtiles", "mbtiles", "kmz"}));
   command->add_option(
-      "--crs", arguments->crs,
+      "--crs", arguments->request.crs,
       "Coordinate system of a GeoTIFF: \"utm\" (the zone of the map's middle: to measure, for GIS and CAD) or a "
       "code such as EPSG:2056. Default: Web Mercator, as the map's tiles, which are copied: for web maps, its "
       "metres are too long");
@@ -125,17 +116,17 @@ void AddExportCommand(CLI::App& app) {
       ->check(CLI::ExistingFile);
   command
       ->add_option(
-          "--resolution", arguments->resolution_m,
+          "--resolution", arguments->request.resolution_m,
           "Ground that a pixel shows, in metres (0.1) or with its unit (10cm). A GeoTIFF has it exactly; of tiles the zooms down to it are "
           "written. Default: the map's own, the finest there is")
       ->transform(Length())
       ->check(CLI::PositiveNumber);
   CLI::Option* const index = command->add_option(
-      "--index", arguments->index,
+      "--index", arguments->request.index,
       "A GeoTIFF of the values of a vegetation index (ndvi, vari ...) as floats, instead of colours");
   index->check(OneOf(IndexNames()));
   CLI::Option* const expression =
-      command->add_option("--expression", arguments->expression,
+      command->add_option("--expression", arguments->request.expression,
                           "The same by a formula over the map's bands, such as \"(nir-red)/(nir+red)\"");
   expression->excludes(index);
   command->add_option("--quality", arguments->quality, "JPEG quality of what has to be encoded anew")

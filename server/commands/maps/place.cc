@@ -32,12 +32,10 @@ constexpr const char* kCommand = "skyquilt place";
 struct PlaceArguments {
   fs::path map_dir;
   std::string origin;
-  std::string at_photo;
   std::string scale;
-  std::optional<double> north_deg;
+  pipeline::PlaceRequest request;  // as far as options say it word for word
   std::vector<fs::path> gcp;
   std::vector<std::string> points;
-  bool again = false;
   int threads = 0;
   double max_memory_gib = 1.0;
 };
@@ -78,16 +76,12 @@ pipeline::ShownPair PairOf(const std::string& text) {
 }
 
 pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
-  pipeline::PlaceRequest request;
-  if (!arguments.origin.empty()) {
-    request.origin = PlaceFrom("--origin", arguments.origin);
-  }
+  pipeline::PlaceRequest request = arguments.request;
+  if (!arguments.origin.empty()) request.origin = PlaceFrom("--origin", arguments.origin);
   for (const std::string& text : arguments.points) request.pairs.push_back(PairOf(text));
   if (arguments.origin.empty() && arguments.gcp.empty() && arguments.points.empty())
     Refuse(kCommand, "Say where the map lies: --origin LAT,LON, --gcp gcp_list.txt or --point SHOWN=IS.");
-  request.origin_photo = arguments.at_photo;
   TakeScale(arguments.scale, request);
-  request.north_deg = arguments.north_deg;
   for (const fs::path& path : arguments.gcp) {
     Result<flight::GcpList> list = flight::ReadGcpList({path.filename().string(), path});
     if (!list) {
@@ -99,7 +93,6 @@ pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
       fmt::print(stderr, "Warning: {}\n", Printable(path.filename().string() + ": " + warning));
     request.control.push_back(*std::move(list));
   }
-  request.is_again = arguments.again;
   return request;
 }
 
@@ -158,7 +151,8 @@ void AddPlaceCommand(CLI::App& app) {
       "--origin", arguments->origin,
       "LAT,LON in degrees of the middle of the photos; of the take-off, where the map was reckoned from it; with "
       "--at of where that photo was taken");
-  command->add_option("--at", arguments->at_photo, "Name of the photo that was taken above --origin")
+  command
+      ->add_option("--at", arguments->request.origin_photo, "Name of the photo that was taken above --origin")
       ->needs(origin);
   command
       ->add_option(
@@ -169,7 +163,7 @@ void AddPlaceCommand(CLI::App& app) {
       ->needs(origin);
   command
       ->add_option(
-          "--north", arguments->north_deg,
+          "--north", arguments->request.north_deg,
           "Which direction on the map as it is drawn now is north, in degrees clockwise from its top (90: "
           "what is right now will be up)")
       ->needs(origin);
@@ -189,7 +183,7 @@ void AddPlaceCommand(CLI::App& app) {
           "too")
       ->excludes(origin)
       ->excludes("--gcp");
-  command->add_flag("--again", arguments->again,
+  command->add_flag("--again", arguments->request.is_again,
                     "Also a map that is georeferenced: what its records said of its place is overruled");
   command->add_option("--threads", arguments->threads, "Threads; 0 takes all cores")->capture_default_str();
   command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")
