@@ -30,7 +30,9 @@ struct DataOptions {
   std::string data_dir;
   CatalogueOptions catalogue;
   storage::BlobPlace blobs;
+  std::string from, to;  // of move
   bool deep = false;
+  bool remove_source = false;
   bool yes = false;
 };
 
@@ -173,14 +175,7 @@ void Purge(const DataOptions& options) {
   OrFail("skyquilt data", storage::PurgeLost(held.dir));
 }
 
-struct MoveOptions {
-  std::string data_dir;
-  std::string from, to;
-  CatalogueOptions catalogue;
-  bool remove_source = false;
-};
-
-void Move(const MoveOptions& options) {
+void Move(const DataOptions& options) {
   if (options.from.empty() == options.to.empty()) {
     Refuse("skyquilt data move",
            "Say where to or where from: --to s3://bucket/prefix, or --from s3://bucket/prefix.");
@@ -216,22 +211,6 @@ void Move(const MoveOptions& options) {
   if (!goes_out) fmt::print("Start the server without --blobs\n");
 }
 
-// `data`: the command that it becomes a part of.
-void AddMove(CLI::App& data) {
-  const auto options = std::make_shared<MoveOptions>();
-  CLI::App* command = data.add_subcommand("move", "Move photos and maps to S3, or back into the folder");
-  command->add_option("--data", options->data_dir, "Data folder of the server")->required();
-  command->add_option("--to", options->to, "Where to: s3://bucket/prefix");
-  command->add_option("--from", options->from, "Where from, back into the folder: s3://bucket/prefix");
-  AddCatalogueOptions(*command, options->catalogue);
-  command->add_flag("--remove-source", options->remove_source,
-                    "Remove the originals once all copies are verified");
-  command->footer(
-      "Each copy is read back and compared with its original. What was cut off goes on where it was when the same command "
-      "is run again. Endpoint, region and keys come from AWS_... variables, a profile or the machine's role.");
-  command->callback([options] { Move(*options); });
-}
-
 }  // namespace
 
 void AddDataCommand(CLI::App& app) {
@@ -260,7 +239,15 @@ void AddDataCommand(CLI::App& app) {
       "is kept and only added to. Flights, photos and maps on disk and in lost/ come back under their names. Nothing is "
       "removed. Of a catalogue that is lost, tokens, webhooks and jobs are lost with it.")
       ->callback([options] { Repair(*options); });
-  AddMove(*command);
+  CLI::App* move = add(
+      "move", "Move photos and maps to S3, or back into the folder",
+      "Each copy is read back and compared with its original. What was cut off goes on where it was when the same command "
+      "is run again. Endpoint, region and keys come from AWS_... variables, a profile or the machine's role.");
+  move->add_option("--to", options->to, "Where to: s3://bucket/prefix");
+  move->add_option("--from", options->from, "Where from, back into the folder: s3://bucket/prefix");
+  move->add_flag("--remove-source", options->remove_source,
+                 "Remove the originals once all copies are verified");
+  move->callback([options] { Move(*options); });
   CLI::App* purge =
       add("purge-lost", "Remove what lies in lost/, for good",
           "lost/ holds what the server found in its folder and nothing referred to. Without --yes it is only "
