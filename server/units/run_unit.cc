@@ -33,50 +33,38 @@ constexpr std::chrono::seconds kRenewUnitEvery{2};
 // database. Any thread may report.
 class UnitHeartbeat final : public Progress {
  public:
-  // Not heard for `unheard`, it takes its lease for lost.
-  UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease, const std::atomic<bool>& is_stopping,
-                std::chrono::seconds unheard);
+  // Both outlive it. Not heard for UnheardTime, it takes its lease for lost.
+  UnitHeartbeat(const WorkerContext& context, const storage::UnitLease& lease)
+      : context_(context), lease_(lease), thread_([this] { Beat(); }) {}
 
   void BeginStage(std::string_view) override {}
   void Report(double, std::string_view) override {}
-  bool IsCancelled() const override;
+  bool IsCancelled() const override { return context_.is_stopping || state_ != LeaseState::kHeld; }
 
   LeaseState lease_state() const { return state_; }
 
  private:
-  void Beat();
+  void Beat() {
+    auto renewed = std::chrono::steady_clock::now();
+    while (thread_.Rest(kRenewUnitEvery)) {
+      const auto now = std::chrono::steady_clock::now();
+      const Result<LeaseState> state = context_.units.Renew(lease_, storage::Now());
+      if (state) {
+        renewed = now;
+        if (*state != LeaseState::kHeld) state_ = *state;
+      } else {
+        // A busy or full database is no reason to stop, until the unit may have gone to another.
+        LogFailure(lease_.job_id, "heartbeat", state.error().detail);
+        if (now - renewed >= UnheardTime(context_)) state_ = LeaseState::kLost;
+      }
+    }
+  }
 
-  storage::UnitQueue& units_;
-  const storage::UnitLease lease_;
-  const std::atomic<bool>& is_stopping_;
-  const std::chrono::seconds unheard_;
+  const WorkerContext& context_;
+  const storage::UnitLease& lease_;
   std::atomic<LeaseState> state_ = LeaseState::kHeld;
   BackgroundThread thread_;
 };
-
-UnitHeartbeat::UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease,
-                             const std::atomic<bool>& is_stopping, std::chrono::seconds unheard)
-    : units_(units), lease_(std::move(lease)), is_stopping_(is_stopping), unheard_(unheard), thread_([this] {
-        Beat();
-      }) {}
-
-void UnitHeartbeat::Beat() {
-  auto renewed = std::chrono::steady_clock::now();
-  while (thread_.Rest(kRenewUnitEvery)) {
-    const auto now = std::chrono::steady_clock::now();
-    const Result<LeaseState> state = units_.Renew(lease_, storage::Now());
-    if (state) {
-      renewed = now;
-      if (*state != LeaseState::kHeld) state_ = *state;
-    } else {
-      // A busy or full database is no reason to stop, until the unit may have gone to another.
-      LogFailure(lease_.job_id, "heartbeat", state.error().detail);
-      if (now - renewed >= unheard_) state_ = LeaseState::kLost;
-    }
-  }
-}
-
-bool UnitHeartbeat::IsCancelled() const { return is_stopping_ || state_ != LeaseState::kHeld; }
 
 Result<UnitKind> KindOf(const storage::UnitLease& unit) {
   for (const UnitKind kind : {UnitKind::kLook, UnitKind::kRender}) {
@@ -132,7 +120,7 @@ void RunUnit(WorkerContext& context, const storage::UnitLease& unit) {
   std::optional<Error> failure;
   LeaseState state = LeaseState::kHeld;
   {
-    UnitHeartbeat heartbeat(context.units, unit, context.is_stopping, UnheardTime(context));
+    UnitHeartbeat heartbeat(context, unit);
     failure = Work(context, unit, heartbeat);
     state = heartbeat.lease_state();
   }

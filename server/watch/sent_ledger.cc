@@ -156,42 +156,30 @@ const SentFlight* SentLedger::Find(const std::vector<Digest>& digests) const {
   return nullptr;
 }
 
-namespace {
-
-std::string LineOf(const std::string& key, const char* what, nlohmann::json value) {
+Result<void> SentLedger::Tell(const std::string& key, const char* what, nlohmann::json value) {
   const nlohmann::json line = {{"flight", key}, {what, std::move(value)}};
-  return JsonText(line);
+  const LedgerLock lock(file_.get());
+  return Append(JsonText(line));
 }
 
-}  // namespace
-
 Result<void> SentLedger::Begin(const std::string& key, const std::string& name) {
-  const LedgerLock lock(file_.get());
-  return Append(LineOf(key, "name", name));
+  return Tell(key, "name", name);
 }
 
 Result<void> SentLedger::WillSend(const std::string& key, const std::map<Digest, std::string>& files) {
   nlohmann::json named = nlohmann::json::object();
   for (const auto& [digest, name] : files) named[HexOf(digest)] = name;
-  const LedgerLock lock(file_.get());
-  return Append(LineOf(key, "files", std::move(named)));
+  return Tell(key, "files", std::move(named));
 }
 
-Result<void> SentLedger::Made(const std::string& key, const std::string& id) {
-  const LedgerLock lock(file_.get());
-  return Append(LineOf(key, "id", id));
-}
+Result<void> SentLedger::Made(const std::string& key, const std::string& id) { return Tell(key, "id", id); }
 
 Result<void> SentLedger::Sent(const std::string& key, const std::vector<Digest>& digests) {
   nlohmann::json hexes = nlohmann::json::array();
   for (const Digest& digest : digests) hexes.push_back(HexOf(digest));
-  const LedgerLock lock(file_.get());
-  return Append(LineOf(key, "sent", std::move(hexes)));
+  return Tell(key, "sent", std::move(hexes));
 }
 
-Result<void> SentLedger::Gone(const std::string& key) {
-  const LedgerLock lock(file_.get());
-  return Append(LineOf(key, "gone", true));
-}
+Result<void> SentLedger::Gone(const std::string& key) { return Tell(key, "gone", true); }
 
 }  // namespace skyquilt::server

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,6 +52,8 @@ class SentLedger {
  private:
   SentLedger(std::filesystem::path path, FileDescriptor file)
       : path_(std::move(path)), file_(std::move(file)) {}
+  // A line of a flight, while no other process writes.
+  Result<void> Tell(const std::string& key, const char* what, nlohmann::json value);
   Result<void> Append(const std::string& line);
   void Apply(const std::string& line);
 

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <map>
 
 #include "core/base/text/printable.h"
 
@@ -25,11 +24,7 @@ void TakeWatchSignals(void (*handler)(int)) {
 
 }  // namespace
 
-struct WatchTalk::Said {
-  std::map<std::string, std::string> lines;
-};
-
-WatchTalk::WatchTalk() : is_terminal_(isatty(STDERR_FILENO) != 0), said_(std::make_unique<Said>()) {
+WatchTalk::WatchTalk() : is_terminal_(isatty(STDERR_FILENO) != 0) {
   watch_ends = 0;
   TakeWatchSignals(OnWatchSignal);
 }
@@ -46,13 +41,13 @@ void WatchTalk::Say(const std::string& line) {
 }
 
 void WatchTalk::SayOnce(const std::string& about, const std::string& line) {
-  std::string& last = said_->lines[about];
+  std::string& last = said_[about];
   if (last == line) return;
   last = line;
   Say(line);
 }
 
-void WatchTalk::Forget(const std::string& about) { said_->lines.erase(about); }
+void WatchTalk::Forget(const std::string& about) { said_.erase(about); }
 
 bool WatchTalk::IsCancelled() const { return watch_ends != 0; }
 

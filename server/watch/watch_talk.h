@@ -4,7 +4,7 @@
 #pragma once
 
 #include <chrono>
-#include <memory>
+#include <map>
 #include <mutex>
 #include <string>
 
@@ -29,13 +29,12 @@ class WatchTalk final : public Progress {
   void EndProgress();
 
  private:
-  struct Said;
   const bool is_terminal_;
   std::mutex mutex_;
   bool has_open_line_ = false;
   int last_quarter_ = 0;
   std::chrono::steady_clock::time_point drawn_at_;
-  std::unique_ptr<Said> said_;
+  std::map<std::string, std::string> said_;  // the last line about each
 };
 
 }  // namespace skyquilt::server
