@@ -82,8 +82,7 @@ std::optional<double> ApartFromRecordsM(const PosedFlight& by_log) {
     const geo::Wgs84 at = by_log.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
     apart_m.push_back(geo::MetresApart({at.lat_deg, at.lon_deg}, photo.photo.position->position));
   }
-  if (apart_m.empty()) return std::nullopt;
-  return Median(std::move(apart_m));
+  return MedianIfAny(std::move(apart_m));
 }
 
 // What came of the log that leads, for its line. `by_log`: the photos on its series, before others are added.
@@ -112,16 +111,34 @@ void DescribeUse(const flight::FlightLog& log, const LogTie& tie, const PosedFli
     *line += ": " + use;
 }
 
-// The photos that the log covers, in the frame that its take-off sets.
-struct LoggedPart {
-  PlacedByLog placed;
-  geo::LocalFrame frame;
-  Takeoff takeoff;
-};
+void TakeLogged(Takeoff takeoff, PlacedByLog placed, bool has_origin, PosedFlight& posed) {
+  PoseReport& report = posed.report;
+  posed.ground_z_in_enu_m = takeoff.ground_above_takeoff_m;
+  posed.hangs_on_cameras = takeoff.hangs_on_cameras;
+  posed.is_placed = placed.is_placed || has_origin;
+  posed.photos = std::move(placed.photos);
+  report.height_rule = takeoff.rule;
+  report.heights_above_ellipsoid = takeoff.is_above_ellipsoid;
+  report.series = std::move(placed.series);
+  report.knots = placed.smoothing.knots;
+  report.iterations = placed.smoothing.iterations;
+  report.photos_by_log = static_cast<int>(posed.photos.size());
+  report.method = "smoothed track of the log";
+  Append(std::move(placed.smoothing.warnings), posed.warnings);
+  if (takeoff.assumption) {
+    posed.assumptions.push_back(*std::move(takeoff.assumption));
+    report.is_height_guessed = true;
+  }
+  if (placed.is_placed) return;
+  report.method = "reckoned from the start without any position";
+  posed.warnings.push_back(has_origin ? RemarkCode::kReckonedFromOrigin : RemarkCode::kReckonedFromNowhere);
+}
 
-Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
-                               const EstimatePosesOptions& options,
-                               const std::optional<double>& given_takeoff_m) {
+// The photos that the log covers, in the frame that its take-off sets; where that is, if anywhere.
+Result<std::optional<geo::LatLon>> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
+                                               const EstimatePosesOptions& options,
+                                               const std::optional<double>& given_takeoff_m,
+                                               bool keeps_positions, PosedFlight& posed) {
   FlightSources sources;
   sources.log = &log;
   sources.photo_clock_sigma_s = tie.clock_sigma_s;
@@ -136,49 +153,25 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
   Takeoff takeoff = FindTakeoff(log, sources.photos, given_takeoff_m);
   const geo::LatLon middle = takeoff.middle.value_or(options.origin.value_or(geo::LatLon{}));
   const geo::LocalFrame frame({middle.lat_deg, middle.lon_deg, takeoff.height_ellipsoid_m});
-  SKYQUILT_TRY_ASSIGN(auto placed, PlaceByLog(sources, frame, takeoff.ground_above_takeoff_m));
+  SKYQUILT_TRY_ASSIGN(PlacedByLog placed, PlaceByLog(sources, frame, takeoff.ground_above_takeoff_m));
   // The log's heights agree with each other; where they all hang is what was given.
-  const double takeoff_m = given_takeoff_m.value_or(takeoff.height_ellipsoid_m);
-  if (given_takeoff_m) {
-    takeoff.hangs_on_cameras = false;
-    takeoff.is_above_ellipsoid = true;
+  double takeoff_m = given_takeoff_m.value_or(takeoff.height_ellipsoid_m);
+  if (given_takeoff_m) takeoff.hangs_on_cameras = false;
+  if (given_takeoff_m || keeps_positions) takeoff.is_above_ellipsoid = true;
+  if (keeps_positions) {  // z = 0 lies at the heights of these, not at a plain receiver's
+    std::vector<Photo> photos = tie.photos;
+    std::erase_if(photos, [](const Photo& photo) { return !photo.position; });
+    takeoff_m = ChooseHeights(photos, options.dem, given_takeoff_m).takeoff_ellipsoid_m;
   }
-  return LoggedPart{std::move(placed), geo::LocalFrame({middle.lat_deg, middle.lon_deg, takeoff_m}),
-                    std::move(takeoff)};
-}
-
-// Where corrected positions stay, z = 0 lies at their heights, not at a plain receiver's.
-void HangOnPositions(std::vector<Photo> photos, const EstimatePosesOptions& options,
-                     const std::optional<double>& given_takeoff_m, LoggedPart& part) {
-  std::erase_if(photos, [](const Photo& photo) { return !photo.position; });
-  geo::Wgs84 origin = part.frame.origin();
-  origin.height_ellipsoid_m = ChooseHeights(photos, options.dem, given_takeoff_m).takeoff_ellipsoid_m;
-  part.frame = geo::LocalFrame(origin);
-  part.takeoff.is_above_ellipsoid = true;
-}
-
-void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
-  PoseReport& report = posed.report;
-  posed.frame = part.frame;
-  posed.ground_z_in_enu_m = part.takeoff.ground_above_takeoff_m;
-  posed.hangs_on_cameras = part.takeoff.hangs_on_cameras;
-  posed.is_placed = part.placed.is_placed || has_origin;
-  posed.photos = std::move(part.placed.photos);
-  report.height_rule = part.takeoff.rule;
-  report.heights_above_ellipsoid = part.takeoff.is_above_ellipsoid;
-  report.series = std::move(part.placed.series);
-  report.knots = part.placed.smoothing.knots;
-  report.iterations = part.placed.smoothing.iterations;
-  report.photos_by_log = static_cast<int>(posed.photos.size());
-  report.method = "smoothed track of the log";
-  Append(std::move(part.placed.smoothing.warnings), posed.warnings);
-  if (part.takeoff.assumption) {
-    posed.assumptions.push_back(*std::move(part.takeoff.assumption));
-    report.is_height_guessed = true;
+  posed.frame = geo::LocalFrame({middle.lat_deg, middle.lon_deg, takeoff_m});
+  if (!log.gnss.empty()) {
+    const CommonError common = CommonErrorOf(log.gnss);
+    posed.report.log_position_sigma_m = common.sigma_m;
+    posed.report.log_is_corrected = common.is_corrected;
   }
-  if (part.placed.is_placed) return;
-  report.method = "reckoned from the start without any position";
-  posed.warnings.push_back(has_origin ? RemarkCode::kReckonedFromOrigin : RemarkCode::kReckonedFromNowhere);
+  const std::optional<geo::LatLon> position = takeoff.position ? takeoff.position : options.origin;
+  TakeLogged(std::move(takeoff), std::move(placed), options.origin.has_value(), posed);
+  return position;
 }
 
 // Photos outside the log, or all of them without one. The frame is theirs where no log has set it.
@@ -214,29 +207,27 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
   return placed;
 }
 
-// Every picture was left out before any was placed.
-Error NoPhotoLeft(const std::vector<LeftOutPhoto>& left_out) {
-  return flight::Because(
-      ErrorCode::kUnprocessable,
-      {RemarkCode::kFailNoPhotos, {{"files", left_out.size()}, {"left", flight::FirstLeftOut(left_out)}}});
-}
-
-// `left_out`: what begins with the `before` pictures that were left out before any was placed.
-Error NothingPlaced(bool has_log_and_photos, bool any_without_height, const std::vector<Remark>& warnings,
-                    const std::vector<LeftOutPhoto>& left_out, std::size_t before) {
-  const auto split = left_out.begin() + static_cast<std::ptrdiff_t>(before);
+Error NothingPlaced(const flight::Flight& flight, bool has_log_and_photos, bool any_without_height,
+                    const PosedFlight& posed) {
+  const std::vector<LeftOutPhoto>& aside = flight.left_out;  // before any was placed
+  if (flight.photos.empty() && !aside.empty()) {
+    return flight::Because(
+        ErrorCode::kUnprocessable,
+        {RemarkCode::kFailNoPhotos, {{"files", aside.size()}, {"left", flight::FirstLeftOut(aside)}}});
+  }
   std::vector<Remark> why;
   if (any_without_height) {
-    why.push_back({RemarkCode::kFailNoHeights, {{"left", FirstImplausible({split, left_out.end()})}}});
+    const auto first = posed.left_out.begin() + static_cast<std::ptrdiff_t>(aside.size());
+    why.push_back({RemarkCode::kFailNoHeights, {{"left", FirstImplausible({first, posed.left_out.end()})}}});
   } else if (!has_log_and_photos) {
     why.push_back(RemarkCode::kFailNoPositions);
   } else {
     why.push_back(RemarkCode::kFailNoneTied);
-    why.insert(why.end(), warnings.begin(), warnings.end());
+    why.insert(why.end(), posed.warnings.begin(), posed.warnings.end());
   }
-  if (before > 0) {
+  if (!aside.empty()) {
     why.push_back({RemarkCode::kFailOthersAside,
-                   {{"pictures", before}, {"left", flight::FirstLeftOut({left_out.begin(), split})}}});
+                   {{"pictures", aside.size()}, {"left", flight::FirstLeftOut(aside)}}});
   }
   return flight::Because(ErrorCode::kUnprocessable, flight::InARow(std::move(why)));
 }
@@ -260,7 +251,6 @@ void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& opt
   posed.frame = geo::LocalFrame({middle.lat_deg, middle.lon_deg, height_m});
   posed.is_placed = posed.report.is_placed = false;
   posed.report.method = "none: no photo records where it was taken";
-  posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
 }
 
 // What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what
@@ -331,9 +321,8 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   if (!has_track) move_repeated(tie.photos);
   const ConventionChoice reading = ChooseReading(log ? &log->log : nullptr, tie);
   posed.report.convention = reading.words;
-  if (reading.is_changed) {
+  if (reading.is_changed)
     posed.warnings.push_back({RemarkCode::kAnglesReadOtherwise, {{"reading_words", reading.words}}});
-  }
 
   const std::optional<double> given_takeoff_m = GivenTakeoffM(options, tie.photos, log);
   std::optional<geo::LatLon> takeoff;
@@ -341,17 +330,10 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   if (keeps_positions) takeoff = log->log.gnss.front().position;
   std::vector<char> is_on_log(tie.photos.size(), 0);
   if (!tie.tied.empty()) {
-    Result<LoggedPart> logged = PlaceLogged(log->log, tie, options, given_takeoff_m);
+    const auto logged = PlaceLogged(log->log, tie, options, given_takeoff_m, keeps_positions, posed);
     if (logged) {
-      if (keeps_positions) HangOnPositions(tie.photos, options, given_takeoff_m, *logged);
       for (const TiedPhoto& p : tie.tied) is_on_log[p.photo] = 1;
-      if (has_track) {
-        const CommonError common = CommonErrorOf(log->log.gnss);
-        posed.report.log_position_sigma_m = common.sigma_m;
-        posed.report.log_is_corrected = common.is_corrected;
-      }
-      takeoff = logged->takeoff.position ? logged->takeoff.position : options.origin;
-      TakeLogged(*std::move(logged), options.origin.has_value(), posed);
+      takeoff = *logged;
     } else {
       posed.warnings.push_back({RemarkCode::kLogUnusable, {{"why", flight::WhyOf(logged.error())}}});
     }
@@ -384,36 +366,29 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     Append(std::move(placed.photos), posed.photos);
     Append(std::move(placed.left_out), posed.left_out);
   }
-  if (posed.photos.empty() && !posed.unplaced.empty()) {
-    LeaveUnplaced(flight, options, given_takeoff_m, posed);
-    return posed;
-  }
-  if (flight.photos.empty() && !flight.left_out.empty()) return NoPhotoLeft(flight.left_out);
-  if (posed.photos.empty()) {
-    return NothingPlaced(log && !tie.photos.empty(), any_without_height, posed.warnings, posed.left_out,
-                         flight.left_out.size());
-  }
-  if (given_takeoff_m) {
-    dem_zero = DemZero::kSeaLevel;
-    posed.report.height_rule +=
-        fmt::format("; take-off {:.1f} m above sea level, as given", *options.takeoff_height_amsl_m);
-  }
-  if (options.dem != nullptr && posed.is_placed) {
-    PutGroundByDem(*options.dem, takeoff, dem_zero, posed);
-  }
-  posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
-  PutGroundBelow(posed);
+  const bool is_any_placed = !posed.photos.empty();
   const std::size_t before = posed.left_out.size();
-  FilterOutliers(options.keep_unplaced, posed);
-  if (posed.photos.empty() && !posed.unplaced.empty()) {
-    LeaveUnplaced(flight, options, given_takeoff_m, posed);
-    return posed;
+  if (is_any_placed) {
+    if (given_takeoff_m) {
+      dem_zero = DemZero::kSeaLevel;
+      posed.report.height_rule +=
+          fmt::format("; take-off {:.1f} m above sea level, as given", *options.takeoff_height_amsl_m);
+    }
+    if (options.dem != nullptr && posed.is_placed) PutGroundByDem(*options.dem, takeoff, dem_zero, posed);
+    PutGroundBelow(posed);
+    FilterOutliers(options.keep_unplaced, posed);
   }
-  if (posed.photos.empty()) {
+  if (posed.photos.empty() && posed.unplaced.empty()) {
+    if (!is_any_placed) return NothingPlaced(flight, log && !tie.photos.empty(), any_without_height, posed);
     const auto first = posed.left_out.begin() + static_cast<std::ptrdiff_t>(before);
     return flight::Because(
         ErrorCode::kUnprocessable,
         {RemarkCode::kFailNoneWhereRecorded, {{"left", FirstImplausible({first, posed.left_out.end()})}}});
+  }
+  posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
+  if (posed.photos.empty()) {
+    LeaveUnplaced(flight, options, given_takeoff_m, posed);
+    return posed;
   }
   const geo::Wgs84& origin = posed.frame.origin();
   const bool is_by_log = log && posed.report.photos_by_log > 0;
