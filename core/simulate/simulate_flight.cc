@@ -72,21 +72,19 @@ Result<void> WriteLogs(const SimulatedFlight& flight, const std::filesystem::pat
   if (!flight.log || flight.options.log_formats.empty()) return {};
   SKYQUILT_TRY(MakeFolder(folder));
   for (const LogFormat format : flight.options.log_formats) {
-    Result<void> written;
     switch (format) {
       case LogFormat::kDataflash:
-        written = WriteBytes(folder / "flight.BIN", DataflashBytes(*flight.log));
+        SKYQUILT_TRY(WriteBytes(folder / "flight.BIN", DataflashBytes(*flight.log)));
         break;
       case LogFormat::kUlog:
-        written = WriteBytes(folder / "flight.ulg", UlogBytes(*flight.log));
+        SKYQUILT_TRY(WriteBytes(folder / "flight.ulg", UlogBytes(*flight.log)));
         break;
       case LogFormat::kCsv: {
         const std::string text = FlightCsv(*flight.log);
-        written = WriteBytes(folder / "flight.csv", {text.begin(), text.end()});
+        SKYQUILT_TRY(WriteBytes(folder / "flight.csv", {text.begin(), text.end()}));
         break;
       }
     }
-    if (!written) return written.error();
   }
   return {};
 }
@@ -252,7 +250,6 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
     photo.photo = PhotoOfRecordedPose(
         options.has_band_rig ? BandFileName(i, kReferenceBand) : fmt::format("SIM_{:04}.JPG", i + 1),
         photo.recorded);
-    photo.render.supersample = options.supersample;
     photo.render.vignetting = options.vignetting;
     photo.render.hot_spot = options.hot_spot;
     photo.render.hot_spot_rad = options.hot_spot_rad;
@@ -267,18 +264,14 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
   return flight;
 }
 
-image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index, int threads) {
+image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index) {
   const SimulatedPhoto& photo = flight.photos.at(index);
-  RenderPhotoOptions render = photo.render;
-  render.threads = threads;
-  return RenderPhoto(flight.world, flight.options.intrinsics, photo.pose.cam_from_enu, render);
+  return RenderPhoto(flight.world, flight.options.intrinsics, photo.pose.cam_from_enu, photo.render);
 }
 
 Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std::filesystem::path& out_dir,
                                        Progress& progress) {
-  Result<SimulatedFlight> planned = PlanSimulatedFlight(options);
-  if (!planned) return planned.error();
-  SimulatedFlight& flight = *planned;
+  SKYQUILT_TRY_ASSIGN(SimulatedFlight flight, PlanSimulatedFlight(options));
   SKYQUILT_TRY(MakeFolder(out_dir / "photos"));
   SKYQUILT_TRY(MakeFolder(out_dir / "truth"));
 
@@ -303,23 +296,19 @@ Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std
   if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The simulation was cancelled.", ""};
 
   const std::string truth = TruthJson(flight);
-  if (const auto written = WriteBytes(out_dir / "truth" / "poses.json", {truth.begin(), truth.end()});
-      !written) {
-    return written.error();
-  }
+  SKYQUILT_TRY(WriteBytes(out_dir / "truth" / "poses.json", {truth.begin(), truth.end()}));
   SKYQUILT_TRY(WriteLogs(flight, out_dir / "logs"));
   if (options.write_world) {
     progress.BeginStage("truth");
-    const auto written = WriteWorldGeoTiff(flight.world, flight.frame, flight.WorldRaster(), options.threads,
-                                           out_dir / "truth" / "world.tif", progress);
-    if (!written) return written.error();
+    SKYQUILT_TRY(WriteWorldGeoTiff(flight.world, flight.frame, flight.WorldRaster(), options.threads,
+                                   out_dir / "truth" / "world.tif", progress));
   }
   if (options.write_surface) {
     progress.BeginStage("truth");
     SKYQUILT_TRY(WriteSurfaceGeoTiff(flight.world, flight.frame, flight.WorldRaster(), options.threads,
                                      out_dir / "truth" / "surface.tif", progress));
   }
-  return planned;
+  return flight;
 }
 
 SimulatedPhotoSource::SimulatedPhotoSource(const SimulatedFlight& flight)

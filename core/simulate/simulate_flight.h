@@ -57,7 +57,6 @@ struct SimulateOptions {
   double shaking_radps = 0.0;          // 1-sigma of how fast the camera turns while rows are read
   bool has_gyro = false;               // it records that, and the readout time
   bool has_band_rig = false;           // a camera of five bands in place of one in colours
-  int supersample = 0;                 // 0 = as needed
   int jpeg_quality = 92;
   bool write_world = true;
   bool write_surface = false;               // the true heights
@@ -88,7 +87,7 @@ struct SimulatedFlight {
 };
 
 Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options);
-image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index, int threads = 1);
+image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index);
 
 // Writes out_dir/photos/*.JPG (of a rig a TIFF for each band), out_dir/truth/poses.json,
 // out_dir/truth/world.tif and, if asked for, out_dir/truth/surface.tif and out_dir/logs/*. Errors:

@@ -19,8 +19,7 @@ constexpr double kBlendS = 1.0;            // motion fades in and out on the gro
 // The moving reference: along the polyline at each way's speed, standing at the corners.
 class Reference {
  public:
-  explicit Reference(const PathOptions& options)
-      : options_(options), point_(options.start_in_enu), yaw_(options.start_yaw_rad) {}
+  explicit Reference(const PathOptions& options) : options_(options), yaw_(options.start_yaw_rad) {}
 
   bool IsDone() const { return next_ >= options_.waypoints.size(); }
   const Eigen::Vector3d& point() const { return point_; }
@@ -59,7 +58,7 @@ class Reference {
  private:
   const PathOptions& options_;
   std::size_t next_ = 0;
-  Eigen::Vector3d point_;
+  Eigen::Vector3d point_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   double yaw_;
   double stay_s_ = 0.0;
@@ -88,7 +87,6 @@ FlightPath FlyPath(const PathOptions& options) {
   Reference reference(options);
   const double h = kPathStepS;
   PathState state;
-  state.point_in_enu = options.start_in_enu;
   double yaw = options.start_yaw_rad;
   double yaw_rate = 0.0;
   const Eigen::Vector3d gravity_up(0.0, 0.0, options.gravity_mps2);

@@ -24,7 +24,6 @@ struct Waypoint {
 
 struct PathOptions {
   std::vector<Waypoint> waypoints;
-  Eigen::Vector3d start_in_enu = Eigen::Vector3d::Zero();
   double start_yaw_rad = 0.0;
   double still_before_s = 9.0;  // on the ground, truly still
   double still_after_s = 5.0;

@@ -56,11 +56,10 @@ TruePose PoseAt(const FlightPath& path, double t_s, int line, const SurveyOption
   } else {
     cam_from_enu = geo::RotationFromVector(pointing) * CamFromEnuOfGimbal({yaw_rad, -0.5 * geo::kPi, 0.0});
   }
-  cam_from_enu = (geo::RotationFromVector(options.boresight_rad) * cam_from_enu).normalized();
+  cam_from_enu.normalize();
   TruePose pose;
   pose.t_s = t_s;
-  pose.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
-      cam_from_enu, state.point_in_enu + state.enu_from_body * options.camera_in_body_m);
+  pose.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(cam_from_enu, state.point_in_enu);
   pose.velocity_in_enu_mps = state.velocity_in_enu_mps;
   pose.course_yaw_rad = yaw_rad;
   pose.line = line;

@@ -21,10 +21,7 @@ enum class CameraMount { kFixedToBody, kGimbal };
 struct SurveyOptions {
   TrajectoryOptions plan;  // lines, overlaps, height, speed (its tilt and jitter do not apply)
   CameraMount mount = CameraMount::kFixedToBody;
-  Eigen::Vector3d boresight_rad =
-      Eigen::Vector3d::Zero();  // turns the camera against its mount, about cam axes
-  Eigen::Vector3d camera_in_body_m = Eigen::Vector3d::Zero();  // lever arm
-  double gimbal_tilt_rad = 0.003;                              // 1-sigma of a gimbal's pointing
+  double gimbal_tilt_rad = 0.003;  // 1-sigma of a gimbal's pointing
   double still_before_s = 9.0;
   double climb_mps = 2.5;
   double run_in_m = 10.0;  // flown before the first and after the last photo of a line

@@ -147,9 +147,6 @@ void SenseGnss(const FlightPath& path, const geo::LocalFrame& frame, const GnssM
                                       float_north.Step(interval_s, random), 0.0};
     const bool is_float = model.is_rtk && IsInside(described_s, model.rtk_float_s);
     if (is_float) error += float_error;
-    if (model.jump_at_s >= 0.0 && described_s >= model.jump_at_s && described_s < model.jump_at_s + 10.0) {
-      error.x() += model.jump_m;
-    }
     if (IsInside(described_s, model.outages_s)) continue;
     const geo::Wgs84 at = frame.Wgs84FromEnu(truth.point_in_enu + error);
     const Eigen::Vector3d velocity = truth.velocity_in_enu_mps + velocity_error;
@@ -179,7 +176,6 @@ void SenseAttitude(const FlightPath& path, const AttitudeModel& model, std::uint
     Eigen::Vector3d error{roll.Step(interval_s, random), pitch.Step(interval_s, random),
                           yaw.Step(interval_s, random)};
     error += Gauss3(model.white_rad, random);
-    error.z() += model.declination_rad;
     flight::AttitudeSample sample;
     sample.t_s = t_s;
     // The error turns about the NED axes: the tilt's and the heading's.
@@ -252,7 +248,7 @@ flight::FlightLog SenseFlight(const FlightPath& path, const geo::LocalFrame& fra
   if (options.has_attitude) SenseAttitude(path, options.attitude, options.seed, log);
   if (options.has_baro) SenseBaro(path, options.baro, options.seed, log);
   if (options.has_range) SenseRange(path, options.range, options.seed, log);
-  if (options.has_events) SenseExposures(exposures_s, options.events, options.seed, log);
+  SenseExposures(exposures_s, options.events, options.seed, log);
   return log;
 }
 

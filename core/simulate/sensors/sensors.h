@@ -50,8 +50,6 @@ struct GnssModel {
   bool is_rtk = false;
   std::vector<std::pair<double, double>> outages_s;
   std::vector<std::pair<double, double>> rtk_float_s;  // RTK falls back to 30 cm wander
-  double jump_at_s = -1.0;  // from here on until 10 s later: 5 m off (negative: never)
-  double jump_m = 5.0;
 };
 
 struct AttitudeModel {
@@ -60,7 +58,6 @@ struct AttitudeModel {
   double tilt_rad = 0.0105;    // 0.6 deg, Gauss-Markov
   double yaw_rad = 0.0436;     // 2.5 deg, Gauss-Markov
   double correlation_s = 40.0;
-  double declination_rad = 0.0;  // constant error of yaw (a magnetic heading taken for a true one)
 };
 
 struct BaroModel {
@@ -88,8 +85,7 @@ struct CameraEventModel {
 };
 
 struct SensorOptions {
-  bool has_imu = true, has_gnss = true, has_attitude = true, has_baro = true, has_range = false,
-       has_events = true;
+  bool has_imu = true, has_gnss = true, has_attitude = true, has_baro = true, has_range = false;
   ImuModel imu;
   GnssModel gnss;
   AttitudeModel attitude;

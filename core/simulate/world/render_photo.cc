@@ -53,9 +53,9 @@ class PhotoRenderer {
         enu_from_cam_(cam_from_enu.rotation.conjugate().toRotationMatrix()),
         half_diagonal_px_(0.5 * std::hypot(intrinsics.width_px, intrinsics.height_px)) {
     const bool moves = options.motion_in_enu_m.squaredNorm() > 0.0;
-    is_adaptive_ = options.supersample == 0 && !moves && world.HasUprights();
-    const int everywhere = options.supersample > 0 ? options.supersample : (moves ? SideOfMoving() : 1);
-    plain_ = MakeSubSamples(options, everywhere);
+    // One sample on bare ground, whose texture is filtered to the pixel already; more at edges and in motion.
+    is_adaptive_ = !moves && world.HasUprights();
+    plain_ = MakeSubSamples(options, moves ? SideOfMoving() : 1);
     fine_ = MakeSubSamples(options, kFineSide);
   }
 

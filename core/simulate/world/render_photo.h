@@ -17,9 +17,6 @@
 namespace skyquilt::simulate {
 
 struct RenderPhotoOptions {
-  // Samples a pixel, a side. 0 = 1 on bare ground (its texture is already filtered to the pixel), 3 at the
-  // edges of buildings and trees and in motion, more the further it goes.
-  int supersample = 0;
   double vignetting = 0.0;     // share of light lost in the corners (of the encoded value), falling with r^2
   double exposure_gain = 1.0;  // factor on the encoded values
   // How much brighter ground is that is seen with the sun behind, and towards the sun; half of it at
