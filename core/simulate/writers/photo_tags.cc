@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <string_view>
 
 #include "core/geo/geoid.h"
+#include "core/simulate/writers/write_logs.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -21,29 +21,22 @@ class Directory {
   void Ascii(std::uint16_t tag, std::string_view text) {
     std::vector<std::uint8_t> bytes(text.begin(), text.end());
     bytes.push_back(0);
-    const auto count = static_cast<std::uint32_t>(bytes.size());
-    entries_.push_back({tag, 2, count, std::move(bytes)});
+    Bytes(tag, 2, std::move(bytes));
   }
   void Bytes(std::uint16_t tag, std::uint16_t type, std::vector<std::uint8_t> bytes) {
     const auto count = static_cast<std::uint32_t>(bytes.size());
     entries_.push_back({tag, type, count, std::move(bytes)});
   }
   void Short(std::uint16_t tag, std::uint16_t value) {
-    entries_.push_back(
-        {tag, 3, 1, {static_cast<std::uint8_t>(value & 255), static_cast<std::uint8_t>(value >> 8)}});
+    entries_.push_back({tag, 3, 1, ByteWriter().Put(value).bytes()});
   }
   void Long(std::uint16_t tag, std::uint32_t value) {
-    std::vector<std::uint8_t> bytes;
-    Append32(bytes, value);
-    entries_.push_back({tag, 4, 1, std::move(bytes)});
+    entries_.push_back({tag, 4, 1, ByteWriter().Put(value).bytes()});
   }
   void Rationals(std::uint16_t tag, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& values) {
-    std::vector<std::uint8_t> bytes;
-    for (const auto& [numerator, denominator] : values) {
-      Append32(bytes, numerator);
-      Append32(bytes, denominator);
-    }
-    entries_.push_back({tag, 5, static_cast<std::uint32_t>(values.size()), std::move(bytes)});
+    ByteWriter bytes;
+    for (const auto& [numerator, denominator] : values) bytes.Put(numerator).Put(denominator);
+    entries_.push_back({tag, 5, static_cast<std::uint32_t>(values.size()), std::move(bytes.bytes())});
   }
   std::size_t Size() const {
     std::size_t size = 2 + 12 * entries_.size() + 4;
@@ -53,16 +46,15 @@ class Directory {
   // The directory's bytes when it begins at `offset` of the TIFF structure.
   std::vector<std::uint8_t> Build(std::size_t offset) {
     std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) { return a.tag < b.tag; });
-    std::vector<std::uint8_t> head;
+    ByteWriter writer;
+    std::vector<std::uint8_t>& head = writer.bytes();
     std::vector<std::uint8_t> tail;
-    Append16(head, static_cast<std::uint16_t>(entries_.size()));
+    writer.Put(static_cast<std::uint16_t>(entries_.size()));
     const std::size_t tail_at = offset + 2 + 12 * entries_.size() + 4;
     for (const Entry& entry : entries_) {
-      Append16(head, entry.tag);
-      Append16(head, entry.type);
-      Append32(head, entry.count);
+      writer.Put(entry.tag).Put(entry.type).Put(entry.count);
       if (entry.bytes.size() > 4) {
-        Append32(head, static_cast<std::uint32_t>(tail_at + tail.size()));
+        writer.Put(static_cast<std::uint32_t>(tail_at + tail.size()));
         tail.insert(tail.end(), entry.bytes.begin(), entry.bytes.end());
         tail.resize(Even(tail.size()));
       } else {
@@ -70,9 +62,9 @@ class Directory {
         head.resize(head.size() + 4 - entry.bytes.size());
       }
     }
-    Append32(head, 0);  // no next directory
+    writer.Put(std::uint32_t{0});  // no next directory
     head.insert(head.end(), tail.begin(), tail.end());
-    return head;
+    return std::move(head);
   }
 
  private:
@@ -82,13 +74,6 @@ class Directory {
     std::vector<std::uint8_t> bytes;
   };
   static std::size_t Even(std::size_t n) { return n + (n & 1); }
-  static void Append16(std::vector<std::uint8_t>& out, std::uint16_t v) {
-    out.push_back(static_cast<std::uint8_t>(v & 255));
-    out.push_back(static_cast<std::uint8_t>(v >> 8));
-  }
-  static void Append32(std::vector<std::uint8_t>& out, std::uint32_t v) {
-    for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::uint8_t>((v >> shift) & 255));
-  }
   std::vector<Entry> entries_;
 };
 
@@ -158,23 +143,19 @@ std::string Base64(const std::vector<std::uint8_t>& bytes) {
 std::string GyroTags(const RecordedPose& recorded) {
   constexpr std::uint64_t kBootedUs = 277'000'000;
   const std::vector<flight::TurnRate>& samples = recorded.turning->samples;
-  std::vector<std::uint8_t> bytes;
-  const auto append = [&bytes](auto number) {
-    for (std::size_t i = 0; i < sizeof(number); ++i)
-      bytes.push_back(static_cast<std::uint8_t>(number >> (8 * i)));
-  };
+  ByteWriter bytes;
   for (const flight::TurnRate& sample : samples) {
-    append(kBootedUs +
-           static_cast<std::uint64_t>(std::llround(1e6 * (sample.time_s - samples.front().time_s))));
+    bytes.Put(kBootedUs +
+              static_cast<std::uint64_t>(std::llround(1e6 * (sample.time_s - samples.front().time_s))));
     for (const double rate : {-sample.in_cam_radps.y(), sample.in_cam_radps.x(), sample.in_cam_radps.z()})
-      append(std::bit_cast<std::uint32_t>(static_cast<float>(rate)));
-    append(std::uint32_t{1});
+      bytes.Put(static_cast<float>(rate));
+    bytes.Put(std::uint32_t{1});
   }
   return fmt::format(
       "\n   Camera:LineReadoutTime=\"{}\"\n   Camera:IMUFrequency=\"1000\"\n   Camera:IMUSampleSize=\"{}\"\n"
       "   Camera:IMUTimeOffset=\"{}\"\n   Camera:IMUAngularVelocity=\"&#xA;{}&#xA;\"",
       std::llround(1e9 * recorded.readout_s / recorded.intrinsics.height_px), samples.size(),
-      std::llround(-1e9 * samples.front().time_s), Base64(bytes));
+      std::llround(-1e9 * samples.front().time_s), Base64(bytes.bytes()));
 }
 
 // The TIFF structure with EXIF and GPS, and as the first image's tags whatever `add_image` puts there; it is
@@ -305,13 +286,10 @@ std::string XmpPacket(const RecordedPose& recorded, std::string_view more_spaces
 
 // Levels of a picture as the bytes of a strip.
 std::vector<std::uint8_t> StripOf(const image::SampleImage& picture) {
-  std::vector<std::uint8_t> strip;
-  strip.reserve(2 * picture.samples.size());
-  for (const std::uint16_t sample : picture.samples) {
-    strip.push_back(static_cast<std::uint8_t>(sample & 255));
-    strip.push_back(static_cast<std::uint8_t>(sample >> 8));
-  }
-  return strip;
+  ByteWriter strip;
+  strip.bytes().reserve(2 * picture.samples.size());
+  for (const std::uint16_t sample : picture.samples) strip.Put(sample);
+  return std::move(strip.bytes());
 }
 
 std::string BandXmp(const RigBand& band, const BandExposure& exposure) {
