@@ -221,9 +221,9 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
                                             Counted(list.sightings.size(), "sighting")));
   }
   verdict.elevation_models = flight->elevation_models;
+  verdict.left_out = flight->left_out;
+  verdict.warnings = flight->warnings;
   if (!compared) {
-    verdict.left_out = flight->left_out;
-    verdict.warnings = flight->warnings;
     verdict.warnings.push_back(flight::WhyOf(compared.error()));
     return verdict;
   }
@@ -231,8 +231,6 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   auto posed = poses::EstimatePoses(
       *flight, {options.origin, options.landed_at_start, dem, kKeepUnplaced, options.takeoff_height_amsl_m});
   if (!posed) {
-    verdict.left_out = flight->left_out;
-    verdict.warnings = flight->warnings;
     // A flight of films alone has its photos when the map is made.
     if (flight->films.empty() || !flight->photos.empty())
       verdict.warnings.push_back(flight::WhyOf(posed.error()));
@@ -242,7 +240,6 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   CountSources(*posed, *flight, verdict);
   verdict.poses = posed->report;
   if (posed->photos.empty()) {
-    verdict.left_out = flight->left_out;
     verdict.warnings = posed->warnings;
     verdict.warnings.push_back(flight->gcp_lists.empty() ? RemarkCode::kAllByImages
                                                          : RemarkCode::kAllByImagesAndControl);
@@ -252,9 +249,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   verdict.photos_placeable = static_cast<int>(placed.photos.size());
   verdict.left_out = placed.left_out;
   verdict.warnings = placed.warnings;
-  if (verdict.photos_by_images > 0) {
+  if (verdict.photos_by_images > 0)
     verdict.warnings.push_back({RemarkCode::kSomeByImages, {{"photos", verdict.photos_by_images}}});
-  }
   verdict.height_rule = posed->report.height_rule;
   verdict.lowest_m = placed.photos.front().height_above_ground_m;
   for (const auto& photo : placed.photos) {

@@ -41,10 +41,6 @@ std::int64_t CpuSecondsFor(const fs::path& archive) {
   return kUnpackCpuS + (missing ? 0 : static_cast<std::int64_t>(bytes >> 20));
 }
 
-std::chrono::seconds DeadlineOf(const fs::path& archive) {
-  return std::chrono::seconds(kUnpackWallSecondsPerCpuSecond * CpuSecondsFor(archive));
-}
-
 Result<std::vector<UnpackedFile>> Parse(const std::string& answer) {
   try {
     const Json json = ParseJson(answer);
@@ -113,7 +109,7 @@ Result<std::vector<UnpackedFile>> UnpackSandboxed(const storage::PhotoStore& sto
   const Result<std::string> answer =
       RunSandboxed({.command = "unpack",
                     .task = JsonText(task),
-                    .deadline = std::chrono::duration_cast<std::chrono::milliseconds>(DeadlineOf(archive)),
+                    .deadline = std::chrono::seconds(kUnpackWallSecondsPerCpuSecond * CpuSecondsFor(archive)),
                     .max_answer_bytes = kMaxAnswerBytes,
                     .refusal = kUnpackRefusal});
   if (!answer) return answer.error();

@@ -44,15 +44,12 @@ fs::path StateFolder() {
   Refuse(kWatchCommand, "Nothing says where to remember what was sent: set HOME, or give --state.");
 }
 
-std::string FileNameOf(const std::string& url) {
-  Hasher hasher;
-  return "sent-" + HexOf(hasher.Add(std::string_view(url)).Finish()).substr(0, 16) + ".jsonl";
-}
-
 fs::path LedgerOf(const WatchArguments& arguments) {
   if (!arguments.ledger.empty()) return arguments.ledger;
+  Hasher hasher;
+  const Digest server = hasher.Add(std::string_view(arguments.options.send.server.url)).Finish();
   return (arguments.state_dir.empty() ? StateFolder() : fs::path(arguments.state_dir)) /
-         FileNameOf(arguments.options.send.server.url);
+         ("sent-" + HexOf(server).substr(0, 16) + ".jsonl");
 }
 
 // The first line of the file.
