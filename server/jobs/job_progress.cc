@@ -18,25 +18,25 @@ constexpr std::size_t kMaxUntold = 32;
 
 }  // namespace
 
-StageShares UsualShares() {
+StageShares UsualShares(JobKind kind) {
+  switch (kind) {
+    case JobKind::kImport:
+      return {{"import", 0.95}, {"export", 0.05}};
+    case JobKind::kUpright:
+      return {{"read", 0.01},   {"check", 0.04},   {"pose", 0.01},    {"align", 0.06},
+              {"ground", 0.01}, {"surface", 0.46}, {"plan", 0.01},    {"expose", 0.01},
+              {"seam", 0.04},   {"render", 0.31},  {"measure", 0.01}, {"export", 0.03}};
+    case JobKind::kWithHeights:
+      return {{"read", 0.02},   {"check", 0.06},   {"pose", 0.01},   {"align", 0.11},
+              {"ground", 0.01}, {"plan", 0.01},    {"expose", 0.01}, {"seam", 0.02},
+              {"render", 0.14}, {"measure", 0.01}, {"export", 0.05}, {"surface", 0.55}};
+    case JobKind::kUsual:
+      break;
+  }
   return {{"read", 0.04},   {"check", 0.15},   {"pose", 0.01},   {"align", 0.26},
           {"ground", 0.01}, {"plan", 0.01},    {"expose", 0.02}, {"seam", 0.04},
           {"render", 0.34}, {"measure", 0.02}, {"export", 0.10}};
 }
-
-StageShares SharesWhenUpright() {
-  return {{"read", 0.01},   {"check", 0.04},   {"pose", 0.01},    {"align", 0.06},
-          {"ground", 0.01}, {"surface", 0.46}, {"plan", 0.01},    {"expose", 0.01},
-          {"seam", 0.04},   {"render", 0.31},  {"measure", 0.01}, {"export", 0.03}};
-}
-
-StageShares SharesWithHeights() {
-  return {{"read", 0.02},   {"check", 0.06},   {"pose", 0.01},   {"align", 0.11},
-          {"ground", 0.01}, {"plan", 0.01},    {"expose", 0.01}, {"seam", 0.02},
-          {"render", 0.14}, {"measure", 0.01}, {"export", 0.05}, {"surface", 0.55}};
-}
-
-StageShares SharesOfImport() { return {{"import", 0.95}, {"export", 0.05}}; }
 
 StageShares SharesOf(const storage::Expectation& expectation) {
   StageShares shares;

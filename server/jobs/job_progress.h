@@ -17,14 +17,17 @@
 
 namespace skyquilt::server {
 
+enum class JobKind {
+  kUsual,
+  kImport,       // takes over a map of others (import_file)
+  kUpright,      // heights are matched before the map is drawn (surface)
+  kWithHeights,  // and after it (heights)
+};
+
 // The share of each stage in a job's time, in the order they come.
 using StageShares = std::vector<std::pair<std::string, double>>;
 // Of a flight of some hundred photos, where none has been measured.
-StageShares UsualShares();
-StageShares SharesWhenUpright();  // heights are matched before the map is drawn
-StageShares SharesWithHeights();  // and after it
-// Of taking over a map of others.
-StageShares SharesOfImport();
+StageShares UsualShares(JobKind kind = JobKind::kUsual);
 // As measured here.
 StageShares SharesOf(const storage::Expectation& expectation);
 

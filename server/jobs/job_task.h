@@ -14,6 +14,7 @@
 #include "core/base/result.h"
 #include "server/jobs/child_messages.h"
 #include "server/jobs/job_limits.h"
+#include "server/jobs/job_progress.h"
 #include "server/jobs/worker_context.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
@@ -46,12 +47,6 @@ struct ShareOfFiles {
   std::optional<std::set<std::string>> names = std::nullopt;
 };
 
-enum class JobKind {
-  kUsual,
-  kImport,       // takes over a map of others (import_file)
-  kUpright,      // heights are matched before the map is drawn (surface)
-  kWithHeights,  // and after it (heights)
-};
 JobKind KindOf(const std::string& options);
 // Units of other machines know nothing of it.
 bool IsMadeWhole(const std::string& options);

@@ -116,20 +116,6 @@ Result<void> FetchShown(const WorkerContext& context, const std::string& flight_
   return {};
 }
 
-StageShares UsualSharesOf(JobKind kind) {
-  switch (kind) {
-    case JobKind::kImport:
-      return SharesOfImport();
-    case JobKind::kUpright:
-      return SharesWhenUpright();
-    case JobKind::kWithHeights:
-      return SharesWithHeights();
-    case JobKind::kUsual:
-      break;
-  }
-  return UsualShares();
-}
-
 StitchedInSandbox Stitch(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
                          const fs::path& out_dir, Progress& progress) {
   std::error_code error;
@@ -272,7 +258,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
     ScopedFolder work(context.dir.Work() / storage::WorkName(lease));
     const std::optional<storage::Expectation> expectation = Expect(context, lease);
     JobProgress progress(context.queue, lease, context.is_stopping,
-                         expectation ? SharesOf(*expectation) : UsualSharesOf(KindOf(lease.options)),
+                         expectation ? SharesOf(*expectation) : UsualShares(KindOf(lease.options)),
                          ProgressOf(cut.step), UnheardTime(context));
     try {
       if (cut.step == CutStep::kLook || cut.step == CutStep::kPlace) {

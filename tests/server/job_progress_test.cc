@@ -51,9 +51,9 @@ TEST(WholeJobFraction, GrowsThroughTheStages) {
 }
 
 TEST(WholeJobFraction, CountsHeightsWhereTheyAreMatched) {
-  EXPECT_NEAR(WholeJobFraction(SharesWhenUpright(), "export", 1.0), 1.0, 1e-9);
-  EXPECT_NEAR(WholeJobFraction(SharesWithHeights(), "surface", 1.0), 1.0, 1e-9);
-  for (const StageShares& shares : {SharesWhenUpright(), SharesWithHeights()})
+  EXPECT_NEAR(WholeJobFraction(UsualShares(JobKind::kUpright), "export", 1.0), 1.0, 1e-9);
+  EXPECT_NEAR(WholeJobFraction(UsualShares(JobKind::kWithHeights), "surface", 1.0), 1.0, 1e-9);
+  for (const StageShares& shares : {UsualShares(JobKind::kUpright), UsualShares(JobKind::kWithHeights)})
     EXPECT_GT(WholeJobFraction(shares, "surface", 1.0), WholeJobFraction(shares, "surface", 0.0) + 0.3);
 }
 
