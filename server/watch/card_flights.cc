@@ -22,23 +22,16 @@ bool IsDcfName(const std::string& name) {
          std::all_of(name.begin() + 3, name.end(), is_word);
 }
 
-struct TimedPhoto {
-  std::size_t index = 0;
-  std::optional<flight::UtcTime> time;
-};
-
 // In order of their paths: who has no time takes it from the one before, the first from those after it.
-void FillTimes(std::vector<TimedPhoto>& photos) {
+void FillTimes(const std::vector<std::size_t>& roll, std::vector<CardPhoto>& photos) {
   std::optional<flight::UtcTime> known;
-  for (TimedPhoto& photo : photos) {
-    if (photo.time) known = photo.time;
-    photo.time = known;
-  }
+  const auto fill = [&](std::size_t i) {
+    if (photos[i].taken_at) known = photos[i].taken_at;
+    photos[i].taken_at = known;
+  };
+  std::for_each(roll.begin(), roll.end(), fill);
   known.reset();
-  for (auto photo = photos.rbegin(); photo != photos.rend(); ++photo) {
-    if (photo->time) known = photo->time;
-    photo->time = known;
-  }
+  std::for_each(roll.rbegin(), roll.rend(), fill);
 }
 
 namespace fs = std::filesystem;
@@ -145,24 +138,24 @@ bool SaysNothing(const std::filesystem::path& folder) {
   return IsDcfName(name) || name == "DCIM" || name == "images" || name == "photos" || name.empty();
 }
 
-std::vector<std::vector<std::size_t>> GroupPhotos(const std::vector<CardPhoto>& photos,
-                                                  std::chrono::seconds gap) {
-  std::map<std::pair<std::filesystem::path, std::string>, std::vector<TimedPhoto>> rolls;
+std::vector<std::vector<std::size_t>> GroupPhotos(std::vector<CardPhoto> photos, std::chrono::seconds gap) {
+  std::map<std::pair<std::filesystem::path, std::string>, std::vector<std::size_t>> rolls;
   std::vector<std::size_t> by_path(photos.size());
   for (std::size_t i = 0; i < photos.size(); ++i) by_path[i] = i;
   std::sort(by_path.begin(), by_path.end(),
             [&](std::size_t a, std::size_t b) { return photos[a].path < photos[b].path; });
-  for (const std::size_t i : by_path)
-    rolls[{RollOf(photos[i].path), photos[i].camera}].push_back({i, photos[i].taken_at});
+  for (const std::size_t i : by_path) rolls[{RollOf(photos[i].path), photos[i].camera}].push_back(i);
   std::vector<std::vector<std::size_t>> flights;
   for (auto& [roll, taken] : rolls) {
-    FillTimes(taken);
-    std::stable_sort(taken.begin(), taken.end(),
-                     [](const TimedPhoto& a, const TimedPhoto& b) { return a.time < b.time; });
+    FillTimes(taken, photos);
+    std::stable_sort(taken.begin(), taken.end(), [&](std::size_t a, std::size_t b) {
+      return photos[a].taken_at < photos[b].taken_at;
+    });
     for (std::size_t k = 0; k < taken.size(); ++k) {
-      const bool is_new = k == 0 || (taken[k].time && *taken[k].time - *taken[k - 1].time > gap);
+      const auto& time = photos[taken[k]].taken_at;
+      const bool is_new = k == 0 || (time && *time - *photos[taken[k - 1]].taken_at > gap);
       if (is_new) flights.emplace_back();
-      flights.back().push_back(taken[k].index);
+      flights.back().push_back(taken[k]);
     }
   }
   return flights;

@@ -25,8 +25,7 @@ struct CardPhoto {
 
 // The photos of a card as indices, flight by flight: within one in the order of time, flights in the order of
 // their paths and times.
-std::vector<std::vector<std::size_t>> GroupPhotos(const std::vector<CardPhoto>& photos,
-                                                  std::chrono::seconds gap);
+std::vector<std::vector<std::size_t>> GroupPhotos(std::vector<CardPhoto> photos, std::chrono::seconds gap);
 
 // The folder of a photo, with stars for the number that a camera gave it: "DCIM/100MEDIA" is "DCIM/***MEDIA".
 std::filesystem::path RollOf(const std::filesystem::path& photo);

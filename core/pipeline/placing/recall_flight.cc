@@ -63,7 +63,6 @@ std::vector<NamedDigest> DigestsOf(const std::vector<flight::InputFile>& files,
 
 std::optional<Recalled> RecallFiles(const pyramid::MapMemory& memory, const std::vector<NamedDigest>& inputs,
                                     const std::set<std::string>& apart) {
-  if (memory.Recall().empty()) return std::nullopt;
   Result<FlightFacts> facts = ParseFacts(memory.Recall());
   // Facts that cannot be read are as good as none: the flight is placed anew.
   if (!facts || facts->inputs.empty()) return std::nullopt;
@@ -96,7 +95,6 @@ std::optional<Recalled> RecallPlaced(const pyramid::MapMemory& memory, const Mos
 
 std::optional<FlightFacts> RecallPlacedByHand(const pyramid::MapMemory& memory, const MosaicOptions& options,
                                               const std::vector<NamedDigest>& inputs) {
-  if (memory.Recall().empty()) return std::nullopt;
   Result<FlightFacts> facts = ParseFacts(memory.Recall());
   if (!facts || !facts->is_by_hand || facts->options != DigestOfPlacing(options)) return std::nullopt;
   std::map<std::string, Digest> given;

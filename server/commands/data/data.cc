@@ -36,10 +36,6 @@ struct DataOptions {
   bool yes = false;
 };
 
-storage::CataloguePlace PlaceIn(const DataOptions& options) {
-  return PlaceOf("skyquilt data", options.catalogue);
-}
-
 // A folder that is ours, kept from servers for as long as the lock lives.
 struct Held {
   storage::DataDir dir;
@@ -80,7 +76,7 @@ void PrintLines(const char* head, const std::vector<std::string>& lines) {
 
 void Check(const DataOptions& options) {
   const Held held = Hold(options);
-  const storage::CataloguePlace place = PlaceIn(options);
+  const storage::CataloguePlace place = PlaceOf("skyquilt data", options.catalogue);
   const auto unusable = [&](const std::string& why) {
     fmt::print("The catalogue {} {}. {}\n", storage::NameOfCatalogue(held.dir, place), why,
                storage::RepairAdvice(held.dir, place));
@@ -152,7 +148,8 @@ void Repair(const DataOptions& options) {
              dir.root().string(), *settled, dir.BlobsMarker().string())});
   }
   const storage::RepairReport report =
-      OrFail("skyquilt data", storage::RepairData(options.data_dir, storage::Now(), PlaceIn(options)));
+      OrFail("skyquilt data", storage::RepairData(options.data_dir, storage::Now(),
+                                                  PlaceOf("skyquilt data", options.catalogue)));
   for (const std::string& line : report.lines) fmt::print("{}\n", line);
   fmt::print("{}, {} and {} were entered into {} catalogue\n", Counted(report.flights, "flight"),
              Counted(report.files, "file"), Counted(report.maps, "map"),

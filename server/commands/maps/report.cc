@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -34,12 +33,10 @@ struct ReportArguments {
   bool overwrite = false;
 };
 
-enum class ReportFormat : std::uint8_t { kHtml, kPdf };
-
-ReportFormat FormatOf(const fs::path& out) {
+bool IsPdf(const fs::path& out) {
   const std::string ending = flight::LowerCase(out.extension().string());
-  if (ending == ".html" || ending == ".htm") return ReportFormat::kHtml;
-  if (ending == ".pdf") return ReportFormat::kPdf;
+  if (ending == ".html" || ending == ".htm") return false;
+  if (ending == ".pdf") return true;
   Refuse(kReportCommand,
          out.string() + " would be of a kind that is not written here; reports end in .html, .htm or .pdf.");
 }
@@ -56,7 +53,7 @@ Result<void> WritePdf(const std::string& page, const fs::path& out, const fs::pa
 
 void Run(const ReportArguments& arguments) {
   const fs::path out = fs::absolute(arguments.out);
-  const ReportFormat format = FormatOf(arguments.out);
+  const bool is_pdf = IsPdf(arguments.out);
   CheckOutFile(kReportCommand, out, arguments.overwrite);
   const Result<std::string> report = storage::ReadWholeFile(arguments.map_dir / "report.json");
   if (!report)
@@ -72,8 +69,7 @@ void Run(const ReportArguments& arguments) {
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   const std::string page =
       OrFail(kReportCommand, ReportPage(*report, picture, fmt::format("{:%Y-%m-%d}", fmt::gmtime(now))));
-  OrFail(kReportCommand, format == ReportFormat::kPdf ? WritePdf(page, out, work.path())
-                                                      : storage::WriteFileAtomically(out, page));
+  OrFail(kReportCommand, is_pdf ? WritePdf(page, out, work.path()) : storage::WriteFileAtomically(out, page));
   fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out)) / 1e6);
 }
 
