@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/geo/lat_lon.h"
 #include "core/simulate/world/random.h"
@@ -176,35 +175,14 @@ std::optional<RayHit> World::CastRayToBuildings(const Eigen::Vector3d& start,
     for (auto v = static_cast<std::int32_t>(low.y()); v <= static_cast<std::int32_t>(high.y()); ++v) {
       const std::optional<Building> building = parcels_.BuildingOfCell(u, v);
       if (!building) continue;
-      // Slab test in the building's axes; the foot goes below the terrain, so no gap opens on a slope.
-      const double top = BaseOf(*building) + building->height_m;
-      const Eigen::Vector2d from = building->ToAxes(start.head<2>());
-      const Eigen::Vector2d along = building->ToAxes(building->center_in_enu + direction.head<2>());
-      const Eigen::Vector3d origin(from.x(), from.y(), start.z());
-      const Eigen::Vector3d ray(along.x(), along.y(), direction.z());
-      const Eigen::Vector3d box_low(-building->half_size_m.x(), -building->half_size_m.y(), top - 60.0);
-      const Eigen::Vector3d box_high(building->half_size_m.x(), building->half_size_m.y(), top);
-      double enter = 0.0;
-      double leave = std::numeric_limits<double>::infinity();
-      int entered_by = -1;
-      for (int axis = 0; axis < 3 && enter <= leave; ++axis) {
-        if (std::abs(ray[axis]) < 1e-15) {
-          if (origin[axis] < box_low[axis] || origin[axis] > box_high[axis]) leave = -1.0;
-          continue;
-        }
-        double a = (box_low[axis] - origin[axis]) / ray[axis];
-        double b = (box_high[axis] - origin[axis]) / ray[axis];
-        if (a > b) std::swap(a, b);
-        if (a > enter) {
-          enter = a;
-          entered_by = axis;
-        }
-        leave = std::min(leave, b);
-      }
-      if (enter > leave || entered_by < 0 || enter > max_distance_m) continue;
-      if (nearest && nearest->distance_m <= enter) continue;
-      nearest = RayHit{start + enter * direction, enter,
-                       entered_by == 2 ? SurfaceKind::kRoof : SurfaceKind::kWall, building->hash | 1u, -1};
+      StandingObject box;  // its sides go below the terrain, so that no gap opens on a slope
+      box.outline = *building;
+      box.ridge_m = BaseOf(*building) + building->height_m;
+      const std::optional<ObjectHit> met = box.CastRay(start, direction);
+      if (!met || met->distance_m > max_distance_m) continue;
+      if (nearest && nearest->distance_m <= met->distance_m) continue;
+      nearest = RayHit{start + met->distance_m * direction, met->distance_m,
+                       met->is_side ? SurfaceKind::kWall : SurfaceKind::kRoof, building->hash | 1u, -1};
     }
   }
   return nearest;
