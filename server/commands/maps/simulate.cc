@@ -80,13 +80,8 @@ simulate::SurveyOptions SurveyOf(const SimulateArguments& arguments) {
 
 void PrintObjects(const simulate::ObjectOptions& wanted, const simulate::World& world) {
   int houses = 0, walls = 0, trees = 0;
-  for (const simulate::StandingObject& object : world.objects()) {
-    if (object.IsHouse()) {
-      ++houses;
-    } else {
-      ++(object.kind == simulate::ObjectKind::kWall ? walls : trees);
-    }
-  }
+  for (const simulate::StandingObject& object : world.objects())
+    ++(object.IsHouse() ? houses : object.kind == simulate::ObjectKind::kWall ? walls : trees);
   fmt::print("{}, {} and {} stand on the ground{}\n", Counted(houses, "house"), Counted(walls, "wall"),
              Counted(trees, "tree"),
              houses + walls + trees < wanted.Count() ? "; there is no room for more" : "");
