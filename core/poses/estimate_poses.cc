@@ -226,8 +226,8 @@ Error NothingPlaced(const flight::Flight& flight, bool has_log_and_photos, bool 
     why.insert(why.end(), posed.warnings.begin(), posed.warnings.end());
   }
   if (!aside.empty()) {
-    why.push_back({RemarkCode::kFailOthersAside,
-                   {{"pictures", aside.size()}, {"left", flight::FirstLeftOut(aside)}}});
+    why.push_back(
+        {RemarkCode::kFailOthersAside, {{"pictures", aside.size()}, {"left", flight::FirstLeftOut(aside)}}});
   }
   return flight::Because(ErrorCode::kUnprocessable, flight::InARow(std::move(why)));
 }

@@ -148,9 +148,8 @@ std::vector<std::vector<std::size_t>> GroupPhotos(std::vector<CardPhoto> photos,
   std::vector<std::vector<std::size_t>> flights;
   for (auto& [roll, taken] : rolls) {
     FillTimes(taken, photos);
-    std::stable_sort(taken.begin(), taken.end(), [&](std::size_t a, std::size_t b) {
-      return photos[a].taken_at < photos[b].taken_at;
-    });
+    std::stable_sort(taken.begin(), taken.end(),
+                     [&](std::size_t a, std::size_t b) { return photos[a].taken_at < photos[b].taken_at; });
     for (std::size_t k = 0; k < taken.size(); ++k) {
       const auto& time = photos[taken[k]].taken_at;
       const bool is_new = k == 0 || (time && *time - *photos[taken[k - 1]].taken_at > gap);

@@ -15,8 +15,8 @@ namespace skyquilt::simulate {
 namespace {
 
 constexpr auto kColumns = std::to_array<std::string_view>(
-    {"t",       "utc",     "wx", "wy", "wz", "ax", "ay", "az",  "qw",       "qx",    "qy",   "qz", "lat", "lon",
-     "alt_ell", "alt_msl", "vn", "ve", "vd", "sh", "sv", "fix", "baro_alt", "range", "event"});
+    {"t",   "utc",     "wx",      "wy", "wz", "ax", "ay", "az", "qw",  "qx",       "qy",    "qz",   "lat",
+     "lon", "alt_ell", "alt_msl", "vn", "ve", "vd", "sh", "sv", "fix", "baro_alt", "range", "event"});
 
 // By column.
 using Row = std::map<std::string_view, std::string>;

@@ -147,9 +147,9 @@ void Repair(const DataOptions& options) {
              "a good copy of the catalogue. Nothing was changed.",
              dir.root().string(), *settled, dir.BlobsMarker().string())});
   }
-  const storage::RepairReport report =
-      OrFail("skyquilt data", storage::RepairData(options.data_dir, storage::Now(),
-                                                  PlaceOf("skyquilt data", options.catalogue)));
+  const storage::RepairReport report = OrFail(
+      "skyquilt data",
+      storage::RepairData(options.data_dir, storage::Now(), PlaceOf("skyquilt data", options.catalogue)));
   for (const std::string& line : report.lines) fmt::print("{}\n", line);
   fmt::print("{}, {} and {} were entered into {} catalogue\n", Counted(report.flights, "flight"),
              Counted(report.files, "file"), Counted(report.maps, "map"),
