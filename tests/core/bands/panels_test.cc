@@ -338,7 +338,9 @@ TEST_F(CalibrateByPanelsTest, APanelFarFromTheFlightIsUsedAndSaidUnlessALightSen
     CalibrateByPanels(flight, captures, source_);
     EXPECT_NEAR(captures.captures.back().photos[0].facts.radiometry.per_level, kRed / 0.5 / 50'000.0, 1e-9);
     ASSERT_THAT(flight.warnings, SizeIs(is_told ? 1 : 0)) << hours;
-    if (is_told) EXPECT_THAT(InWords(flight.warnings[0]), HasSubstr(std::to_string(hours) + " hours"));
+    if (is_told) {
+      EXPECT_THAT(InWords(flight.warnings[0]), HasSubstr(std::to_string(hours) + " hours"));
+    }
   }
 }
 
