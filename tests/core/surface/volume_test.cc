@@ -28,8 +28,8 @@ struct Field {
       }
     }
     for (int i = 0; i < 50; ++i) {
-      for (const Eigen::Vector2d place : {Eigen::Vector2d(5 + i, 5), Eigen::Vector2d(55, 5 + i),
-                                          Eigen::Vector2d(55 - i, 55), Eigen::Vector2d(5, 55 - i)})
+      for (const Eigen::Vector2d& place : {Eigen::Vector2d(5 + i, 5), Eigen::Vector2d(55, 5 + i),
+                                           Eigen::Vector2d(55 - i, 55), Eigen::Vector2d(5, 55 - i)})
         edge.push_back({place, height_at(place.x(), place.y())});
     }
   }

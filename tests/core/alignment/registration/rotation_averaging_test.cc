@@ -24,14 +24,14 @@ PhotoPair Turned(int first, int second, const Eigen::Quaterniond& second_from_fi
 
 TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
   Sampler sampler(5);
-  constexpr int kPhotos = 40;
+  constexpr int kRotations = 40;
   std::vector<Eigen::Quaterniond> truth;
-  for (int i = 0; i < kPhotos; ++i) truth.push_back(geo::RotationFromVector(Random(sampler, 2.0)));
+  for (int i = 0; i < kRotations; ++i) truth.push_back(geo::RotationFromVector(Random(sampler, 2.0)));
   std::vector<PhotoPair> pairs;
   std::vector<char> is_wrong;
-  for (int i = 0; i < kPhotos; ++i) {
+  for (int i = 0; i < kRotations; ++i) {
     for (int step = 1; step <= 6; ++step) {
-      const int j = (i + step) % kPhotos;
+      const int j = (i + step) % kRotations;
       const int first = std::min(i, j), second = std::max(i, j);
       Eigen::Quaterniond second_from_first =
           geo::RotationFromVector(Random(sampler, 0.01)) * truth[second] * truth[first].conjugate();
@@ -41,10 +41,10 @@ TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
       is_wrong.push_back(wrong ? 1 : 0);
     }
   }
-  const AveragedRotations averaged = AverageRotations(kPhotos, pairs);
+  const AveragedRotations averaged = AverageRotations(kRotations, pairs);
   // Up to one turn of everything.
   const Eigen::Quaterniond gauge = averaged.cam_from_world[0].conjugate() * truth[0];
-  for (int i = 0; i < kPhotos; ++i) {
+  for (int i = 0; i < kRotations; ++i) {
     EXPECT_LT((averaged.cam_from_world[i] * gauge).angularDistance(truth[i]), 0.02) << i;
   }
   for (std::size_t p = 0; p < pairs.size(); ++p) {
