@@ -269,7 +269,7 @@ TEST_F(StitchUnits, PartsOfNoPossibleSizeAreRefused) {
   };
   EXPECT_FALSE(is_refused([](auto&) {}));
   EXPECT_TRUE(is_refused([](auto& features) { features.descriptors.pop_back(); }));
-  EXPECT_TRUE(is_refused([](auto& features) { features.detail.cells.resize(7); }));
+  EXPECT_TRUE(is_refused([](auto& features) { features.detail.resize(7); }));
   EXPECT_TRUE(is_refused([](auto& features) { features.thumbnail.width_px = 1 << 20; }));
   EXPECT_TRUE(is_refused(
       [](auto& features) { features.keypoints.resize(70'000), features.descriptors.resize(70'000); }));
