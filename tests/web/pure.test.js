@@ -335,10 +335,14 @@ test('previews and deleted photos in folders of network drives are passed over',
 });
 
 test('a map that was made below the folder of its photos is passed over', async () => {
-  const paths = ['photos/geo.txt', 'photos/map/mosaic.state', 'photos/map/geo.txt', 'photos/map/dsm.tif', 'photos/map/thumbnail.png', 'photos/map/notes.txt'];
-  const { chosen, ignored } = await selectFiles([file('DJI_0001.JPG', jpeg, 'photos/DJI_0001.JPG'), ...paths.map((path) => file(path.slice(path.lastIndexOf('/') + 1), jpeg, path))]);
-  assert.deepEqual(chosen.map(({ name }) => name).sort(), ['DJI_0001.JPG', 'geo.txt', 'notes.txt']);
-  assert.deepEqual(ignored, []);
+  const sent = async (/** @type {string[]} */ paths) => {
+    const { chosen, ignored } = await selectFiles(paths.map((path) => file(path.slice(path.lastIndexOf('/') + 1), jpeg, path)));
+    assert.deepEqual(ignored, []);
+    return chosen.map(({ name }) => name).sort();
+  };
+  const map = ['mosaic.state', 'geo.txt', 'dsm.tif', 'thumbnail.png', 'frames/frames.json', 'frames/DJI_0007_0001.jpg'].map((name) => `photos/map/${name}`);
+  assert.deepEqual(await sent(['photos/DJI_0001.JPG', 'photos/geo.txt', 'photos/map/notes.txt', ...map]), ['DJI_0001.JPG', 'geo.txt', 'notes.txt']);
+  assert.deepEqual(await sent(['frames/frames.json', 'frames/DJI_0007_0001.jpg']), ['DJI_0007_0001.jpg', 'frames.json'], 'chosen themselves');
 });
 
 test('a photo is known by its first bytes', () => {

@@ -18,7 +18,7 @@ const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
 const kMaxFolders = 8;
 // What network drives and systems keep in folders of their own, hidden ones too: previews of each photo, deleted files.
 const kFolderOfPrograms = /(^|\/)(\.[^/]*|@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
-// What `skyquilt stitch` makes of the photos beside its mosaic.state, as server/jobs/out_folder.cc names it.
+// What `skyquilt stitch` makes beside its mosaic.state, as server/jobs/out_folder.cc names it; frames lie below.
 const kMapProduct = /^(mosaic\..+|mosaic_utm\.tif|thumbnail\.png|(report|locate|cameras|layers)\.json|photos\.geojson|geo\.txt|bands\.tif|(dsm|dtm)(_photos|_ground|_hillshade)?\.tif|contours\..+|layer_\w+\.mbtiles)$/;
 // Tables as office programs save them by themselves.
 const kOffice = new Set(['xlsx', 'xlsm', 'xls', 'ods', 'numbers']);
@@ -69,12 +69,14 @@ export async function selectFiles(found) {
   const selection = { chosen: [], ignored: [], folder: commonFolder(found) };
   const reasons = strings.drop.reasons;
   const folderOf = (/** @type {string} */ path) => path.slice(0, path.lastIndexOf('/') + 1);
-  const maps = new Set(found.map(({ path }) => path).filter((path) => /(^|\/)mosaic\.state$/.test(path)).map(folderOf));
+  const foldersWith = (/** @type {RegExp} */ mark) => new Set(found.map(({ path }) => path).filter((path) => mark.test(path)).map(folderOf));
+  const maps = foldersWith(/(^|\/)mosaic\.state$/);
+  const frames = foldersWith(/\/frames\/frames\.json$/); // a folder of frames that is chosen itself counts
   const sorted = [...found].sort((a, b) => (a.path < b.path ? -1 : a.path > b.path ? 1 : 0));
   for (const { file, path } of sorted) {
     const name = path.slice(path.lastIndexOf('/') + 1);
     if (name.startsWith('.') || /^(thumbs\.db|desktop\.ini)$/i.test(name) || kFolderOfPrograms.test(path)) continue;
-    if (maps.has(folderOf(path)) && kMapProduct.test(name)) continue;
+    if (frames.has(folderOf(path)) || (maps.has(folderOf(path)) && kMapProduct.test(name))) continue;
     const kind = extension(name);
     let reason = '';
     if (kOtherFilms.has(kind)) reason = reasons.film;
