@@ -201,11 +201,10 @@ void DropAltitudesOfZero(std::vector<Photo>& photos, std::vector<Remark>& warnin
   std::size_t zeros = 0;
   for (const Photo& photo : photos) {
     if (!photo.position) continue;
-    for (const auto& height_m : {photo.position->height_amsl_m, photo.position->height_ellipsoid_m}) {
-      if (!height_m) continue;
-      if (*height_m != 0.0) return;
-      ++zeros;
-    }
+    const std::optional<double>& amsl_m = photo.position->height_amsl_m;
+    const std::optional<double>& ellipsoid_m = photo.position->height_ellipsoid_m;
+    if (amsl_m.value_or(0.0) != 0.0 || ellipsoid_m.value_or(0.0) != 0.0) return;
+    if (amsl_m || ellipsoid_m) ++zeros;
   }
   if (zeros < kFewestZeros) return;
   for (Photo& photo : photos) {

@@ -15,6 +15,7 @@
 
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
 #include "tests/core/flight/synthetic_photo.h"
 #include "tests/support/temporary_folder.h"
@@ -195,6 +196,27 @@ TEST(DropAltitudesOfZero, TakesThemForUnknownWhereAllPhotosHaveThem) {
   EXPECT_EQ(altitudes_after({0.0, {}, 0.0, 0.0}), (std::vector<std::optional<double>>(4)));
   EXPECT_EQ(altitudes_after(one_known), one_known) << "a flight over the sea";
   EXPECT_EQ(altitudes_after(two), two);
+}
+
+// Over the sea and over the ellipsoid.
+TEST(DropAltitudesOfZero, CountsAPhotoOfTwoAltitudesOnce) {
+  std::vector<Photo> photos(2);
+  std::vector<Remark> warnings;
+  for (Photo& photo : photos) {
+    photo.position.emplace();
+    photo.position->height_amsl_m = photo.position->height_ellipsoid_m = 0.0;
+  }
+  DropAltitudesOfZero(photos, warnings);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_EQ(photos[1].position->height_amsl_m, 0.0);
+  photos.push_back(photos.front());
+  DropAltitudesOfZero(photos, warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(InWords(warnings[0]).find("all 3 photos"), std::string::npos) << InWords(warnings[0]);
+  for (const Photo& photo : photos) {
+    EXPECT_FALSE(photo.position->height_amsl_m);
+    EXPECT_FALSE(photo.position->height_ellipsoid_m);
+  }
 }
 
 }  // namespace
