@@ -129,9 +129,10 @@ constexpr ListName kListNames[] = {
     {"omega", M::kOmega},
     {"phi", M::kPhi},
     {"kappa", M::kKappa},
-    {"px py imx imy pixelx pixely imagex imagey", M::kIgnored, PairOrder::kNamed, MarkPart::kPixel},
-    {"u col column xpx ypx xpixel ypixel gcp gcpname marker point pointname pointid punkt", M::kIgnored,
-     PairOrder::kNamed, MarkPart::kPoint},
+    {"px py imx imy pixelx pixely imagex imagey xpx ypx xpixel ypixel", M::kIgnored, PairOrder::kNamed,
+     MarkPart::kPixel},
+    {"u col column gcp gcpname marker point pointname pointid punkt", M::kIgnored, PairOrder::kNamed,
+     MarkPart::kPoint},
     {"v row photo punktnummer"},
 };
 

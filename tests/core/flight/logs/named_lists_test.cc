@@ -354,6 +354,7 @@ TEST(NamedLists, LeavesPointsProseAndLogsAlone) {
   EXPECT_TRUE(reads("image,x,y,z", "a.jpg,1,2,3\n"));
   EXPECT_FALSE(reads("image,x,y,z,px,py,point", "a.jpg,1,2,3,4,5,p\n")) << "marks of surveyed points";
   EXPECT_FALSE(reads("gcp,lat,lon,alt,px,py,image", "p,46.8,8.1,500,4,5,a.jpg\n")) << "marks too";
+  EXPECT_FALSE(reads("gcp,lat,lon,alt,xpixel,ypixel,image", "p,46.8,8.1,500,4,5,a.jpg\n")) << "the same";
   EXPECT_FALSE(reads("xcoordinate,ycoordinate,zcoordinate,column,line,photo", "1,2,3,4,5,a.jpg\n"))
       << "and these";
   EXPECT_TRUE(reads("point,lat,lon,image", "1,46.8,8.1,a.jpg\n")) << "numbered photos";
