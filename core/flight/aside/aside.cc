@@ -205,9 +205,11 @@ std::optional<Error> WhyRaw(const ExifTable& first, ByteSource& source) {
 }
 
 std::optional<Error> WhyMap(const ExifTable& tags) {
-  constexpr std::uint16_t kLatitudeOfGps = 2;
-  const bool is_of_camera = tags.Find(ExifIfd::kImage, kMakeOfTiff) != nullptr ||
-                            tags.Find(ExifIfd::kGps, kLatitudeOfGps) != nullptr;
+  constexpr std::uint16_t kModel = 0x0110, kExposureTime = 0x829A, kFocalLength = 0x920A, kLatitudeOfGps = 2;
+  const auto has = [&](ExifIfd ifd, std::uint16_t tag) { return tags.Find(ifd, tag) != nullptr; };
+  const bool is_of_camera = has(ExifIfd::kImage, kMakeOfTiff) || has(ExifIfd::kImage, kModel) ||
+                            has(ExifIfd::kExif, kExposureTime) || has(ExifIfd::kExif, kFocalLength) ||
+                            has(ExifIfd::kGps, kLatitudeOfGps);
   if (is_of_camera || !IsGeoTiff(tags)) return std::nullopt;
   return AsideError(Aside::kMap, "");
 }

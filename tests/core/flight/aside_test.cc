@@ -459,6 +459,8 @@ TEST(WhyMap, KnowsGeoTiffsThatNoCameraWrote) {
   const ExifWriter map = ExifWriter().Short(ExifIfd::kImage, kGeoKeyDirectory, 1);
   EXPECT_THAT(refused(map), HasSubstr("a map (a GeoTIFF"));
   EXPECT_EQ(refused(ExifWriter(map).Ascii(ExifIfd::kImage, 0x010F, "Parrot")), "");
+  EXPECT_EQ(refused(ExifWriter(map).Ascii(ExifIfd::kImage, 0x0110, "Tau 2")), "") << "a model alone";
+  EXPECT_EQ(refused(ExifWriter(map).Rational(ExifIfd::kExif, 0x829A, {{1, 500}})), "") << "it was exposed";
   EXPECT_EQ(refused(ExifWriter(map).Position(46.5, 7.5)), "");
   EXPECT_EQ(refused(ExifWriter()), "");
 }
