@@ -155,7 +155,8 @@ Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::I
 
 Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<fs::path>& inputs) {
   const std::vector<std::string> names = ProductNames();
-  return flight::ListInputFiles(inputs, [&](const fs::path& file, const fs::path& root) {
+  std::vector<fs::path> passed_over;
+  const auto is_of_map = [&](const fs::path& file, const fs::path& root) {
     std::error_code none;  // what is gone is of no map
     const fs::path folder = file.parent_path();
     if (IsFrameOf(folder.parent_path(), {"", file})) return !fs::equivalent(root, folder, none);
@@ -163,7 +164,19 @@ Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<fs::path>
     const bool is_named_so =
         name.starts_with("mosaic.state") || std::find(names.begin(), names.end(), name) != names.end();
     return is_named_so && fs::exists(folder / "mosaic.state", none);
+  };
+  auto files = flight::ListInputFiles(inputs, [&](const fs::path& file, const fs::path& root) {
+    if (!is_of_map(file, root)) return false;
+    passed_over.push_back(file);
+    return true;
   });
+  if (!passed_over.empty()) {
+    fmt::print(stderr,
+               "Not read, as parts of a map that was made there: {} ({} first). A file that is given by "
+               "itself counts.\n",
+               Counted(passed_over.size(), "file"), Printable(passed_over.front().string()));
+  }
+  return files;
 }
 
 Result<void> CheckNoInputIsReplaced(const fs::path& out_dir, const std::vector<flight::InputFile>& files) {

@@ -19,7 +19,8 @@ Result<void> CheckOutFolder(const std::filesystem::path& out_dir, const std::vec
 
 // What is given of a flight, without what lies in its folders of maps that were made there: products beside
 // their mosaic.state, and frames of films. They would pass for photos, positions and heights of the flight. A
-// file that is given by itself counts, as does a folder of frames. Errors: kNotFound, kIo.
+// file that is given by itself counts, as does a folder of frames. Says on stderr that there were such.
+// Errors: kNotFound, kIo.
 Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<std::filesystem::path>& inputs);
 
 // Even where the user said to overwrite: no file that the map is to be made from. Errors: kConflict.
