@@ -73,6 +73,7 @@ image::SampleImage Draw(const PanelScene& scene) {
   const double c = std::cos(scene.turn_rad), s = std::sin(scene.turn_rad);
   for (int y = 0; y < kPanelPhotoHeight; ++y) {
     for (int x = 0; x < kPanelPhotoWidth; ++x) {
+      const double ground = scene.ground + 700.0 * std::sin(x * 0.9) * std::cos(y * 0.7);
       double sum = 0.0;
       constexpr int kOver = 3;
       for (int k = 0; k < kOver * kOver; ++k) {
@@ -81,7 +82,7 @@ image::SampleImage Draw(const PanelScene& scene) {
         // In sides of the code, from the middle between code and square; the code is on the right.
         const Vector2d at = Vector2d(c * dx + s * dy, -s * dx + c * dy) / scene.side_px;
         const Vector2d in_code = at - Vector2d(0.775, 0.0), in_square = at + Vector2d(0.775, 0.0);
-        double level = scene.ground + 700.0 * std::sin(x * 0.9) * std::cos(y * 0.7);
+        double level = ground;
         if (in_code.cwiseAbs().maxCoeff() < 0.66) {
           level = 55'000.0;
           if (in_code.cwiseAbs().maxCoeff() < 0.5) {
@@ -165,6 +166,7 @@ class CalibrateByPanelsTest : public testing::Test {
     captures_.reference_band = "red";
     captures_.bands = {{"red", 660.0, {}, Calibration::kRelative, "by Maker"},
                        {"nir", 790.0, {}, Calibration::kRelative, "by Maker"}};
+    static const image::SampleImage none_readable = Draw({.side_px = 20.0});
     for (int i = 0; i < 8; ++i) {
       Capture& capture = captures_.captures.emplace_back();
       for (const Band& band : captures_.bands) {
@@ -175,14 +177,16 @@ class CalibrateByPanelsTest : public testing::Test {
         photo.facts.radiometry.per_level = 1.0 / 50'000.0;
         photo.facts.radiometry.black.fill(1000.0);
         photo.facts.radiometry.calibration = Calibration::kRelative;
-        source_.pictures[photo.photo.name] = Draw({.side_px = 20.0});
+        source_.pictures[photo.photo.name] = none_readable;
         capture.photos.push_back(photo);
       }
       capture.reference = capture.photos.front().photo.name;
       flight_.photos.push_back(capture.photos.front().photo);
     }
-    source_.pictures["1_red.tif"] = Draw({.grey = 26'000});
-    source_.pictures["1_nir.tif"] = Draw({.turn_rad = 0.2, .grey = 51'000});
+    static const image::SampleImage red = Draw({.grey = 26'000});
+    static const image::SampleImage nir = Draw({.turn_rad = 0.2, .grey = 51'000});
+    source_.pictures["1_red.tif"] = red;
+    source_.pictures["1_nir.tif"] = nir;
   }
   // What the code's 0.5246 or so at the band's wavelength makes of a value of 0.5 (red) and 1 (nir).
   static constexpr double kRed = 0.525 - 0.001 * 260.0 / 500.0, kNir = 0.525 - 0.001 * 390.0 / 500.0;
