@@ -141,12 +141,13 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
   FlightHeights heights;
   heights.above_ground_m.resize(photos.size());
   std::vector<double> takeoff_heights;
-  std::size_t known = 0;
+  std::size_t known = 0, above_takeoff = 0;
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (!photos[i].position) continue;
     heights.above_ground_m[i] = AboveGround(*photos[i].position);
     if (!heights.above_ground_m[i]) continue;
     ++known;
+    above_takeoff += photos[i].position->height_above_takeoff_m ? 1 : 0;
     if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
       takeoff_heights.push_back(*ellipsoid_m - *heights.above_ground_m[i]);
     }
@@ -157,7 +158,9 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
     heights.takeoff_ellipsoid_m = takeoff_ellipsoid_m.value_or(takeoff_m.value_or(0.0));
     heights.hangs_on_cameras = takeoff_m && !takeoff_ellipsoid_m;
     heights.is_above_ellipsoid = takeoff_m || takeoff_ellipsoid_m;
-    heights.rule_in_words = "height above take-off as recorded, flat ground at take-off height";
+    heights.rule_in_words = above_takeoff > 0
+                                ? "height above take-off as recorded, flat ground at take-off height"
+                                : "height above ground as recorded, flat ground";
     heights.sigma_m = 0.7;
   } else if (takeoff_ellipsoid_m && ByGivenTakeoff(photos, *takeoff_ellipsoid_m, heights)) {
     return heights;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <utility>
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
@@ -49,6 +50,9 @@ TEST(ChooseHeights, TakesHeightsAboveTakeoffAsRecorded) {
   for (flight::Photo& photo : photos) photo.position->height_ellipsoid_m.reset();
   EXPECT_FALSE(ChooseHeights(photos, nullptr).is_above_ellipsoid) << "nothing but heights above take-off";
   EXPECT_TRUE(ChooseHeights(photos, nullptr, 85.0).is_above_ellipsoid) << "as given";
+  for (flight::Photo& photo : photos)
+    photo.position->height_above_ground_m = std::exchange(photo.position->height_above_takeoff_m, {});
+  EXPECT_EQ(ChooseHeights(photos, nullptr).rule_in_words, "height above ground as recorded, flat ground");
 }
 
 // Debian without proj-data, say.
