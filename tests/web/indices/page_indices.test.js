@@ -16,7 +16,7 @@ test('tiles of an index have the address of the map with what is asked for', () 
 
 test('a range is two numbers, the lesser first, with the comma of German too', () => {
   assert.deepEqual(parseRange('-0,2', ' 0.9 '), [-0.2, 0.9]);
-  for (const [least, most] of [['', '1'], ['1', '1'], ['2', '1'], ['a', '1'], ['0', 'Infinity']]) assert.equal(parseRange(least, most), null);
+  for (const [least, most] of [['', '1'], ['1', '1'], ['2', '1'], ['a', '1'], ['0', 'Infinity'], ['0', '1,250']]) assert.equal(parseRange(least, most), null);
   assert.equal(roundTo(0.12345, 0.6), 0.12);
   assert.equal(roundTo(-1234.5, 900), -1230);
 });

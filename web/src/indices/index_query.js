@@ -1,6 +1,6 @@
 // How an index is asked for: the parameters of its addresses, and the addresses of its tiles. Pure.
 /** @import { MapIndex, ReportedBand } from '../shared/types.js' */
-import { parseNumber } from '../shared/format.js';
+import { typedNumber } from '../shared/format.js';
 
 /**
  * @typedef {object} IndexLook
@@ -29,7 +29,7 @@ export const indexTiles = (template, look) => `${template.replace('{y}?', '{y}.p
  * @returns {[number, number]|null}
  */
 export function parseRange(least, most) {
-  const [from, to] = [least, most].map(parseNumber);
+  const [from, to] = [least, most].map(typedNumber);
   return Number.isFinite(from) && Number.isFinite(to) && from < to ? [from, to] : null;
 }
 
