@@ -209,3 +209,26 @@ test('files that are chosen again are judged, and told of, once', options, async
   }, flight.id);
   assert.deepEqual(found, [1, 1, 1]);
 });
+
+test('of two verdicts of the server the one on more files stays, whichever comes first', options, async () => {
+  const { page } = await setUp();
+  const shown = await page.evaluate(async () => {
+    const { UploadSession } = await import(new URL('src/upload/uploads.js', location.href).href);
+    const answers = [];
+    const { fetch } = window;
+    window.fetch = (address, init) => (String(address).endsWith('/verdict') ? new Promise((resolve) => answers.push(resolve)) : fetch(address, init));
+    const session = new UploadSession('f00000001');
+    for (const done of [3, 12]) {
+      session.queue.items = Array.from({ length: 20 }, (_, i) => ({ name: `${i}.jpg`, state: i < done ? 'done' : 'waiting', was_there: false, bytes: 1, sent_bytes: 0 }));
+      session.queue.dispatchEvent(new Event('change'));
+      while (answers.length === 0) await new Promise(requestAnimationFrame);
+    }
+    while (answers.length < 2) await new Promise(requestAnimationFrame);
+    answers[1](Response.json({ photos_readable: 12 }));
+    while (!session.server_verdict) await new Promise(requestAnimationFrame);
+    answers[0](Response.json({ photos_readable: 3 }));
+    for (let i = 0; i < 10; i += 1) await new Promise(requestAnimationFrame);
+    return session.server_verdict.photos_readable;
+  });
+  assert.equal(shown, 12);
+});

@@ -34,6 +34,7 @@ export class UploadSession extends EventTarget {
   #files = [];
   #starting = false;
   #verdict_from = kFirstVerdict_files;
+  #verdict_files = 0;  // that were there when what is known was asked for
   #abort = new AbortController();
 
   /** @param {string} flight_id */
@@ -61,6 +62,8 @@ export class UploadSession extends EventTarget {
     this.#verdict_from = 4 * files;
     try {
       const verdict = await api.getVerdict(this.flight_id, this.#abort.signal);
+      if (!verdict || files < this.#verdict_files) return;  // nothing yet, or what was asked for later tells more
+      this.#verdict_files = files;
       this.server_verdict = verdict;
       this.#changed();
     } catch (error) {
