@@ -426,6 +426,23 @@ test('files that are chosen again while they are being sent are sent once', asyn
   assert.equal(queue.picture.files, 3);
 });
 
+test('a file that is chosen while another of its name is being sent comes after that, and alone counts', async () => {
+  const turn = () => new Promise((resolve) => setImmediate(resolve));
+  const chosen = (/** @type {string} */ text) => [{ name: 'p.jpg', file: new Blob([text]) }];
+  const sent = [], ends = [];
+  const queue = new UploadQueue(chosen('a'), (item) => (sent.push(item.bytes), new Promise((resolve) => ends.push(resolve))));
+  queue.start();
+  for (const text of ['ab', 'a', 'abc']) queue.add(chosen(text));
+  queue.skipStored(new Map([['p.jpg', 3]]));
+  assert.deepEqual([sent, queue.items.map(({ bytes }) => bytes)], [[1], [1, 3]], 'of those that wait the last one');
+  ends[0]();
+  await turn();
+  assert.deepEqual(sent, [1, 3]);
+  ends[1]();
+  await turn();
+  assert.deepEqual([queue.picture.state, queue.picture.files, queue.picture.done], ['finished', 1, 1]);
+});
+
 test('files the server has whole are not sent again', async () => {
   const sent = [];
   const queue = new UploadQueue(blobs(3), async ({ name }) => void sent.push(name));

@@ -87,13 +87,14 @@ export class UploadQueue extends EventTarget {
   }
 
   /**
-   * More files for the same flight; a file of the same name replaces the one that was to be sent.
+   * More files for the same flight; a file of the same name replaces the one that was to be sent, or comes after the one
+   * that is on its way.
    * @param {{name: string, file: File|Blob}[]} files
    */
   add(files) {
     const sending = new Map(this.items.filter(({ state }) => state === 'sending').map(({ name, bytes }) => [name, bytes]));
     const more = files.filter(({ name, file }) => sending.get(name) !== file.size);  // one that is on its way is not sent twice
-    const names = new Set(more.map(({ name }) => name));
+    const names = new Set(files.map(({ name }) => name));
     this.items = this.items.filter((item) => item.state === 'sending' || !names.has(item.name));
     this.#append(more);
     if (this.#state === 'running' || this.#state === 'finished') this.start();
@@ -106,7 +107,7 @@ export class UploadQueue extends EventTarget {
    */
   skipStored(stored) {
     for (const item of this.items) {
-      if (item.state === 'waiting' && stored.get(item.name) === item.bytes) {
+      if (item.state === 'waiting' && stored.get(item.name) === item.bytes && !this.#isSending(item.name)) {
         item.state = 'done';
         item.was_there = true;
         item.sent_bytes = item.bytes;
@@ -177,14 +178,25 @@ export class UploadQueue extends EventTarget {
     for (const [item, abort] of this.#aborts) {
       Object.assign(item, { state: 'waiting', attempts: 0, retry_at_ms: null });
       abort.abort();
+      this.#dropIfReplaced(item);
     }
     this.#aborts.clear();
     this.#sleepers.clear();
   }
 
+  #isSending(/** @type {string} */ name) {
+    return [...this.#aborts.keys()].some((item) => item.name === name);
+  }
+
+  /** What was chosen later counts. @param {UploadItem} item that is on its way no more */
+  #dropIfReplaced(item) {
+    if (this.items.some((other) => other !== item && other.name === item.name)) this.items = this.items.filter((other) => other !== item);
+  }
+
   #pump() {
     while (this.#state === 'running' && this.#aborts.size < this.parallel) {
-      const item = this.items.find((candidate) => candidate.state === 'waiting');
+      // Of two of one name the server keeps what comes last.
+      const item = this.items.find(({ name, state }) => state === 'waiting' && !this.#isSending(name));
       if (!item) break;
       void this.#sendOne(item);
     }
@@ -214,6 +226,7 @@ export class UploadQueue extends EventTarget {
       item.reason = error instanceof Error ? error.message : String(error);
     }
     this.#aborts.delete(item);
+    this.#dropIfReplaced(item);
     this.#changed();
     this.#pump();
   }
