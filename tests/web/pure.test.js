@@ -173,10 +173,11 @@ test('the page says of a map what the server judged, in the list and in the repo
 
 test('what the server does not know is said to be unknown, and is neither nothing nor the worst', () => {
   const record = /** @type {any} */ ({ name: 'A.JPG', placement: 'aligned', camera_lon: 7, camera_lat: 46, error_radius_m: null, camera_height_above_ground_m: null, yaw_deg: null });
-  const said = Object.fromEntries(recordFacts(record, null));
+  const said = Object.fromEntries(recordFacts(record, null, 'metric'));
   assert.deepEqual([said['Position error'], said['Height above ground']], ['unknown', 'unknown']);
   assert.ok(!Object.values(said).some((text) => /NaN|null|undefined/.test(text)), JSON.stringify(said));
-  assert.equal(Object.fromEntries(recordFacts({ ...record, error_radius_m: 2.3 }, null))['Position error'], '± 2.3\u00a0m');
+  assert.equal(Object.fromEntries(recordFacts({ ...record, error_radius_m: 2.3 }, null, 'metric'))['Position error'], '± 2.3\u00a0m');
+  assert.match(JSON.stringify(recordFacts({ ...record, error_radius_m: 0.3048, camera_height_above_ground_m: 30.48 }, null, 'imperial')), /"± 1\u00a0ft".*"100\.0\u00a0ft"/);
   assert.equal(errorWords([1, 2, 4], 3), 'Median 2\u00a0m, maximum 4\u00a0m.');
   assert.equal(errorWords([1, 2, 4], 5), 'Median 2\u00a0m, maximum 4\u00a0m. Unknown for 2 photos.');
   const photos = (/** @type {(number|null|undefined)[]} */ ...radii) => /** @type {any} */ ({ features: radii.map((error_radius_m) => ({ properties: { error_radius_m } })) });
@@ -211,7 +212,7 @@ test('times of capture are those of the place, with their zone where it is known
   assert.equal(byClockOf('2015-10-27T19:50:02Z', '2015-10-28T01:20:02+05:30'), '2015-10-28T01:20:02.000+05:30');
   for (const iso of ['2015-10-27T20:10:02', 'yesterdayZ']) assert.equal(byClockOf(iso, first), iso);
   for (const unzoned of [undefined, '2015-10-27T23:50:02Z', '2015-10-27T19:50:02']) assert.equal(byClockOf('2015-10-28T00:10:02Z', unzoned), '2015-10-28T00:10:02Z');
-  const said = (/** @type {string} */ captured_at) => Object.fromEntries(recordFacts(/** @type {any} */ ({ placement: 'aligned', camera_lon: 7, camera_lat: 46, captured_at }), null)).Captured;
+  const said = (/** @type {string} */ captured_at) => Object.fromEntries(recordFacts(/** @type {any} */ ({ placement: 'aligned', camera_lon: 7, camera_lat: 46, captured_at }), null, 'metric')).Captured;
   assert.match(said('2015-10-27T20:10:02.500-04:00'), /8:10.*\(UTC\u22124\)/);
   assert.match(said('2015-10-28T00:10:02Z'), /12:10.*\(UTC\)/);
   assert.doesNotMatch(said('2015-10-27T20:10:02'), /UTC/);

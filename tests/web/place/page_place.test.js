@@ -104,13 +104,13 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
 }
 
 test('points are dragged, moved by arrow keys and removed, and are there again after Escape', options, async () => {
-  const { page, mock, flight } = await setUpFlight('Meadow', { is_whole: true });
+  const { page, mock, flight } = await setUpFlight('Meadow', { is_whole: true }, { locale: 'en-US' });
   await openTool({ page, mock }, flight);
   await page.keyboard.press('Enter');  // the map has the focus: its centre
   await page.keyboard.type('46.8, 7.1');
   await page.keyboard.press('Enter');
   assert.match(await page.innerText('#place-step'), /One point shifts the map/);
-  assert.match(await page.innerText('#place-effect'), /^The map moves by 3\d\.\d+\skm\.$/);
+  assert.match(await page.innerText('#place-effect'), /^The map moves by 19\.\d+\smi\.$/);
   const mark = page.locator('.point-mark-shown');
   const at = async () => (await mark.boundingBox());
   const before = await at();

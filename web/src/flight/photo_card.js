@@ -3,19 +3,21 @@
 import { announce } from '../shared/announce.js';
 import { formatCoordinates } from '../map/coordinates.js';
 import { h, onEscape, put } from '../shared/dom.js';
-import { formatCaptureTime, formatError, formatLength } from '../shared/format.js';
+import { formatCaptureTime } from '../shared/format.js';
 import { button, iconButton } from '../shared/icons.js';
 import { openPhotos } from './photo_viewer.js';
 import { fixed } from '../shared/language.js';
 import { inOneLine } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
+import { chosenUnits, errorIn, lengthIn } from '../shared/units.js';
 
 /**
  * @param {PhotoRecord} record
  * @param {number|null} off_vertical_deg
+ * @param {import('../shared/units.js').Units} units
  * @returns {[string, string][]}
  */
-export function recordFacts(record, off_vertical_deg) {
+export function recordFacts(record, off_vertical_deg, units) {
   const words = strings.photo;
   const known = (/** @type {unknown} */ value) => typeof value === 'number' && Number.isFinite(value);
   const angle = (/** @type {number|null|undefined} */ value) => (known(value) ? `${fixed(Number(value), 1)}°` : '–');
@@ -23,12 +25,12 @@ export function recordFacts(record, off_vertical_deg) {
   const rows = [[words.placement, strings.placement[record.placement] ?? record.placement]];
   const reason = inOneLine(record.remarks, record.reason);
   if (reason) rows.push([words.reason, reason]);
-  rows.push([words.error, known(record.error_radius_m) ? `± ${formatError(Number(record.error_radius_m))}` : words.unknown]);
+  rows.push([words.error, known(record.error_radius_m) ? `± ${errorIn(Number(record.error_radius_m), units)}` : words.unknown]);
   if (off_vertical_deg !== null) rows.push([words.view, words.off_vertical(off_vertical_deg)]);
   const { captured_at } = record;
   if (captured_at) rows.push([words.captured, formatCaptureTime({ first: captured_at, last: captured_at }) || captured_at]);
   rows.push([words.position, formatCoordinates(record.camera_lon, record.camera_lat, 'decimal')]);
-  rows.push([words.height, known(record.camera_height_above_ground_m) ? formatLength(Number(record.camera_height_above_ground_m)) : words.unknown]);
+  rows.push([words.height, known(record.camera_height_above_ground_m) ? lengthIn(Number(record.camera_height_above_ground_m), units) : words.unknown]);
   if (known(record.yaw_deg)) rows.push([words.angles, [record.yaw_deg, record.pitch_deg, record.roll_deg].map(angle).join(words.between_angles)]);
   return rows;
 }
@@ -75,7 +77,7 @@ export function photoCard(listener) {
         h('h2', { class: 'card-title' }, h('span', { class: `dot dot-${record.placement}` }), record.name),
         iconButton('close', strings.page.close, close),
       ),
-      h('dl', { class: 'record' }, ...recordFacts(record, off_vertical_deg).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
+      h('dl', { class: 'record' }, ...recordFacts(record, off_vertical_deg, chosenUnits()).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
       button(pixel ? words.open_here : words.open, () => void open(), { picture: 'photo', id: 'photo-open' }),
       photos.length > 1 && h('div', { class: 'row between pager' }, back, h('span', { class: 'muted' }, words.of(shown + 1, photos.length)), next),
     );

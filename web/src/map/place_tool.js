@@ -10,12 +10,12 @@ import { messageOf } from '../shared/api.js';
 import { basemapWithPlaces, chosenBasemap } from './basemap.js';
 import { wrapLongitude } from './coordinates.js';
 import { h, put } from '../shared/dom.js';
-import { formatLength } from '../shared/format.js';
 import { button, iconButton } from '../shared/icons.js';
 import { lieNear, movement } from './place_pairs.js';
 import { placePoint } from './place_point.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
+import { chosenUnits, lengthIn } from '../shared/units.js';
 
 const kSeeThrough = 0.35;
 const kNearZoom = 17;
@@ -120,9 +120,9 @@ export function placeTool(view, listener) {
   const effectText = (known) => {
     const move = movement(known);
     if (!move) return words.same;
-    if (known.length === 1) return words.moves(formatLength(move.shift_m));
-    const text = words.turns(formatLength(move.shift_m), move.turn_deg, number(move.scale, { minimumSignificantDigits: move.scale < 1 ? 3 : 4, maximumSignificantDigits: move.scale < 1 ? 3 : 4 }));
-    return known.length > 2 ? `${text} ${words.miss(formatLength(move.miss_m))}` : text;
+    if (known.length === 1) return words.moves(lengthIn(move.shift_m, chosenUnits()));
+    const text = words.turns(lengthIn(move.shift_m, chosenUnits()), move.turn_deg, number(move.scale, { minimumSignificantDigits: move.scale < 1 ? 3 : 4, maximumSignificantDigits: move.scale < 1 ? 3 : 4 }));
+    return known.length > 2 ? `${text} ${words.miss(lengthIn(move.miss_m, chosenUnits()))}` : text;
   };
 
   const changed = () => {

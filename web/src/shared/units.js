@@ -1,7 +1,7 @@
 // Lengths, areas and volumes in the units of who reads: metres and hectares, or feet and acres. By the browser's country until
 // one chooses; the choice stays in this browser.
-import { formatArea, formatLength, formatVolume, threeDigits } from './format.js';
-import { fixed, keepChoice, keptChoice } from './language.js';
+import { formatArea, formatError, formatLength, formatVolume, threeDigits } from './format.js';
+import { fixed, keepChoice, keptChoice, number } from './language.js';
 import { strings } from './strings.js';
 
 /** @typedef {'metric'|'imperial'} Units */
@@ -44,6 +44,9 @@ export function lengthIn(metres, units) {
   const feet = metres / kFoot_m;
   return feet < kMile_ft ? `${fixed(feet, feet < 100 ? 2 : 1)}\u00a0ft` : `${fixed(feet / kMile_ft, 3)}\u00a0mi`;
 }
+
+/** An estimate of an error: two digits are all that it is worth. @param {number} metres @param {Units} units */
+export const errorIn = (metres, units) => (units === 'metric' ? formatError(metres) : `${number(metres / kFoot_m, { maximumSignificantDigits: 2, useGrouping: false })}\u00a0ft`);
 
 /** Metres in what heights are told in. @param {Units} units */
 export const metresPer = (units) => (units === 'metric' ? 1 : kFoot_m);
