@@ -303,6 +303,28 @@ test('a tag is added by keyboard and taken off by its cross', options, async () 
   assert.equal(await page.locator('#flight-keep').count(), 0, 'this server deletes no old flights');
 });
 
+test('tags that could not be saved stay in their field, and are sent again by Enter alone', options, async () => {
+  const { page, flight } = await setUpReady('Meadow', {}, { errors: /ERR_FAILED/ });
+  let tries = 0;
+  const address = `**/flights/${flight.id}`;
+  await page.route(address, (route) => {
+    if (route.request().method() !== 'PATCH') return route.continue();
+    tries += 1;
+    return route.abort();
+  });
+  await page.click('#tag-add');
+  await page.keyboard.type('north,Größe');
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => /** @type {HTMLInputElement|null} */ (document.querySelector('#tag-input'))?.value === 'north, Größe');
+  await page.click('#flight-title');
+  await allAsked(page);
+  assert.deepEqual([tries, await page.inputValue('#tag-input')], [1, 'north, Größe'], 'a click elsewhere is no try');
+  await page.unroute(address);
+  await page.press('#tag-input', 'Enter');
+  await page.waitForFunction(() => document.querySelectorAll('#flight-tags .tag').length === 2);
+  assert.deepEqual(flight.tags, ['north', 'Größe']);
+});
+
 test('a flight that was left gives the page its name no more, not by a tag that is saved late either', options, async () => {
   const { page, flight } = await setUpReady('Meadow');
   assert.equal(await page.getAttribute('#panel', 'aria-label'), 'Meadow');

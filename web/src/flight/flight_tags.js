@@ -30,15 +30,18 @@ export function tagRow(current, known, on_change) {
   const tags = flight.tags ?? [];
   const may_change = mayChange(flight);
   if (!may_change && tags.length === 0) return null;
-  /** @param {{tags?: string[], keep?: boolean}} change @param {string} focus id of what takes the focus when it is done */
+  /** @param {{tags?: string[], keep?: boolean}} change @param {string} focus id of what takes the focus when it is done @returns {Promise<boolean>} whether it is saved */
   const save = async (change, focus) => {
+    let is_saved = false;
     try {
       on_change(await changeFlight(flight.id, change));
+      is_saved = true;
       await ownAccess();  // the switch is there again
     } catch (error) {
       showError(error);
     }
     document.getElementById(focus)?.focus();
+    return is_saved;
   };
   const chip = (/** @type {string} */ tag) => {
     if (!may_change) return h('li', { class: 'tag' }, tag);
@@ -48,8 +51,13 @@ export function tagRow(current, known, on_change) {
   const list = h('ul', { class: 'tags', id: 'flight-tags', 'aria-label': words.heading }, ...tags.map(chip));
   const row = h('div', { class: 'flight-tags' }, list);
   if (may_change && tags.length < kMaxTags) {
-    const addTo = (/** @type {string[]} */ typed) => save({ tags: [...new Set([...(current().tags ?? []), ...typed])].slice(0, kMaxTags) }, 'tag-add');
-    const add = button(words.add, () => askTag(flight, add, known().filter((tag) => !tags.includes(tag)), addTo), { picture: 'plus', class: 'tag tag-button no-print', id: 'tag-add' });
+    const addTo = async (/** @type {string[]} */ typed) => {
+      const is_saved = await save({ tags: [...new Set([...(current().tags ?? []), ...typed])].slice(0, kMaxTags) }, 'tag-add');
+      if (!is_saved && add.isConnected) askForTag(typed.join(', '));  // to be sent again
+    };
+    const askForTag = (refused = '') => askTag(flight, add, known().filter((tag) => !tags.includes(tag)), addTo, refused);
+    /** @type {HTMLButtonElement} */
+    const add = button(words.add, () => askForTag(), { picture: 'plus', class: 'tag tag-button no-print', id: 'tag-add' });
     row.append(add);
   }
   if (may_change) void ownAccess().then((access) => (access?.keep_days || flight.keep) && row.after(keepSwitch(current, access?.keep_days ?? 0, (keep) => save({ keep }, 'flight-keep'))));
@@ -62,10 +70,11 @@ export function tagRow(current, known, on_change) {
  * @param {HTMLButtonElement} add
  * @param {string[]} proposed
  * @param {(tags: string[]) => Promise<void>} on_tags
+ * @param {string} refused what was typed, and could not be saved; '' at first
  */
-function askTag(flight, add, proposed, on_tags) {
+function askTag(flight, add, proposed, on_tags, refused) {
   const words = strings.tags;
-  const input = h('input', { type: 'text', class: 'field tag-input', id: 'tag-input', maxlength: kMaxLength, 'aria-label': words.add_label(flight.name), placeholder: words.placeholder, list: 'tag-proposals', autocomplete: 'off', enterkeyhint: 'done' });
+  const input = h('input', { type: 'text', class: 'field tag-input', id: 'tag-input', value: refused, maxlength: kMaxLength, 'aria-label': words.add_label(flight.name), placeholder: words.placeholder, list: 'tag-proposals', autocomplete: 'off', enterkeyhint: 'done' });
   const form = h('form', { class: 'tag-form no-print' }, input, h('datalist', { id: 'tag-proposals' }, ...proposed.map((value) => h('option', { value }))));
   let is_over = false;
   const end = (/** @type {boolean} */ takes) => {
@@ -84,8 +93,8 @@ function askTag(flight, add, proposed, on_tags) {
     event.stopPropagation();
     end(false);
   });
-  // What was typed is not lost to a click elsewhere.
-  input.addEventListener('blur', () => end(true));
+  // What was typed is not lost to a click elsewhere, nor refused anew with each.
+  input.addEventListener('blur', () => (refused === '' || input.value !== refused) && end(true));
   add.replaceWith(form);
   input.focus();
 }
@@ -93,7 +102,7 @@ function askTag(flight, add, proposed, on_tags) {
 /**
  * @param {() => Flight} current
  * @param {number} keep_days of the server
- * @param {(keep: boolean) => Promise<void>} on_keep
+ * @param {(keep: boolean) => Promise<unknown>} on_keep
  */
 function keepSwitch(current, keep_days, on_keep) {
   const words = strings.tags;
