@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
 import { test } from 'node:test';
-import { reloadMap, screenshotPixels } from './support/browser.js';
+import { mapIdle, reloadMap, screenshotPixels } from './support/browser.js';
 import { assertAccessible, openReady, options, usePages } from './support/pages.js';
 import { encodePng } from './support/tile_picture.js';
 
@@ -86,4 +86,14 @@ test('a basemap that is offered no more gives way to the coastlines', options, a
   await page.click('#tool-layers');
   await page.waitForFunction(() => /** @type {HTMLSelectElement} */ (document.querySelector('#basemap')).value === 'land');
   assert.ok(await page.locator('#basemap-note').isHidden(), 'nothing public is offered');
+});
+
+test('a basemap whose archive is not there is said to be missing, and gives way to the coastlines', options, async () => {
+  const { page } = await setUpReady('Meadow', {}, { errors: /status of 404/ });
+  await page.route('**/basemap.json', (route) => route.fulfill({ json: { tilejson: '3.0.0', tiles: [], pmtiles: '/gone.pmtiles', public: [] } }));
+  await page.evaluate(() => localStorage.setItem('skyquilt.basemap', 'server'));
+  await page.reload();
+  await page.waitForSelector('.note-error:has-text("The basemap could not be loaded")');
+  await mapIdle(page);
+  await page.waitForFunction(() => Boolean(/** @type {any} */ (window).skyquilt.map.getLayer('basemap-land')));
 });

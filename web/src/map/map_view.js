@@ -63,6 +63,8 @@ export class MapView {
   #drawn_from_zoom = 0;
   #tile_size = 256;
   is_moved = false;  // by the user, since the flight was opened
+  /** The archive of the one that was to be shown cannot be read; coastlines are shown. */
+  basemapFailed = () => {};
   /** @type {maplibre.ScaleControl} */
   #scale;
 
@@ -242,7 +244,11 @@ export class MapView {
   /** @param {import('./basemap.js').BasemapKind} kind what lies below everything else */
   async setBasemap(kind) {
     const turn = (this.#basemap_turn += 1);
-    const parts = await basemapParts(kind);
+    const parts = await basemapParts(kind).catch((error) => {
+      console.debug('basemap:', error);
+      if (turn === this.#basemap_turn) this.basemapFailed();
+      return basemapParts('land');
+    });
     await this.ready;
     if (turn !== this.#basemap_turn) return;
     this.remove('basemap', this.map.getStyle().layers.filter(({ id }) => id.startsWith('basemap-')).map(({ id }) => id));

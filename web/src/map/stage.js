@@ -77,6 +77,7 @@ export class Stage {
       if (this.#view) return this.#view;  // two callers waited for the import
       this.area.prepend(container);
       this.#view = new MapView(container);
+      this.#view.basemapFailed = () => void showNote(strings.map.basemap_failed, { is_error: true });
     } catch (error) {
       console.error(error);
       container.remove();

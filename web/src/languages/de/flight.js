@@ -114,6 +114,7 @@ export const flight_words = {
     layers: 'Ebenen',
     opacity: 'Deckkraft der Karte',
     basemap: 'Hintergrundkarte',
+    basemap_failed: 'Die Hintergrundkarte konnte nicht geladen werden. Stattdessen sind Küstenlinien zu sehen.',
     basemaps: { none: 'Keine', land: 'Küstenlinien', server: 'Hintergrundkarte des Servers' },
     public_basemaps: 'Öffentliche Karten',
     public_basemaps_note: 'Öffentliche Karten kommen von den Servern ihrer Anbieter; diese erfahren Ihre Adresse und welche Orte Sie ansehen. Gefragt wird keiner, bevor Sie ihn wählen.',

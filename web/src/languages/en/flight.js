@@ -114,6 +114,7 @@ export const flight_words = {
     layers: 'Layers',
     opacity: 'Map opacity',
     basemap: 'Basemap',
+    basemap_failed: 'The basemap could not be loaded. Coastlines are shown instead.',
     basemaps: { none: 'None', land: 'Coastlines', server: 'Server basemap' },
     public_basemaps: 'Public maps',
     public_basemaps_note: 'Public maps come from their makers’ servers, which learn your address and the places you look at. None is asked before you choose it.',
