@@ -283,3 +283,49 @@ test('a note that is being written stays where another is deleted, and where a n
   await isSaved(page);
   assert.deepEqual(kept(flight), ['Gate', 'Half a thought']);
 });
+
+test('a note that is half written when its flight is left is there again, and the page is not closed without a question', options, async () => {
+  const { page, flight } = await openNotes({ locale: 'en-GB' }, [pointAt('a', 'Well')]);
+  const asks = () => page.evaluate(() => {
+    const event = new Event('beforeunload', { cancelable: true });
+    dispatchEvent(event);
+    return event.defaultPrevented;
+  });
+  const leaveAndReturn = async () => {
+    await page.click('.back-link');
+    await page.click('.flight-link');
+    await mapIdle(page);
+    await page.waitForSelector('#note-list li');
+  };
+  await page.click('#note-add');
+  assert.equal(await asks(), false, 'nothing is written yet');
+  await page.fill('#note-name', 'Gate');
+  await page.fill('#note-text', 'Half a thought');
+  const box = await page.locator('#map').boundingBox();
+  await page.mouse.click(box.x + box.width / 2 + 60, box.y + box.height / 2 - 40);
+  const place = await page.evaluate(([x, y]) => /** @type {any} */ (window).skyquilt.map.unproject([x, y]).toArray(), [box.width / 2 + 60, box.height / 2 - 40]);
+  assert.equal(await asks(), true);
+  await leaveAndReturn();
+  await page.waitForSelector('#note-form');
+  assert.deepEqual([await page.inputValue('#note-name'), await page.inputValue('#note-text'), await asks()], ['Gate', 'Half a thought', true]);
+  await page.click('#note-save');
+  await isSaved(page);
+  assert.deepEqual(kept(flight), ['Well', 'Gate']);
+  flight.notes.features[1].geometry.coordinates.forEach((degrees, i) => assert.ok(Math.abs(degrees - place[i]) < 1e-6));
+  assert.equal(await asks(), false);
+
+  // One that is there already stays the same note; what was cancelled does not come back.
+  await page.click('[data-note="a"] .note-edit');
+  await page.fill('#note-name', 'Old well');
+  await leaveAndReturn();
+  await page.waitForSelector('#note-form');
+  await page.click('#note-save');
+  await isSaved(page);
+  assert.deepEqual(kept(flight), ['Old well', 'Gate']);
+  await page.click('[data-note="a"] .note-edit');
+  await page.fill('#note-name', 'Never');
+  await page.press('#note-name', 'Escape');
+  await leaveAndReturn();
+  await twoFrames(page);
+  assert.deepEqual([await page.locator('#note-form').count(), await asks()], [0, false]);
+});

@@ -12,16 +12,17 @@ import { bytesOf, kMaxNameBytes, kMaxTextBytes, noteOf } from './note_shape.js';
  * @param {Stage} stage
  * @param {Note|null} note null: a new one
  * @param {{on_save: (note: Note) => void, on_end: () => void}} listener
- * @returns {{element: HTMLFormElement, close: () => void}}
+ * @param {Note|null} [draft] what of it was written already
+ * @returns {{element: HTMLFormElement, note: Note|null, draft: Note|null, close: () => void}} draft: null where nothing is written that is not in the note
  */
-export function noteForm(stage, note, listener) {
+export function noteForm(stage, note, listener, draft = note) {
   const words = strings.notes;
-  const name = h('input', { class: 'field', id: 'note-name', type: 'text', required: true, maxlength: kMaxNameBytes, autocomplete: 'off', value: note?.properties.name ?? '' });
-  const text = h('textarea', { class: 'field', id: 'note-text', rows: 3, maxlength: kMaxTextBytes, value: note?.properties.text ?? '' });
+  const name = h('input', { class: 'field', id: 'note-name', type: 'text', required: true, maxlength: kMaxNameBytes, autocomplete: 'off', value: draft?.properties.name ?? '' });
+  const text = h('textarea', { class: 'field', id: 'note-text', rows: 3, maxlength: kMaxTextBytes, value: draft?.properties.text ?? '' });
   const view = stage.map_view;
   const is_point = !note || note.geometry.type === 'Point';
   const centre = () => /** @type {LonLat} */ (view?.map.getCenter().toArray() ?? [0, 0]);
-  let place = /** @type {LonLat} */ (note?.geometry.type === 'Point' ? note.geometry.coordinates : centre());
+  let place = /** @type {LonLat} */ (draft?.geometry.type === 'Point' ? draft.geometry.coordinates : centre());
   const pin = h('div', { class: 'note-pin', role: 'img', 'aria-label': words.mark });
   const mark = is_point && view ? view.addMark(pin, place, 0, (next) => (place = next)) : null;
   const moveTo = (/** @type {LonLat} */ next) => {
@@ -29,6 +30,10 @@ export function noteForm(stage, note, listener) {
     mark?.setLngLat(next);
   };
   if (mark) stage.takeClicks(moveTo);
+  const written = () => {
+    const geometry = is_point ? { type: /** @type {const} */ ('Point'), coordinates: rounded(place) } : /** @type {Note} */ (note).geometry;
+    return noteOf(name.value.trim(), text.value.replaceAll('\r\n', '\n').trim(), geometry, note?.id);
+  };
   const close = () => {
     mark?.remove();
     stage.takeClicks(null);
@@ -62,8 +67,7 @@ export function noteForm(stage, note, listener) {
   });
   element.addEventListener('submit', (event) => {
     event.preventDefault();
-    const geometry = is_point ? { type: /** @type {const} */ ('Point'), coordinates: rounded(place) } : /** @type {Note} */ (note).geometry;
-    const made = noteOf(name.value.trim(), text.value.replaceAll('\r\n', '\n').trim(), geometry, note?.id);
+    const made = written();
     if (made.properties.name === '') {
       name.value = '';
       name.reportValidity();
@@ -72,5 +76,12 @@ export function noteForm(stage, note, listener) {
     close();
     listener.on_save(made);
   });
-  return { element, close };
+  return {
+    element,
+    note,
+    get draft() {
+      return name.value === (note?.properties.name ?? '') && text.value === (note?.properties.text ?? '') ? null : written();
+    },
+    close,
+  };
 }

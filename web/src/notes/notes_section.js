@@ -18,6 +18,12 @@ import { boundsOfNote, geometryOf, measurementOfNote, noteOf } from './note_shap
 const kStale_ms = 20_000;
 const kIcons = /** @type {const} */ ({ Point: 'pencil', LineString: 'ruler', Polygon: 'area' });
 
+/** What is being written, by flight: who comes back to one goes on. @type {Map<string, {note: Note|null, draft: Note}>} */
+const drafts = new Map();
+addEventListener('beforeunload', (event) => {
+  if (drafts.size > 0) event.preventDefault();
+});
+
 /** What was measured, in words; '' of a point. @param {Note} note @param {boolean} is_scale_known */
 function figure(note, is_scale_known) {
   if (note.geometry.type === 'Point') return '';
@@ -49,37 +55,43 @@ export function notesSection(flight, stage, may_change) {
   );
   /** @type {ReturnType<typeof noteForm>|null} */
   let form = null;
-  let written = '';  // the note whose form it is; '' for a new one
   let is_closed = false;
   let read_ms = 0;
 
+  const keepDraft = () => {
+    const draft = form?.draft;
+    if (form && draft) drafts.set(flight.id, { note: form.note, draft });
+    else drafts.delete(flight.id);
+  };
   const closeForm = () => {
     form?.close();
     form = null;
     put(form_place);
+    keepDraft();
   };
-  /** @param {Note|null} note null: a new one */
-  const openForm = (note) => {
+  /** @param {Note|null} note null: a new one @param {Note} [draft] what of it was written already */
+  const openForm = (note, draft) => {
     closeForm();
     const opener = note ? `[data-note="${note.id}"] .note-edit` : '#note-add';
     const end = () => {
       closeForm();
       /** @type {HTMLElement|null} */ (element.querySelector(opener))?.focus();
     };
-    written = note?.id ?? '';
     form = noteForm(stage, note, {
       on_end: end,
       on_save: (made) => {
         notes.set(made);
         end();
       },
-    });
+    }, draft ?? note);
     put(form_place, form.element);
-    form.element.querySelector('input')?.focus();
+    form.element.addEventListener('input', keepDraft);
+    keepDraft();
+    if (!draft) form.element.querySelector('input')?.focus();
   };
   /** @param {Note} note */
   const remove = (note) => {
-    if (written === note.id) closeForm();  // what is being written of another stays
+    if (form?.note?.id === note.id) closeForm();  // what is being written of another stays
     notes.remove(note.id);
     showNote(words.removed(note.properties.name), { action: { label: strings.flights.undo, run: () => notes.set(note) } });
     (/** @type {HTMLElement|null} */ (list.querySelector('button')) ?? add_button).focus();
@@ -154,6 +166,8 @@ export function notesSection(flight, stage, may_change) {
         announce(words.kept(name));
         choose(note.id);
       });
+      const left = drafts.get(flight.id);
+      if (left) openForm(left.note, left.draft);
     } catch (error) {
       if (is_closed) return;
       element.hidden = false;
@@ -177,7 +191,8 @@ export function notesSection(flight, stage, may_change) {
     },
     close() {
       is_closed = true;
-      closeForm();
+      if (form) keepDraft();  // its place may have moved since
+      form?.close();
       stage.keepMeasured(null);
       stage.showNotes([], () => undefined);
       notes.removeEventListener('change', draw);
