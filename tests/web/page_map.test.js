@@ -60,9 +60,10 @@ async function offerLayers(page, mock, flight, ids) {
   await page.route(/\/layers\/\w+\.json/, (/** @type {any} */ route) => route.fulfill({ json: { tilejson: '3.0.0', tiles: [`${mock.url}basemap.png?{z}/{x}/{y}`], minzoom: 14, maxzoom: 21, bounds: [7, 46, 8, 47] } }));
 }
 
-test('the legend of heights has the units that are chosen', options, async () => {
+test('the legends of heights and errors have the units that are chosen', options, async () => {
   const { page, mock, flight } = await setUpFlight('Meadow', {}, { locale: 'en-US' });
-  await offerLayers(page, mock, flight, ['height']);
+  await offerLayers(page, mock, flight, ['height', 'error']);
+  await page.route(/layers\.json\?of=error/, (/** @type {any} */ route) => route.fulfill({ json: { error: { stops: [{ error_radius_m: 1, colour: '#2b83ba' }, { error_radius_m: 5, colour: '#d7301f' }] } } }));
   await page.route(/layers\.json\?of=height/, (/** @type {any} */ route) => route.fulfill({ json: { height: { range_m: [100, 304.8] } } }));
   await openMap(page, `${mock.url}#/flights/${flight.id}`);
   await page.click('#tool-layers');
@@ -72,6 +73,13 @@ test('the legend of heights has the units that are chosen', options, async () =>
   assert.match((await legend()) ?? '', /328\.1\sft1,000\.0\sft/);
   await page.evaluate(async () => (await import(new URL('src/shared/units.js', location.href).href)).keepUnits('metric'));
   assert.match((await legend()) ?? '', /100\.0\sm304\.8\sm/);
+  await page.selectOption('#overlay', 'error');
+  await page.waitForFunction(() => /^1\.00\sm5\.00\sm$/.test(document.querySelector('.overlay-choice .map-legend')?.textContent ?? ''));
+  await page.selectOption('#colour-by', 'error');
+  assert.match((await page.textContent('#colour-by + .map-legend')) ?? '', /^0\sm[\d.]+\sc?m/);
+  await page.evaluate(async () => (await import(new URL('src/shared/units.js', location.href).href)).keepUnits('imperial'));
+  assert.match((await legend()) ?? '', /^3\.28\sft16\.40\sft$/);
+  assert.match((await page.textContent('#colour-by + .map-legend')) ?? '', /^0\sft[\d.]+\sft/);
 });
 
 test('a layer that fails late changes nothing of the one that was chosen after it', options, async () => {

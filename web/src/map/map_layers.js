@@ -3,9 +3,8 @@
 /** @import { LayerLegends, TileJson } from '../shared/types.js' */
 /** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
 import { h } from '../shared/dom.js';
-import { formatLength } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
-import { chosenUnits, heightIn } from '../shared/units.js';
+import { chosenUnits, heightIn, lengthIn } from '../shared/units.js';
 import { ownHost } from './tile_addresses.js';
 
 /** @typedef {'photo'|'error'|'height'} LayerKind */
@@ -76,7 +75,7 @@ function ramp(colours, least, most) {
 export function overlayLegend(kind, legends) {
   if (kind === 'error' && legends.error) {
     const stops = legends.error.stops;
-    return ramp(stops.map(({ colour }) => colour), formatLength(stops[0].error_radius_m), formatLength(stops[stops.length - 1].error_radius_m));
+    return ramp(stops.map(({ colour }) => colour), lengthIn(stops[0].error_radius_m, chosenUnits()), lengthIn(stops[stops.length - 1].error_radius_m, chosenUnits()));
   }
   if (kind === 'height' && legends.height) {
     const [least_m, most_m] = legends.height.range_m;

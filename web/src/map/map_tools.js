@@ -10,13 +10,12 @@ import { indexSection } from '../indices/index_section.js';
 import { keepBasemap, offeredBasemaps, shownBasemap } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
 import { checkRow, h, onEscape, put } from '../shared/dom.js';
-import { formatLength } from '../shared/format.js';
 import { compassNeedle, toolButton } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
 import { kUnknownErrorColour } from './map_style.js';
 import { ownDataView } from './own_data_view.js';
 import { fixed, keepChoice, keptChoice } from '../shared/language.js';
-import { units_chosen } from '../shared/units.js';
+import { chosenUnits, heightUnit, lengthIn, units_chosen } from '../shared/units.js';
 import { strings } from '../shared/flight_strings.js';
 import { ownHost } from './tile_addresses.js';
 
@@ -121,11 +120,12 @@ function layersCard(view, download) {
       put(
         legend,
         worst_m !== null && h('div', { class: 'error-ramp', 'aria-hidden': 'true' }),
-        worst_m !== null && h('div', { class: 'row between muted' }, h('span', {}, '0 m'), h('span', {}, formatLength(worst_m))),
+        worst_m !== null && h('div', { class: 'row between muted' }, h('span', {}, `0\u00a0${heightUnit(chosenUnits())}`), h('span', {}, lengthIn(worst_m, chosenUnits()))),
         lacks_some && h('ul', { class: 'legend', id: 'error-unknown' }, h('li', {}, unknown, strings.photo.unknown)),
       );
     }
   };
+  units_chosen.addEventListener('change', draw);
   by.addEventListener('change', () => {
     view.setColourBy(/** @type {any} */ (by.value));
     // Who chooses colours for the photos wants to see them.
