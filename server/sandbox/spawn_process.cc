@@ -8,6 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
@@ -85,12 +87,22 @@ Result<pid_t> Spawn(const char* program, const SpawnSettings& settings, std::vec
                std::strerror(failed)};
 }
 
+// What libraries and sanitizers read, and programs that are found. Any other variable may hold a key: that of
+// a proxy its password.
+bool IsWithoutSecret(std::string_view name) {
+  constexpr std::array<std::string_view, 11> kNames{
+      "PATH",       "HOME",      "TMPDIR",   "LANG",      "TZ",              "LD_LIBRARY_PATH",
+      "LD_PRELOAD", "PROJ_DATA", "PROJ_LIB", "GDAL_DATA", "GDAL_DRIVER_PATH"};
+  return std::find(kNames.begin(), kNames.end(), name) != kNames.end() || name.starts_with("LC_") ||
+         name.starts_with("OPENBLAS_") || name.starts_with("MALLOC_") || name.ends_with("SAN_OPTIONS");
+}
+
 std::vector<char*> EnvironmentFor(Secrets secrets) {
   std::vector<char*> variables;
   for (char** variable = environ; *variable != nullptr; ++variable) {
     const std::string_view text(*variable);
-    const bool is_secret = text.starts_with("AWS_") || text.starts_with("PG");
-    if (secrets == Secrets::kKept || !is_secret) variables.push_back(*variable);
+    if (secrets == Secrets::kKept || IsWithoutSecret(text.substr(0, text.find('='))))
+      variables.push_back(*variable);
   }
   variables.push_back(nullptr);
   return variables;

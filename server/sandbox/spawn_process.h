@@ -19,8 +19,9 @@
 
 namespace skyquilt::server {
 
-// What of the environment goes along. Keys of stores and databases (AWS_..., PG...) are for who speaks to
-// them: whoever decodes the files of others could write them into what it makes.
+// What of the environment goes along: all, or what is known to be harmless. Keys of stores and databases,
+// tokens and the like are for who speaks to others: whoever decodes the files of others could write them into
+// what it makes.
 enum class Secrets { kKept, kWithheld };
 
 // `words`: what follows the program's name; "--parent" and the number of this process are added. `stdout_fd`,

@@ -20,7 +20,8 @@ WRONG_CLOCK = r"""
 #include <stdlib.h>
 #include <sys/time.h>
 #include <time.h>
-static long ahead(void) { return atol(getenv("CLOCK_AHEAD_S")); }
+// Who decodes files has no such variable, and the right clock.
+static long ahead(void) { const char* said = getenv("CLOCK_AHEAD_S"); return said ? atol(said) : 0; }
 int clock_gettime(clockid_t clock, struct timespec* time) {
   static int (*real)(clockid_t, struct timespec*);
   if (!real) real = (int (*)(clockid_t, struct timespec*))dlsym(RTLD_NEXT, "clock_gettime");
