@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -23,6 +24,7 @@
 #include "server/workers/run_job.h"
 #include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"
+#include "storage/folder/data_dir_watch.h"
 #include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 #include "storage/jobs/workers_aside.h"
@@ -80,16 +82,30 @@ auto Patiently(Open open) {
   }
 }
 
+// In a folder that is gone the open catalogue has no name any more: no job would ever be found in it. False:
+// the worker is to stop.
+bool AwaitFolder(const std::optional<storage::DataDirWatch>& watch, const WorkerOptions& options) {
+  for (bool is_said = false; !is_stopping; std::this_thread::sleep_for(kPoll)) {
+    const Result<void> in_place = watch ? watch->Check() : Result<void>();
+    if (in_place && is_said) LogEvent("the data folder is back: the worker goes on");
+    if (in_place) return true;
+    if (options.once || options.until_empty) Fail("skyquilt worker", in_place.error());
+    if (!std::exchange(is_said, true)) LogEvent("the worker waits: " + in_place.error().message);
+  }
+  return false;
+}
+
 void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storage::CatalogueDb& db,
-                  const WorkerOptions& options) {
+                  const std::optional<storage::DataDirWatch>& watch, const WorkerOptions& options) {
   storage::Previews previews(db);
   PhotoLimits limits;
   if (options.photo_timeout_s > 0) limits.cpu_s = options.photo_timeout_s;
   SandboxedPreview drawing(dir, blobs, previews, limits, is_stopping);
-  while (!is_stopping) {
+  while (AwaitFolder(watch, options)) {
     const Result<bool> drawn = drawing.Step();
     if (!drawn) {
       LogFailure("-", "preview", drawn.error().message + " " + drawn.error().detail);
+      if (options.once || options.until_empty) Fail("skyquilt worker", drawn.error());
       std::this_thread::sleep_for(std::chrono::seconds(1));
     } else if (!*drawn) {
       if (options.once || options.until_empty) return;
@@ -180,10 +196,12 @@ void RunWorker(const WorkerOptions& options) {
   const storage::DataDir* const dir = &opened.dir;
   storage::CatalogueDb* const db = opened.db.get();
   db->SetPatience(kPatience);
+  std::optional<storage::DataDirWatch> watch;  // where the catalogue lies in the folder
+  if (!place.IsPostgres()) watch = OrFail("skyquilt worker", storage::DataDirWatch::Begin(*dir));
   const std::shared_ptr<storage::BlobStore> blobs =
       OrFail("skyquilt worker", Patiently([&] { return OpenBlobsOf(*dir, *db, options.blobs); }));
   if (options.previews) {
-    DrawPreviews(*dir, *blobs, *db, options);
+    DrawPreviews(*dir, *blobs, *db, watch, options);
     return;
   }
   storage::Catalogue catalogue(*db);
@@ -200,7 +218,7 @@ void RunWorker(const WorkerOptions& options) {
   const int jobs = options.once ? 1 : options.jobs;
   const std::string name = options.name.empty() ? NameOfWorker(*db) : options.name;
   Aside aside(*db, name);
-  for (int done = 0; !is_stopping && (jobs == 0 || done < jobs);) {
+  for (int done = 0; (jobs == 0 || done < jobs) && AwaitFolder(watch, options);) {
     if (context.may_hold) {
       // A claim was made and its answer lost, or an end was not heard; nobody works on that.
       context.may_hold = !queue.ReleaseWorker(name, storage::WorkerEnd::kInterrupted, storage::Now()) ||
@@ -210,10 +228,11 @@ void RunWorker(const WorkerOptions& options) {
     if (!worked) {
       // Busy or full: the queue is polled again; a permanent failure shows in the log.
       LogFailure("-", "claim", worked.error().detail);
+      // Whoever started one that works once decides when to start the next.
+      if (options.once) Fail("skyquilt worker", worked.error());
       context.may_hold = db->IsShared();
       std::this_thread::sleep_for(std::chrono::seconds(2));
     } else if (*worked && context.fault) {
-      // Whoever started one that works once decides when to start the next.
       if (options.once) Fail("skyquilt worker", *context.fault);
       aside.After(*std::exchange(context.fault, std::nullopt));
     } else if (*worked) {

@@ -4,11 +4,12 @@ import os
 import pathlib
 import shutil
 import sqlite3
+import subprocess
 import tempfile
 import unittest
 
-from program import run
-from server_support import Server, ServerTestCase, middle_of, path_of, wait_until
+from program import BINARY, run
+from server_support import POSTGRES, Server, ServerTestCase, middle_of, path_of, storage_words, wait_until
 
 
 def contents(folder):
@@ -211,6 +212,25 @@ class DataSafety(ServerTestCase):
         self.make_map(server)
         self.assertEqual(server.stop(), 0)
         self.assertIn("all is well", self.data_command("check"))
+
+    @unittest.skipUnless(POSTGRES is None, "the catalogue lies elsewhere")
+    def test_a_worker_waits_for_its_folder_and_says_so(self):
+        server = self.serve("--workers", "0")
+        words = [BINARY, "worker", "--data", self.data, *storage_words(self.data)]
+        with tempfile.NamedTemporaryFile() as log:
+            worker = subprocess.Popen(words, stdout=log, stderr=log)
+            try:
+                def says(text):
+                    return text in pathlib.Path(log.name).read_text()
+                self.make_map(server)  # by it: it is at work
+                os.rename(self.data, self.data + ".away")
+                wait_until(lambda: says("the worker waits: "), "a worker in a folder that is gone says nothing")
+                os.rename(self.data + ".away", self.data)
+                wait_until(lambda: says("the worker goes on"), "the worker does not see that its folder is back")
+                self.make_map(server)
+            finally:
+                worker.terminate()
+                self.assertEqual(worker.wait(timeout=60), 0)
 
 
 if __name__ == "__main__":

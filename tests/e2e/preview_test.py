@@ -7,7 +7,7 @@ import time
 import unittest
 
 from program import run
-from server_support import ServerTestCase, middle_tile, parts_of, photos_in, wait_until
+from server_support import ServerTestCase, in_catalogue, middle_tile, parts_of, photos_in, storage_words, wait_until
 
 
 class Events(threading.Thread):
@@ -142,6 +142,15 @@ class Preview(ServerTestCase):
         server.put(flight, self.photos[3:])
         self.wait_for_preview(server, flight, len(self.photos))
         self.assertEqual(self.middle_tile(server, f"/tiles/{flight}.json")[1][0], 200)
+
+    def test_a_worker_that_works_once_ends_where_the_catalogue_says_nothing(self):
+        server = self.serve("--no-previews", "--workers", "0")
+        server.new_flight(self.photos[:1])
+        self.assertEqual(server.stop(), 0)
+        for table, words in (("preview", ("--previews", "--once")), ("unit", ("--once",))):
+            in_catalogue(self.data, f"DROP TABLE {table}")
+            said = run("worker", "--data", self.data, *storage_words(self.data), *words, code=1, timeout=120)
+            self.assertIn("skyquilt worker: ", said.stderr)
 
 
 if __name__ == "__main__":
