@@ -2,8 +2,10 @@
 // web map.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "api/common/feature_query.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "api/views/map_view.h"
@@ -64,7 +66,7 @@ std::string Qgis(const MapView& map) {
 }
 
 std::string Josm(const MapView& map) {
-  const auto& [west, south, east, north] = map.revision().bounds;
+  const auto [west, south, east, north] = GeoJsonBbox(map.revision().bounds);  // whose east may be west of it
   return fmt::format(
       R"(<imagery xmlns="http://josm.openstreetmap.de/maps-1.0">
   <entry>
@@ -90,12 +92,17 @@ std::string Gdal(const MapView& map) {
   const TileMatrix& coarse = matrices.front();
   const int finest_zoom = matrices.back().zoom;
   const int overviews = finest_zoom - coarse.zoom;
-  // Of a map across the antimeridian the part west of it.
-  const auto column_of = [&](const geo::LatLon& corner) {
+  // Beyond the antimeridian columns go on, as tiles are answered there too (api/tiles).
+  const geo::LatLonBounds& bounds = map.revision().bounds;
+  const auto column_of = [&](double lon_deg) {
+    const geo::LatLon corner{.lat_deg = bounds.south_deg, .lon_deg = lon_deg};
     return geo::TileId::AtMerc(coarse.zoom, geo::MercFromLatLon(corner)).x();
   };
-  const std::uint32_t west = column_of(map.revision().bounds.NorthWest()),
-                      east = column_of(map.revision().bounds.SouthEast());
+  const std::uint32_t around = std::uint32_t{1} << coarse.zoom;
+  const std::uint32_t west = column_of(bounds.west_deg);
+  const std::uint32_t east = bounds.east_deg > 180.0
+                                 ? std::min(around + column_of(bounds.east_deg - 360.0), west + around - 1)
+                                 : column_of(bounds.east_deg);
   const double side_m = geo::TileSizeInMercM(coarse.zoom);
   const auto x = [&](std::uint64_t column) {
     return -geo::kMercHalfWidthM + static_cast<double>(column) * side_m;

@@ -230,13 +230,19 @@ Result<Response> PreviewTile(Service& service, const Request& request, const Til
 }
 
 Result<Response> Tile(Service& service, const Request& request, std::optional<int> side_px) {
-  SKYQUILT_TRY_ASSIGN(const TilePath path,
-                      ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y")));
+  SKYQUILT_TRY_ASSIGN(TileNumbers numbers, ParseTileNumbers(request.Parameter("z"), request.Parameter("x"),
+                                                            request.Parameter("y")));
   TileRequest wanted;
   wanted.flight_id = request.Parameter("flight");
-  wanted.tile = path.tile;
-  wanted.format = path.format ? path.format : FormatByAccept(request);
-  wanted.is_double = path.is_double;
+  // Columns of a map across the antimeridian go on beyond it, for programs whose window is one range (GDAL).
+  if (numbers.z <= geo::kMaxZoom && numbers.x >> numbers.z == 1 && CheckId(wanted.flight_id, "flight")) {
+    const Result<std::shared_ptr<const storage::Tileset>> map = MapFor(service, request, wanted.flight_id);
+    if (map && *map == nullptr) return DeferTo(Work::kRead);
+    if (map && (*map)->revision.bounds.east_deg > 180.0) numbers.x -= std::int64_t{1} << numbers.z;
+  }
+  SKYQUILT_TRY_ASSIGN(wanted.tile, geo::TileId::Make(numbers.z, numbers.x, numbers.y));
+  wanted.format = numbers.format ? numbers.format : FormatByAccept(request);
+  wanted.is_double = numbers.is_double;
   wanted.side_px = side_px;
   SKYQUILT_TRY_ASSIGN(wanted.look, LookIn(request));
   // Previews are written while they are read; a flight whose map is at hand shows it.
@@ -245,7 +251,7 @@ Result<Response> Tile(Service& service, const Request& request, std::optional<in
   Result<Response> answer = !is_quick && ShowsPreview(service, request, wanted.flight_id)
                                 ? PreviewTile(service, request, wanted)
                                 : AnswerTile(service, request, wanted);
-  if (answer && !path.format) TellByAccept(*answer);
+  if (answer && !numbers.format) TellByAccept(*answer);
   return answer;
 }
 

@@ -139,5 +139,27 @@ TEST_P(StandardsTest, ArcgisFindsServiceLayerAndLevels) {
 
 INSTANTIATE_TEST_SUITE_P(OfAllSizes, StandardsTest, testing::Values(256, 512, 1024));
 
+// One window from its west to its east, beyond 180 degrees; the tiles there are those of the other end.
+TEST(ConnectFiles, OfAMapAcrossTheAntimeridianCoverBothSides) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight(), png = TransparentPng(256);
+  storage::Revision facts;
+  facts.bounds = {179.75, 0.1, 180.25, 0.3};
+  storage::PublishSmallTileset(sample.dir(), sample.service().db, flight,
+                               {{10, 1023, 512, png}, {10, 0, 512, png}}, 256, facts);
+  const std::string gdal = sample.Get("/connect/" + flight + "/gdal.xml").body;
+  EXPECT_NE(gdal.find("<SizeX>512</SizeX>"), std::string::npos) << gdal;
+  EXPECT_NE(gdal.find("<TileX>1023</TileX>"), std::string::npos) << gdal;
+  const std::string tiles = "/tiles/" + flight + "/10/";
+  EXPECT_EQ(sample.Get(tiles + "1024/511").status, 200);
+  EXPECT_EQ(sample.Get(tiles + "1024/511").headers.Find("ETag"),
+            sample.Get(tiles + "0/511").headers.Find("ETag"));
+  EXPECT_EQ(sample.Get(tiles + "1030/511").status, 404);
+  EXPECT_EQ(sample.Get(tiles + "2048/511").status, 400);
+  const std::string josm = sample.Get("/connect/" + flight + "/josm.xml").body;
+  EXPECT_NE(josm.find("min-lon=\"179.7500000\""), std::string::npos) << josm;
+  EXPECT_NE(josm.find("max-lon=\"-179.7500000\""), std::string::npos) << josm;
+}
+
 }  // namespace
 }  // namespace skyquilt::api
