@@ -153,20 +153,21 @@ Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::I
                              missing.photos.size(), facts->flight.photos.size(), missing.photos.front()));
 }
 
+bool IsOfMap(const fs::path& file, const fs::path& root) {
+  static const std::vector<std::string> names = ProductNames();
+  std::error_code none;  // what is gone is of no map
+  const fs::path folder = file.parent_path();
+  if (IsFrameOf(folder.parent_path(), {"", file})) return !fs::equivalent(root, folder, none);
+  const std::string name = file.filename().string();
+  const bool is_named_so =
+      name.starts_with("mosaic.state") || std::find(names.begin(), names.end(), name) != names.end();
+  return is_named_so && fs::exists(folder / "mosaic.state", none);
+}
+
 Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<fs::path>& inputs) {
-  const std::vector<std::string> names = ProductNames();
   std::vector<fs::path> passed_over;
-  const auto is_of_map = [&](const fs::path& file, const fs::path& root) {
-    std::error_code none;  // what is gone is of no map
-    const fs::path folder = file.parent_path();
-    if (IsFrameOf(folder.parent_path(), {"", file})) return !fs::equivalent(root, folder, none);
-    const std::string name = file.filename().string();
-    const bool is_named_so =
-        name.starts_with("mosaic.state") || std::find(names.begin(), names.end(), name) != names.end();
-    return is_named_so && fs::exists(folder / "mosaic.state", none);
-  };
   auto files = flight::ListInputFiles(inputs, [&](const fs::path& file, const fs::path& root) {
-    if (!is_of_map(file, root)) return false;
+    if (!IsOfMap(file, root)) return false;
     passed_over.push_back(file);
     return true;
   });

@@ -17,10 +17,13 @@ namespace skyquilt::server {
 Result<void> CheckOutFolder(const std::filesystem::path& out_dir, const std::vector<flight::InputFile>& files,
                             const pipeline::MosaicOptions& options);
 
-// What is given of a flight, without what lies in its folders of maps that were made there: products beside
-// their mosaic.state, and frames of films. They would pass for photos, positions and heights of the flight. A
-// file that is given by itself counts, as does a folder of frames. Says on stderr that there were such.
-// Errors: kNotFound, kIo.
+// Whether a file below `root`, which is walked, is part of a map that was made there: a product beside its
+// mosaic.state, or a frame of a film, unless the root is the folder of frames. Such would pass for photos,
+// positions and heights of the flight.
+bool IsOfMap(const std::filesystem::path& file, const std::filesystem::path& root);
+
+// What is given of a flight, without what in its folders IsOfMap. A file that is given by itself counts. Says
+// on stderr that there were such. Errors: kNotFound, kIo.
 Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<std::filesystem::path>& inputs);
 
 // Even where the user said to overwrite: no file that the map is to be made from. Errors: kConflict.

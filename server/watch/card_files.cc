@@ -14,7 +14,6 @@
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/metadata/capture_time.h"
 #include "core/flight/photos/jpeg_segments.h"
-#include "core/flight/read_flight.h"
 
 namespace skyquilt::server {
 namespace {
@@ -135,6 +134,8 @@ void CardFiles::Walk(const fs::path& root) {
       if (is_folder) it.disable_recursion_pending();
     } else if (is_folder) {
       folders_.push_back(it->path());
+    } else if (passes_over_ && passes_over_(it->path(), root)) {
+      passed_over_.push_back(it->path());
     } else {
       Take(*it);
     }
@@ -146,6 +147,7 @@ void CardFiles::Walk(const fs::path& root) {
 void CardFiles::Look(const std::function<bool()>& go_on) {
   folders_.clear();
   away_.clear();
+  passed_over_.clear();
   has_too_many_ = false;
   for (auto& [path, file] : files_) file.is_seen = false;
   for (const fs::path& root : roots_) Walk(root);

@@ -1,7 +1,8 @@
 // CardFiles: what lies in folders that fill, empty and vanish while they are looked at (cards, hot folders):
 // photos with their camera and time, and what belongs beside them (logs, lists, elevation models). A file
 // counts when its size and time stand still and a photo has its end; nothing is ever written there. Hidden
-// files, thumbnails of cameras and films are passed over. Bounded: kMaxFiles, kMaxDepth. One thread.
+// files, thumbnails of cameras and films are passed over, and what the caller says. Bounded: kMaxFiles,
+// kMaxDepth. One thread.
 #pragma once
 
 #include <chrono>
@@ -15,6 +16,7 @@
 
 #include "core/base/digest.h"
 #include "core/flight/photo.h"
+#include "core/flight/read_flight.h"
 
 namespace skyquilt::server {
 
@@ -46,8 +48,9 @@ class CardFiles {
   static constexpr std::size_t kMaxFiles = 200'000;
   static constexpr int kMaxDepth = 12;
 
-  explicit CardFiles(std::vector<std::filesystem::path> roots, std::chrono::milliseconds settle)
-      : roots_(std::move(roots)), settle_(settle) {}
+  CardFiles(std::vector<std::filesystem::path> roots, std::chrono::milliseconds settle,
+            flight::PassesOver passes_over = {})
+      : roots_(std::move(roots)), settle_(settle), passes_over_(std::move(passes_over)) {}
 
   // Looks again. What changed is read when it has stood still, and, as that takes minutes on a full card,
   // while `go_on` (absent: always) says so.
@@ -58,6 +61,8 @@ class CardFiles {
   const std::vector<std::filesystem::path>& roots() const { return roots_; }
   std::vector<std::filesystem::path> roots_away() const { return away_; }
   bool has_too_many() const { return has_too_many_; }
+  // By the caller's word, in the last look.
+  const std::vector<std::filesystem::path>& passed_over() const { return passed_over_; }
 
  private:
   void Walk(const std::filesystem::path& root);
@@ -65,8 +70,9 @@ class CardFiles {
 
   const std::vector<std::filesystem::path> roots_;
   const std::chrono::milliseconds settle_;
+  const flight::PassesOver passes_over_;
   std::map<std::filesystem::path, CardFile> files_;
-  std::vector<std::filesystem::path> folders_, away_;
+  std::vector<std::filesystem::path> folders_, away_, passed_over_;
   bool has_too_many_ = false;
 };
 

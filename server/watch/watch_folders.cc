@@ -30,7 +30,7 @@ class Watch {
       : options_(options),
         ledger_(std::move(ledger)),
         talk_(talk),
-        card_(options.folders, options.rules.settle) {}
+        card_(options.folders, options.rules.settle, options.passes_over) {}
 
   Result<WatchEnd> Run() {
     while (!talk_.IsCancelled()) {
@@ -93,6 +93,10 @@ class Watch {
     if (card_.has_too_many())
       talk_.SayOnce("many", fmt::format("There are more than {} files; the others are not looked at.",
                                         CardFiles::kMaxFiles));
+    if (!card_.passed_over().empty())
+      talk_.SayOnce("maps", fmt::format("Not sent, as parts of a map that was made there: {} ({} first).",
+                                        Counted(card_.passed_over().size(), "file"),
+                                        card_.passed_over().front().string()));
     const auto films = std::count_if(card_.files().begin(), card_.files().end(),
                                      [](const auto& entry) { return entry.second.kind == CardKind::kFilm; });
     if (films > 0)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/read_flight.h"
 #include "server/watch/card_flights.h"
 #include "server/watch/send_flight.h"
 #include "server/watch/watch_talk.h"
@@ -17,6 +18,7 @@ namespace skyquilt::server {
 
 struct WatchOptions {
   std::vector<std::filesystem::path> folders;
+  flight::PassesOver passes_over;  // what below them is parts of maps
   std::filesystem::path ledger;
   FlightRules rules;
   SendOptions send;

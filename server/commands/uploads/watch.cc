@@ -15,6 +15,7 @@
 #include "core/base/text/printable.h"
 #include "server/commands/arguments.h"
 #include "server/commands/commands.h"
+#include "server/jobs/out_folder.h"
 #include "server/sandbox/sandbox.h"
 #include "server/terminal/fail.h"
 #include "server/watch/watch_folders.h"
@@ -73,6 +74,7 @@ void Run(WatchArguments& arguments) {
   options.rules.settle = std::chrono::milliseconds(std::lround(1000.0 * arguments.settle_s));
   options.rules.gap = std::chrono::seconds(std::lround(60.0 * arguments.gap_min));
   options.send.makes_map = !arguments.no_map;
+  options.passes_over = IsOfMap;
   for (fs::path& folder : options.folders) {
     folder = fs::absolute(folder).lexically_normal();
     if (!folder.has_filename()) folder = folder.parent_path();

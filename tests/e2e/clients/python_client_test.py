@@ -193,6 +193,18 @@ class PythonClient(ServerTestCase):
         self.assertEqual((client.flights(), [one["id"] for one in client.trash()]), ([], [flight.id]))
         self.assertEqual(client.restore(flight.id).bounds, flight.bounds)
 
+    def test_a_map_below_its_photos_is_not_sent(self):
+        listed = self.skyquilt.listing.list_files
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="mapped_", dir=self.scratch))
+        for name in ("a.jpg", "map/geo.txt", "map/mosaic.state", "map/report.json", "map/dsm.tif", "map/frames/f.jpg", "map/photos/b.jpg", "c/geo.txt"):
+            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).write_bytes(b"x")
+        self.assertEqual(sorted(file.name for file in listed(folder)), ["a.jpg", "b.jpg", "geo.txt"])
+        self.assertEqual([file.path for file in listed(folder / "map" / "geo.txt")], [folder / "map" / "geo.txt"])
+        # Photos that lie in it are sent: it is no folder of a map alone.
+        (folder / "map" / "d.jpg").write_bytes(b"x")
+        self.assertIn("d.jpg", [file.name for file in listed(folder)])
+
     def test_errors_are_the_servers_sentences(self):
         server = self.start("--workers", "1")
         client = self.client(server)

@@ -93,6 +93,17 @@ class Watch(ServerTestCase):
     def contents(self):
         return {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in self.card.rglob("*") if path.is_file()}
 
+    def test_a_map_below_its_photos_is_not_sent(self):
+        self.fill("field", self.photos)
+        self.fill("field/map", [("thumbnail.png", self.photos[0][1])])
+        (self.card / "field/map/mosaic.state").write_bytes(b"of a map")
+        (self.card / "field/map/geo.txt").write_text("EPSG:4326\n" + "".join(f"{name} 7.4 46.9 600\n" for name, _ in self.photos))
+        server = self.serve()
+        done = self.once(server)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("Not sent, as parts of a map that was made there: 3 files", done.stdout)
+        self.assertEqual(list(self.flights(server).values()), [sorted(name for name, _ in self.photos)])
+
     def test_a_card_becomes_its_flights_and_only_once(self):
         self.fill("DCIM/100MEDIA", self.photos[:2])
         self.fill("DCIM/101MEDIA", [(self.photos[0][0], self.photos[2][1])])  # the camera counts from the start again

@@ -12,6 +12,7 @@ from .errors import InputError
 Path = Union[str, "os.PathLike[str]"]
 
 _PICTURES = {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}
+_PICTURES_OF_MAP = ("mosaic", "thumbnail", "bands", "dsm", "dtm")
 _MAX_FOLDERS = 8  # in front of a name
 # What systems and network drives keep for themselves: a Mac's attributes, previews of each photo, deleted files.
 _OF_PROGRAMS = {"@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"}
@@ -27,8 +28,8 @@ class LocalFile:
 
 
 def list_files(paths: Union[Path, Iterable[Path]]) -> List[LocalFile]:
-    """The files named and those below the folders named, without hidden and empty ones, in the order of their paths. Names
-    that come twice have as many folders in front as it takes. Raises `InputError` where there is nothing to send."""
+    """The files named and those below the folders named, without hidden and empty ones and finished maps, in the order of their
+    paths. Names that come twice have as many folders in front as it takes. Raises `InputError` where there is nothing to send."""
     named = [pathlib.Path(paths)] if isinstance(paths, (str, os.PathLike)) else [pathlib.Path(path) for path in paths]
     files: List[LocalFile] = []
     seen: Set[str] = set()
@@ -55,6 +56,13 @@ def _is_of_programs(name: str) -> bool:
     return name.startswith(".") or name.lower() in _OF_PROGRAMS
 
 
+def _is_map(names: Sequence[str]) -> bool:
+    """Whether files that lie together are a map of Skyquilt's, without photos beside it: its positions and heights are none of
+    a flight's."""
+    return {"mosaic.state", "report.json"} <= set(names) and all(
+        name.startswith(_PICTURES_OF_MAP) for name in names if pathlib.PurePath(name).suffix.lower() in _PICTURES)
+
+
 def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
     for path in named:
         if not path.exists():
@@ -64,8 +72,9 @@ def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
             continue
         found = []
         for folder, below, names in os.walk(path):
-            below[:] = sorted(name for name in below if not _is_of_programs(name))
-            found += [pathlib.Path(folder, name) for name in names if not _is_of_programs(name)]
+            is_map = _is_map(names)  # its folder "frames" has what became of films
+            below[:] = sorted(name for name in below if not (_is_of_programs(name) or is_map and name == "frames"))
+            found += [pathlib.Path(folder, name) for name in names if not (is_map or _is_of_programs(name))]
         yield from (one for one in sorted(found) if one.is_file())
 
 
