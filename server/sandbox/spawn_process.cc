@@ -91,8 +91,8 @@ Result<pid_t> Spawn(const char* program, const SpawnSettings& settings, std::vec
 // a proxy its password.
 bool IsWithoutSecret(std::string_view name) {
   constexpr std::array<std::string_view, 11> kNames{
-      "PATH",       "HOME",      "TMPDIR",   "LANG",      "TZ",              "LD_LIBRARY_PATH",
-      "LD_PRELOAD", "PROJ_DATA", "PROJ_LIB", "GDAL_DATA", "GDAL_DRIVER_PATH"};
+      "PATH",     "HOME",      "TMPDIR",          "LANG", "TZ", "LD_LIBRARY_PATH", "LD_PRELOAD", "PROJ_DATA",
+      "PROJ_LIB", "GDAL_DATA", "GDAL_DRIVER_PATH"};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end() || name.starts_with("LC_") ||
          name.starts_with("OPENBLAS_") || name.starts_with("MALLOC_") || name.ends_with("SAN_OPTIONS");
 }
