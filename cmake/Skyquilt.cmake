@@ -53,30 +53,65 @@ function(skyquilt_unity target is_large)
   endif()
 endfunction()
 
-# skyquilt_compile_cheaply(target): for what runs rarely, where the compiler is to work little.
-function(skyquilt_compile_cheaply target)
-  if(CMAKE_BUILD_TYPE STREQUAL "Release")
-    target_compile_options(${target} PRIVATE -O1)
+# skyquilt_read_once(target HEADERS names... DEPS targets... OPTIONS ...): the standard library and Eigen are nine tenths of
+# the text that a unity source includes: they and HEADERS, which come with DEPS, are read once for all targets of the same
+# OPTIONS. Sources include what they use all the same: where SKYQUILT_UNITY is off each is read by itself, and by clang,
+# which refuses what was precompiled before a file's present time, as a compiler's cache gives it.
+function(skyquilt_read_once target)
+  cmake_parse_arguments(ARG "" "" "HEADERS;DEPS;OPTIONS" ${ARGN})
+  if(NOT SKYQUILT_UNITY OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    return()
   endif()
+  string(MAKE_C_IDENTIFIER "skyquilt_read_once_${ARG_DEPS}${ARG_OPTIONS}" headers)
+  if(NOT TARGET ${headers})
+    file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/nothing.cc CONTENT "")
+    add_library(${headers} OBJECT ${CMAKE_BINARY_DIR}/nothing.cc)
+    target_link_libraries(${headers} PRIVATE skyquilt_flags Eigen3::Eigen ${ARG_DEPS})
+    target_compile_options(${headers} PRIVATE ${ARG_OPTIONS})
+    target_precompile_headers(${headers} PRIVATE <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <filesystem>
+      <fstream> <functional> <map> <memory> <mutex> <optional> <set> <span> <string> <string_view> <thread> <utility>
+      <vector> <Eigen/Core> ${ARG_HEADERS})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${headers})
 endfunction()
 
-# skyquilt_compile_fully(sources...): of a COLD library, what every tile runs through.
-function(skyquilt_compile_fully)
-  if(CMAKE_BUILD_TYPE STREQUAL "Release")
-    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O2)
+# skyquilt_optimise(target options...): with these where users run it, and with headers read once.
+function(skyquilt_optimise target)
+  if(NOT CMAKE_BUILD_TYPE STREQUAL "Release")
+    set(ARGN)
   endif()
+  target_compile_options(${target} PRIVATE ${ARGN})
+  skyquilt_read_once(${target} OPTIONS ${ARGN})
 endfunction()
 
-# skyquilt_library(name [LARGE] [COLD] SOURCES a.cc ... HEADERS a.h ... DEPS public... PRIVATE_DEPS private...)
+# skyquilt_library(name [LARGE] [COLD | PIXELS] SOURCES a.cc ... [HOT b.cc ... [HOT_OPTIONS ...]] HEADERS a.h ...
+# DEPS public... PRIVATE_DEPS private...)
 # A COLD library has no loop that a user waits for (texts, documents, options, statements): -O1 compiles it in half the time.
+# One of PIXELS is loops over pixels or cells: -O3 makes vector instructions of them. HOT: sources apart from the others,
+# which every tile, point or pixel runs through.
 function(skyquilt_library name)
-  cmake_parse_arguments(ARG "LARGE;COLD" "" "SOURCES;HEADERS;DEPS;PRIVATE_DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "LARGE;COLD;PIXELS" "" "SOURCES;HOT;HOT_OPTIONS;HEADERS;DEPS;PRIVATE_DEPS" ${ARGN})
+  if(ARG_HOT)
+    add_library(${name}_hot OBJECT ${ARG_HOT})
+    target_link_libraries(${name}_hot PRIVATE skyquilt_flags ${ARG_DEPS} ${ARG_PRIVATE_DEPS})
+    skyquilt_unity(${name}_hot FALSE)
+    if(ARG_HOT_OPTIONS)
+      target_compile_options(${name}_hot PRIVATE ${ARG_HOT_OPTIONS})
+    else()
+      skyquilt_optimise(${name}_hot)
+    endif()
+    list(APPEND ARG_SOURCES $<TARGET_OBJECTS:${name}_hot>)
+  endif()
   if(ARG_SOURCES)
     add_library(${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
     target_link_libraries(${name} PUBLIC skyquilt_flags ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
     skyquilt_unity(${name} ${ARG_LARGE})
     if(ARG_COLD)
-      skyquilt_compile_cheaply(${name})
+      skyquilt_optimise(${name} -O1)
+    elseif(ARG_PIXELS)
+      target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3>)
+    else()
+      skyquilt_optimise(${name})
     endif()
   else()
     add_library(${name} INTERFACE ${ARG_HEADERS})
@@ -104,11 +139,14 @@ function(skyquilt_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE skyquilt_flags ${ARG_DEPS} GTest::gmock GTest::gtest GTest::gtest_main)
+  set(options)
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
     # Assertions expand to much that runs once: -Og compiles them in four fifths of the time of -O1. A test that fails is
     # looked into in another build.
-    target_compile_options(${name} PRIVATE -Og)
+    set(options -Og)
   endif()
+  target_compile_options(${name} PRIVATE ${options})
+  skyquilt_read_once(${name} HEADERS <gmock/gmock.h> <gtest/gtest.h> DEPS GTest::gmock OPTIONS ${options})
   if(SKYQUILT_UNITY)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
   endif()

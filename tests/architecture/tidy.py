@@ -32,8 +32,9 @@ CHECKS = ROOT / ".clang-tidy"
 # The compiler has its own warnings; some of its options clang does not know.
 # Boost.Asio and libstdc++ believe that clang has no coroutines of the standard.
 COROUTINES = ["__cpp_impl_coroutine=201902L", "BOOST_ASIO_HAS_CO_AWAIT=1", "BOOST_ASIO_HAS_STD_COROUTINE=1"]
-OPTIONS = ["--quiet", "--extra-arg=-Wno-everything", f"-p={BUILD}", *(f"--extra-arg=-D{name}" for name in COROUTINES),
+OPTIONS = ["--quiet", "--extra-arg=-Wno-everything", f"-p={BUILD / 'tidy'}", *(f"--extra-arg=-D{name}" for name in COROUTINES),
            f"--header-filter=^{re.escape(str(ROOT))}/({'|'.join(PRODUCT)})/"]
+PRECOMPILED = re.compile(r" -Winvalid-pch -include \S+")  # GCC's, which clang cannot read
 # Template bodies that a unit does not need are not looked at, which spares most of the standard library's. Clang 14 cannot
 # delay those of coroutines.
 DELAYED = "--extra-arg=-fdelayed-template-parsing"
@@ -46,7 +47,7 @@ class Unit:
 
     def __init__(self, entry):
         self.path = pathlib.Path(entry["directory"], entry["file"])
-        self.words = entry.get("arguments") or shlex.split(entry["command"])
+        self.words = shlex.split(entry["command"])
         output = self.words[self.words.index("-o") + 1] if "-o" in self.words else ""
         self.object = pathlib.Path(entry["directory"], output)
         self.sources = [self.path]
@@ -77,7 +78,12 @@ def find_units():
     commands = BUILD / "compile_commands.json"
     if not commands.is_file():
         fail(f"{commands} does not exist: configure and build first, with Ninja or Makefiles.")
-    units = [unit for unit in map(Unit, json.loads(commands.read_text())) if unit.sources]
+    entries = json.loads(commands.read_text())
+    for entry in entries:
+        entry["command"] = PRECOMPILED.sub("", entry["command"])
+    (BUILD / "tidy").mkdir(exist_ok=True)
+    (BUILD / "tidy" / "compile_commands.json").write_text(json.dumps(entries))
+    units = [unit for unit in map(Unit, entries) if unit.sources]
     compiled = {name for unit in units for name in unit.sources}
     left_out = [name for name in tracked_files(ROOT, *PRODUCT) if name.endswith(".cc") and name not in compiled]
     if left_out:
@@ -109,7 +115,6 @@ class Verdicts:
         version = "\n".join(line for line in version.splitlines() if "version" in line)
         self.common = [version, " ".join(OPTIONS), self.digest(CHECKS), self.digest(pathlib.Path(__file__))]
         self.folder = BUILD / "tidy"
-        self.folder.mkdir(exist_ok=True)
         self.digests = {}
 
     @staticmethod
