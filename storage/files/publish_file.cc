@@ -55,7 +55,7 @@ Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_
   std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
-  const Result<void> done =
+  Result<void> done =
       file ? PublishFile(temporary, path) : FileError("cannot write", temporary, errno != 0 ? errno : EIO);
   if (!done) ::unlink(temporary.c_str());
   return done;

@@ -162,7 +162,7 @@ std::optional<int> AltitudeReference(const ExifTable& table) {
 void ReadAltitude(const ExifTable& table, ExifRecord& record) {
   auto altitude = table.Number(ExifIfd::kGps, tag::kAltitude);
   if (!altitude) return;
-  const auto reference = AltitudeReference(table);
+  const int reference = AltitudeReference(table).value_or(0);
   if (reference == 1 || reference == 3) altitude = -std::abs(*altitude);
   record.is_altitude_from_sea = reference == 2 || reference == 3;
   constexpr double kLowest = -500.0, kHighest = 10000.0;

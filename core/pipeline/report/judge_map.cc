@@ -123,7 +123,7 @@ bool TellOfAll(const JudgedMap& map, const std::vector<Vector2d>& surveyed) {
 
 // Photos of groups that none of the points is marked in, whether it places the map or checks it.
 alignment::PhotoSet BesideSurvey(const JudgedMap& map, const TiedGroups& groups) {
-  const alignment::PhotoSet none(groups.of_photo.size());
+  alignment::PhotoSet none(groups.of_photo.size());
   std::set<int> surveyed;
   for (const alignment::ControlReport& point : map.alignment->control) {
     if (!point.is_used) continue;
