@@ -50,27 +50,35 @@ struct LinearSink {
   void Add(const char*, int a, int b, const Linear<M>& linear, bool robust) {
     const Robust r = Huber(linear.residual.squaredNorm(), robust, Bound<M>(huber_sigmas));
     cost += r.cost;
-    const Eigen::Matrix<double, kStateSize, M> first = r.weight * linear.by_first.transpose();
-    matrix.At(a, a).noalias() += first * linear.by_first;
-    gradient[Index(a)].noalias() += first * linear.residual;
-    const bool has_border = border >= 0 && a != border && !linear.by_border.isZero(0.0);
-    Eigen::Matrix<double, kStateSize, M> common;
+    AddRows(a, b, r.weight, linear.residual, linear.by_first, linear.by_second, linear.by_border);
+  }
+
+  // For all heights of a factor, which the compiler would otherwise write out one by one.
+  using Rows = Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, kStateSize>>;
+  void AddRows(int a, int b, double weight, const Eigen::Ref<const Eigen::VectorXd>& residual,
+               const Rows& by_first, const Rows& by_second, const Rows& by_border) {
+    using Columns = Eigen::Matrix<double, kStateSize, Eigen::Dynamic, 0, kStateSize, kStateSize>;
+    const Columns first = weight * by_first.transpose();
+    matrix.At(a, a).noalias() += first * by_first;
+    gradient[Index(a)].noalias() += first * residual;
+    const bool has_border = border >= 0 && a != border && !by_border.isZero(0.0);
+    Columns common;
     if (has_border) {
-      common = r.weight * border_mask.asDiagonal() * linear.by_border.transpose();
-      matrix.At(border, border).noalias() += common * linear.by_border * border_mask.asDiagonal();
-      matrix.At(border, a).noalias() += common * linear.by_first;
-      gradient[Index(border)].noalias() += common * linear.residual;
+      common = weight * border_mask.asDiagonal() * by_border.transpose();
+      matrix.At(border, border).noalias() += common * by_border * border_mask.asDiagonal();
+      matrix.At(border, a).noalias() += common * by_first;
+      gradient[Index(border)].noalias() += common * residual;
     }
     if (b < 0) return;
-    const Eigen::Matrix<double, kStateSize, M> second = r.weight * linear.by_second.transpose();
-    matrix.At(b, b).noalias() += second * linear.by_second;
-    gradient[Index(b)].noalias() += second * linear.residual;
+    const Columns second = weight * by_second.transpose();
+    matrix.At(b, b).noalias() += second * by_second;
+    gradient[Index(b)].noalias() += second * residual;
     if (b > a) {
-      matrix.At(b, a).noalias() += second * linear.by_first;
+      matrix.At(b, a).noalias() += second * by_first;
     } else {
-      matrix.At(a, b).noalias() += first * linear.by_second;
+      matrix.At(a, b).noalias() += first * by_second;
     }
-    if (has_border) matrix.At(border, b).noalias() += common * linear.by_second;
+    if (has_border) matrix.At(border, b).noalias() += common * by_second;
   }
 };
 
