@@ -122,7 +122,7 @@ Result<std::string> Unpacked(std::string_view packed) {
     stream.next_out = reinterpret_cast<Bytef*>(bytes.data() + have);
     stream.avail_out = static_cast<uInt>(bytes.size() - have);
     code = inflate(&stream, Z_NO_FLUSH);
-    bytes.resize(bytes.size() - stream.avail_out);
+    bytes.erase(bytes.size() - stream.avail_out);
   }
   inflateEnd(&stream);
   if (code != Z_STREAM_END) return Damaged("what cannot be unpacked");

@@ -61,7 +61,9 @@ TEST(Flights, RemovedForGoodTakeAlongWhatTheirJobHadMade) {
     std::filesystem::create_directories(sample.dir().Work() / storage::WorkName(lease));
     ASSERT_TRUE(*sample.queue.GiveBack(lease, storage::Now()));  // as after a stop
     EXPECT_EQ(sample.Send(Method::kDelete, "/api/v1/flights/" + flight).status, 204);
-    if (trash_days > 0) EXPECT_EQ(sample.Send(Method::kDelete, "/api/v1/trash/" + flight).status, 204);
+    if (trash_days > 0) {
+      EXPECT_EQ(sample.Send(Method::kDelete, "/api/v1/trash/" + flight).status, 204);
+    }
     EXPECT_EQ(CountIn(sample.dir().Work()), 0) << trash_days;
   }
 }

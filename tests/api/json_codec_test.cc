@@ -231,8 +231,9 @@ TEST(JobOptionTable, IsWhatTheContractSays) {
   json contract = json::parse(kOpenApi)["components"]["schemas"]["JobOptions"]["properties"];
   for (const pipeline::JobOption& option : pipeline::JobOptionTable()) {
     ASSERT_TRUE(contract.contains(option.name)) << option.name;
-    if (option.kind != pipeline::JobOptionKind::kOther)
+    if (option.kind != pipeline::JobOptionKind::kOther) {
       EXPECT_EQ(contract[option.name], SchemaOf(option)) << option.name << ": " << SchemaOf(option).dump();
+    }
     contract.erase(option.name);
   }
   EXPECT_TRUE(contract.empty()) << contract.dump();

@@ -173,10 +173,10 @@ TEST(IdempotencyKeys, AreOfOneFormWhateverItsBoundary) {
   EXPECT_EQ(again.body, first.body);
   EXPECT_EQ(send("two", "b").status, 422);
   EXPECT_EQ(send("one", "b", "b.jpg").status, 422);
-  const Response json =
+  const Response by_json =
       f.sample.Send(Method::kPost, "/api/v1/flights", "{}",
                     f.With(f.admin, {{"Idempotency-Key", "key"}, {"Content-Type", "application/json"}}));
-  EXPECT_EQ(json.status, 422);
+  EXPECT_EQ(by_json.status, 422);
   EXPECT_EQ(f.sample.catalogue.FlightIds()->size(), 2u);  // that of the fixture, and the first form's
 }
 

@@ -29,7 +29,8 @@ TEST(ZipLayout, AnyPartIsAPartOfTheWhole) {
   test::TemporaryFolder scratch;
   const auto path = scratch.path() / "big";
   std::ofstream(path) << std::string(100'000, 'x') << "end";
-  const auto planned = PlanZip({{"a.txt", "hello", {}}, {"folder/big", "", path}, {"empty", "", {}}});
+  const auto planned =
+      PlanZip({{"a.txt", "hello", {}, {}}, {"folder/big", "", path, {}}, {"empty", "", {}, {}}});
   ASSERT_TRUE(planned);
   const auto layout = std::make_shared<const ZipLayout>(*planned);
   const std::string whole = ReadAll(layout, 0, layout->length, 4096);
@@ -43,11 +44,12 @@ TEST(ZipLayout, AnyPartIsAPartOfTheWhole) {
     EXPECT_EQ(ReadAll(layout, offset, length, 1 + random() % 9000), whole.substr(offset, length));
   }
   // The same files make the same bytes; a file that has gone is said.
-  EXPECT_EQ(
-      PlanZip({{"a.txt", "hello", {}}, {"folder/big", "", path}, {"empty", "", {}}})->pieces.back().bytes,
-      layout->pieces.back().bytes);
+  EXPECT_EQ(PlanZip({{"a.txt", "hello", {}, {}}, {"folder/big", "", path, {}}, {"empty", "", {}, {}}})
+                ->pieces.back()
+                .bytes,
+            layout->pieces.back().bytes);
   std::filesystem::remove(path);
-  EXPECT_EQ(PlanZip({{"b", "", path}}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(PlanZip({{"b", "", path, {}}}).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(ReadZip(layout, 0, layout->length).error().code, ErrorCode::kNotFound);
 }
 

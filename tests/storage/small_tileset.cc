@@ -19,10 +19,10 @@ void Require(const Result<void>& result) {
 void WriteSmallTileset(const std::filesystem::path& path, TilesetSchema schema,
                        const std::vector<SmallTile>& tiles, int tile_size_px) {
   auto db = *SqliteDb::Open(path, OpenMode::kReadWriteCreate);
-  Require(db.Exec(
-      std::string(
-          "CREATE TABLE metadata(name TEXT, value TEXT); INSERT INTO metadata VALUES('name','small'),") +
-      "('format','png'),('tile_size','" + std::to_string(tile_size_px) + "')"));
+  std::string described =
+      "CREATE TABLE metadata(name TEXT, value TEXT);"
+      "INSERT INTO metadata VALUES('name','small'),('format','png'),('tile_size','";
+  Require(db.Exec(described.append(std::to_string(tile_size_px)).append("')")));
   const auto is_webp = [](const SmallTile& tile) { return tile.bytes.starts_with("RIFF"); };
   if (std::any_of(tiles.begin(), tiles.end(), is_webp))
     Require(db.Exec("INSERT INTO metadata VALUES('fringe','webp')"));

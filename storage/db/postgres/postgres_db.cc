@@ -331,7 +331,8 @@ Result<void> PostgresDb::AskAfter(const std::string& number, const Error& lost) 
 
 // Both in one message.
 Result<void> PostgresDb::CommitAndFlush(bool& was_undone) {
-  const std::string sql = syncs_ ? std::string("COMMIT;") + kFlush : "COMMIT";
+  std::string sql = "COMMIT";
+  if (syncs_) sql.append(";").append(kFlush);
   if (PQsendQuery(handle_, sql.c_str()) == 0) return Lost(sql);
   std::optional<Error> failed;
   for (bool is_first = true; PgResult result{PQgetResult(handle_)}; is_first = false) {

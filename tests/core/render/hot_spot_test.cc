@@ -34,7 +34,7 @@ struct SyntheticFlight {
 SyntheticFlight FlyOver(const std::function<double(const Eigen::Vector2d& ground_m, double away)>& brighter,
                         std::uint32_t seed) {
   constexpr std::uint32_t kPhotos = 40, kPerLine = 8;
-  constexpr double kHeightM = 66.0, kStepM = 3.1, kHalfWidth = 0.65, kHalfHeight = 0.49;
+  constexpr double kAboveM = 66.0, kStepM = 3.1, kHalfWidth = 0.65, kHalfHeight = 0.49;
   SyntheticFlight flight;
   flight.terms.camera_of_photo.assign(kPhotos, 0);
   flight.terms.cameras = {"a camera"};
@@ -46,18 +46,18 @@ SyntheticFlight FlyOver(const std::function<double(const Eigen::Vector2d& ground
     const auto chance = [&](int which) {
       return static_cast<double>(simulate::SensorNoise(static_cast<int>(photo), which, 0, seed));
     };
-    const Eigen::Vector2d foot{kHeightM * 0.3 * (photo % kPerLine) + 2.0 * chance(1),
-                               kHeightM * 0.4 * line + 2.0 * chance(2)};
+    const Eigen::Vector2d foot{kAboveM * 0.3 * (photo % kPerLine) + 2.0 * chance(1),
+                               kAboveM * 0.4 * line + 2.0 * chance(2)};
     const double yaw = (line % 2 == 0 ? 0.5 : -0.5) * std::numbers::pi + 0.1 * chance(3);
     const Eigen::Vector2d lean{0.05 * chance(4), 0.05 * chance(5)};
     const double gain = 0.05 * chance(6);
-    flight.spots.middles_m.push_back(foot + kHeightM * kOpposite);
-    flight.spots.reach_m = 0.6 * kHeightM;
+    flight.spots.middles_m.push_back(foot + kAboveM * kOpposite);
+    flight.spots.reach_m = 0.6 * kAboveM;
     const auto cell_of = [&](double at_m) { return static_cast<int>(std::floor(at_m / kStepM)); };
-    const int reach = cell_of(kHeightM);
+    const int reach = cell_of(kAboveM);
     for (int row = cell_of(foot.y()) - reach; row <= cell_of(foot.y()) + reach; ++row) {
       for (int column = cell_of(foot.x()) - reach; column <= cell_of(foot.x()) + reach; ++column) {
-        const Eigen::Vector2d look = (kStepM * Eigen::Vector2d(column, row) - foot) / kHeightM;
+        const Eigen::Vector2d look = (kStepM * Eigen::Vector2d(column, row) - foot) / kAboveM;
         const Eigen::Vector2d in_photo = Eigen::Rotation2Dd(yaw) * (look - lean);
         if (std::abs(in_photo.x()) > kHalfWidth || std::abs(in_photo.y()) > kHalfHeight) continue;
         const Eigen::Vector2d place = in_photo / std::hypot(kHalfWidth, kHalfHeight);
