@@ -142,6 +142,22 @@ class Weigher {
     share.weights.insert(share.weights.end(), weights.begin(), end);
   }
 
+  // Whether these photos see all nodes around a square: the seam map knows of a cell's middle alone, and what
+  // is near the horizon, or further off the vertical than is shown, may begin within the cell.
+  bool AreSeen(const std::array<int, kTaps * kTaps>& places, int count, int x, int y) const {
+    const int step = block_.node_step_px;
+    for (int i = 0; i < count; ++i) {
+      const PhotoView& view = views_[static_cast<std::size_t>(places[static_cast<std::size_t>(i)])];
+      for (int row = y / step; row * step < y + square_px_ + step; ++row) {
+        for (int column = x / step; column * step < x + square_px_ + step; ++column) {
+          const auto node = static_cast<std::size_t>(row) * block_.nodes_per_side + column;
+          if (std::isnan(view.pixel_in_image[node].x())) return false;
+        }
+      }
+    }
+    return true;
+  }
+
   void WeighCell(int column, int row) {
     const Neighbourhood around(cells_, column, row);
     std::array<int, kTaps * kTaps> places{};
@@ -150,7 +166,7 @@ class Weigher {
     for (int y = 0; y < cell_px_; y += square_px_) {
       for (int x = 0; x < cell_px_; x += square_px_) {
         const int block_x = column * cell_px_ + x, block_y = row * cell_px_ + y;
-        if (!around.is_whole) {
+        if (!around.is_whole || !AreSeen(places, around.count, block_x, block_y)) {
           WeighAtEdge(around, places, x, y, block_x, block_y);
         } else if (around.count == 1) {
           shares_[static_cast<std::size_t>(places[0])].squares.push_back({block_x, block_y});

@@ -72,7 +72,7 @@ class PhotoOnBlock {
       const auto k = static_cast<std::size_t>(corner);
       const int x = block_x + (corner % 2) * side, y = block_y + (corner / 2) * side;
       const Eigen::Vector2f in_photo = InPhoto(x, y, block_x, block_y, std::max(side, step_px_));
-      if (side > step_px_ && std::isnan(in_photo.x())) return std::nullopt;
+      if (std::isnan(in_photo.x())) return std::nullopt;
       const auto shade = shade_.At(in_photo.x(), in_photo.y());
       tone.gain[k] = gain_ * Four{shade[0], shade[1], shade[2], 1.0f};
       tone.light[k] = LightAt(x, y, block_x, block_y);
@@ -229,11 +229,11 @@ class Painter {
         PaintPart(square, square.x, square.y, square_px_, *tone);
         continue;
       }
-      // Some of it lies where the photo sees nothing: part by part, each of which is seen or shows nothing.
+      // Some of it lies where the photo sees nothing.
       const int part_px = std::min(square_px_, photo_.NodeStepPx());
       for (int y = square.y; y < square.y + square_px_; y += part_px) {
         for (int x = square.x; x < square.x + square_px_; x += part_px)
-          PaintPart(square, x, y, part_px, *photo_.ToneOf(x, y, part_px));
+          if (const auto tone = photo_.ToneOf(x, y, part_px)) PaintPart(square, x, y, part_px, *tone);
       }
     }
   }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -217,6 +218,57 @@ TEST_F(WeighPhotosTest, WeightsOfACoveredPixelAddUpToOne) {
   EXPECT_GT(covered, 50'000u);
   EXPECT_GT(blended, 500u);
   EXPECT_LT(blended, covered / 2) << "seams are narrow";
+}
+
+// The seam map knows what a photo sees by the middles of its cells; where looks end lies within some of them.
+TEST_F(WeighPhotosTest, APhotoShowsNothingPastWhereItsLooksEnd) {
+  test::SimulatedMap map = test::MakeSimulatedMap(test::SmallPhotos(12));
+  for (alignment::AlignedPhoto& photo : map.flight.photos) photo.max_look_rad = 0.35;
+  const SeamMap seams = map.Seams({});
+  const std::size_t side = static_cast<std::size_t>(SidePx());
+  std::size_t seen = 0, crossed = 0;
+  for (const RenderBlock& block : map.plan.blocks) {
+    const WeighedBlock weighed =
+        WeighBlock(map.flight, map.ground, seams, map.plan, block,
+                   MakeBlockGeometry(block.tile, SidePx(), map.flight.frame, map.ground));
+    const auto below = static_cast<std::size_t>(weighed.geometry.nodes_per_side);
+    const auto nodes_seen = [&](std::size_t place, std::size_t pixel) {
+      const std::vector<Eigen::Vector2f>& at = weighed.views[place].pixel_in_image;
+      const std::size_t node = pixel / side / kNodeStepPx * below + pixel % side / kNodeStepPx;
+      const std::array<std::size_t, 4> around{node, node + 1, node + below, node + below + 1};
+      return std::count_if(around.begin(), around.end(),
+                           [&](std::size_t k) { return !std::isnan(at[k].x()); });
+    };
+    std::vector<float> sums(side * side, 0.0F);
+    for (const PhotoShare& share : weighed.shares.photos) {
+      const auto place = static_cast<std::size_t>(
+          std::lower_bound(weighed.photos.begin(), weighed.photos.end(), share.photo) -
+          weighed.photos.begin());
+      for (const SquareShare& square : share.squares) {
+        for (int y = square.y; y < square.y + weighed.shares.square_px; ++y) {
+          for (int x = square.x; x < square.x + weighed.shares.square_px; ++x) {
+            const std::size_t pixel = static_cast<std::size_t>(y) * side + static_cast<std::size_t>(x);
+            const float weight = share.WeightAt(square, x, y, weighed.shares.square_px);
+            sums[pixel] += weight;
+            if (weight == 0.0F) continue;
+            ASSERT_EQ(nodes_seen(place, pixel), 4) << share.photo << " at " << x << ' ' << y;
+          }
+        }
+      }
+    }
+    for (std::size_t pixel = 0; pixel < sums.size(); ++pixel) {
+      if (sums[pixel] > 0.0F) {
+        ++seen;
+        ASSERT_NEAR(sums[pixel], 1.0F, 1e-4F);
+      }
+      for (std::size_t place = 0; place < weighed.photos.size(); ++place) {
+        const auto corners = nodes_seen(place, pixel);
+        crossed += corners > 0 && corners < 4 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(seen, 50'000u);
+  EXPECT_GT(crossed, 5'000u);
 }
 
 // Houses of 8 x 8 m, 9 m high, every 20 m, and between them hedges of half a metre, 4 m high.
