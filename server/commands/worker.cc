@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <optional>
@@ -38,6 +39,7 @@ constexpr std::chrono::seconds kLookAnyway{2};
 constexpr std::chrono::seconds kLookAnywayShared{10};  // a server of PostgreSQL has others to answer
 constexpr std::chrono::seconds kPatience{30};          // with a database that is restarted
 constexpr std::chrono::minutes kPatienceAtStart{15};
+constexpr std::chrono::seconds kLongestPreviewPause{30};
 // Who is asked to stop does so; what it could not take back is forgotten by itself.
 constexpr std::chrono::seconds kPatienceAtEnd{1};
 
@@ -101,13 +103,20 @@ void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storag
   PhotoLimits limits;
   if (options.photo_timeout_s > 0) limits.cpu_s = options.photo_timeout_s;
   SandboxedPreview drawing(dir, blobs, previews, limits, is_stopping);
+  int failures = 0;  // in a row
   while (AwaitFolder(watch, options)) {
     const Result<bool> drawn = drawing.Step();
     if (!drawn) {
       LogFailure("-", "preview", drawn.error().message + " " + drawn.error().detail);
       if (options.once || options.until_empty) Fail("skyquilt worker", drawn.error());
-      std::this_thread::sleep_for(std::chrono::seconds(1));
-    } else if (!*drawn) {
+      // What waits is tried for as long as it fails: on a full disk for hours.
+      const auto pause = std::min(kLongestPreviewPause, std::chrono::seconds(1 << std::min(failures++, 10)));
+      const auto end = std::chrono::steady_clock::now() + pause;
+      while (!is_stopping && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(kPoll);
+      continue;
+    }
+    failures = 0;
+    if (!*drawn) {
       if (options.once || options.until_empty) return;
       const auto end = std::chrono::steady_clock::now() + kLookAnyway;
       while (!is_stopping && !db.WaitForWrites() && std::chrono::steady_clock::now() < end) continue;

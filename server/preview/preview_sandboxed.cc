@@ -12,6 +12,7 @@
 #include "server/preview/preview_painter.h"
 #include "server/routing/request_log.h"
 #include "server/sandbox/sandbox.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
@@ -96,7 +97,9 @@ Result<SandboxedPreview::Session*> SandboxedPreview::SessionOf(const std::string
   } else {
     fs::create_directories(folder, error);
   }
-  if (error) return Error{ErrorCode::kIo, "The folder of a preview cannot be made.", error.message()};
+  if (error == std::errc::no_such_file_or_directory)
+    return Error{ErrorCode::kNotFound, "The folder of a flight is gone.", folder.string()};
+  if (error) return storage::FileError("cannot make", folder, error.value());
   const PreviewPlace place{blobs_.FolderOf(storage::FilesPrefix(flight_id)), folder, limits_.memory_bytes};
   Result<std::unique_ptr<SandboxedChild>> child =
       SandboxedChild::Start("preview-sandboxed", ToText(place), [this] { return !is_stopping_; });
@@ -127,7 +130,10 @@ Result<std::vector<storage::LocalBlob>> SandboxedPreview::Fetch(const std::strin
 SandboxedPreview::Answer SandboxedPreview::Exchange(Session& session, const PreviewRequest& request) const {
   SandboxedChild& child = session.child();
   Answer answer;
-  if (!child.Tell(ToText(request))) return {{}, "", "its process does not listen"};
+  if (!child.Tell(ToText(request))) {
+    answer.why = "its process does not listen";
+    return answer;
+  }
   // Each photo is read once and drawn once: who begins more is at none of them, and has no time of its own.
   std::size_t may_begin = 2 * (request.fresh.size() + request.tried.size());
   double cpu_before_s = child.CpuS();
@@ -167,7 +173,7 @@ SandboxedPreview::Answer SandboxedPreview::Exchange(Session& session, const Prev
       return answer;
     } else {
       const Error& error = std::get<Error>(*message);
-      return {{}, "", error.message + " " + error.detail};
+      return {{}, "", error.message + " " + error.detail, error.code};
     }
   }
   answer.why = "its decoder ended " + HowItEnded(child.Kill().wait_status);
@@ -202,13 +208,30 @@ Result<void> SandboxedPreview::Show(const storage::PreviewWork& work, const Prev
 }
 
 Result<bool> SandboxedPreview::Step() {
+  // The catalogue may lie on the disk that was full.
+  if (!owed_.empty()) {
+    SKYQUILT_TRY(previews_.GiveBack(owed_));
+    owed_.clear();
+  }
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::PreviewWork> claimed, previews_.Claim(kPhotosAtOnce));
   if (!claimed) {
     std::erase_if(sessions_, [](const auto& one) { return Clock::now() - one.second->used > kIdle; });
     return false;
   }
-  const storage::PreviewWork& work = *claimed;
-  PreviewRequest request{work.fresh, work.tried, std::nullopt};
+  PreviewRequest request{claimed->fresh, claimed->tried, std::nullopt};
+  const Result<void> drawn = DrawClaimed(*claimed, request);
+  if (drawn) return true;
+  // What befalls all flights (a full disk, a store that is away) is no fault of these photos: they are drawn
+  // once it has passed. For trouble of this flight alone the others would wait for ever.
+  const ErrorCode code = drawn.error().code;
+  if (code == ErrorCode::kOutOfSpace || code == ErrorCode::kUnavailable) {
+    owed_ = std::move(request.fresh);
+    if (previews_.GiveBack(owed_)) owed_.clear();
+  }
+  return drawn.error();
+}
+
+Result<void> SandboxedPreview::DrawClaimed(const storage::PreviewWork& work, PreviewRequest& request) {
   bool may_retry = true;
   while (true) {
     SKYQUILT_TRY_ASSIGN(std::optional<Preview> preview, previews_.Find(work.flight_id));
@@ -216,19 +239,13 @@ Result<bool> SandboxedPreview::Step() {
     SKYQUILT_TRY_ASSIGN(const std::vector<storage::LocalBlob> photos, Fetch(work.flight_id, request));
     SKYQUILT_TRY_ASSIGN(Session* const session, SessionOf(work.flight_id, request.preview));
     Answer answer = Exchange(*session, request);
-    if (answer.drawn) {
-      SKYQUILT_TRY(Show(work, request, *answer.drawn));
-      return true;
-    }
+    if (answer.drawn) return Show(work, request, *answer.drawn);
     sessions_.erase(work.flight_id);
-    if (is_stopping_) {
-      SKYQUILT_TRY(previews_.GiveBack(request.fresh));
-      return true;
-    }
+    if (is_stopping_) return previews_.GiveBack(request.fresh);
     if (answer.culprit.empty()) {
       // No photo is to blame: killed from outside while it waited, or the disk is full.
       if (std::exchange(may_retry, false)) continue;
-      return Error{ErrorCode::kUnavailable, "A preview could not be drawn.", answer.why};
+      return Error{answer.code, "A preview could not be drawn.", answer.why};
     }
     // Passed over for good: no later process reads it again.
     const auto is_it = [&](const StoredFile& file) { return file.stored_name == answer.culprit; };
@@ -238,7 +255,7 @@ Result<bool> SandboxedPreview::Step() {
     SKYQUILT_TRY(previews_.Forgo(culprit));
     LogEvent(fmt::format("{} is not in the preview: {}", culprit.front().name, answer.why));
     for (std::vector<StoredFile>* files : {&request.fresh, &request.tried}) std::erase_if(*files, is_it);
-    if (request.fresh.empty()) return true;
+    if (request.fresh.empty()) return {};
   }
 }
 

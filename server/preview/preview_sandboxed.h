@@ -1,8 +1,9 @@
 // SandboxedPreview: draws the previews of flights that are uploading: waiting photos go to sandboxed
 // processes, one per flight (server/preview/preview_painter.h), which may read that flight's photos and write
 // its preview, nothing else; the rows of the catalogue are written here. A photo on which such a process
-// dies, or that exceeds the limits of one photo, is skipped for good, and the others continue. Blocking; one
-// thread, which lives as long as this. Errors: kOutOfSpace, kUnavailable, kIo.
+// dies, or that exceeds the limits of one photo, is skipped for good, and the others continue. Photos that
+// the machine was in the way of (a full disk) wait again. Blocking; one thread, which lives as long as this.
+// Errors: kOutOfSpace, kUnavailable, kIo, kNotFound (the flight is gone).
 #pragma once
 
 #include <atomic>
@@ -49,7 +50,10 @@ class SandboxedPreview {
     std::optional<PreviewDrawn> drawn;
     std::string culprit;  // stored name of the photo at which it ended; empty: at none
     std::string why;
+    ErrorCode code = ErrorCode::kInternal;  // of the error, where no photo is to blame
   };
+  // `request`: what was claimed; it keeps those that no answer came for.
+  Result<void> DrawClaimed(const storage::PreviewWork& work, PreviewRequest& request);
   Result<Session*> SessionOf(const std::string& flight_id, const std::optional<storage::Preview>& preview);
   Answer Exchange(Session& session, const PreviewRequest& request) const;
   Result<void> Show(const storage::PreviewWork& work, const PreviewRequest& request,
@@ -64,6 +68,7 @@ class SandboxedPreview {
   const PhotoLimits limits_;
   const std::atomic<bool>& is_stopping_;
   std::map<std::string, std::unique_ptr<Session>> sessions_;  // by flight
+  std::vector<storage::StoredFile> owed_;                     // to be given back once the catalogue can
 };
 
 // What such a process does: hears of its place and of photos on standard input, confines itself, draws, and

@@ -54,7 +54,7 @@ class Previews {
   Result<std::optional<PreviewWork>> Claim(int limit);
   // These turned out to have no part in the preview: it does not depend on them.
   Result<void> Forgo(const std::vector<StoredFile>& files);
-  // Nobody tried these after all: whoever claimed them was stopped before it was done.
+  // Nobody tried these after all: whoever claimed them was stopped before it was done, or found no room.
   Result<void> GiveBack(const std::vector<StoredFile>& files);
   Result<std::optional<Preview>> Find(const std::string& flight_id) const;
   // Shows an edition. False: the flight is gone, has its map by now, or was begun anew; nothing is shown

@@ -36,6 +36,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kSoon{8};  // sooner than the patience with whoever is still wanted
 
+constexpr const char* kWithoutRoom = "without_room.jpg";  // for its preview the disk has no room
+
 [[noreturn]] void HangForEver() {
   while (true) pause();
 }
@@ -55,8 +57,13 @@ std::string VariablesHere() {
 void ActAsPreview(MessageReader& from_parent, MessageWriter& to_parent) {
   const std::optional<std::string> text = from_parent.Read(std::chrono::hours(1));
   if (!text) return;
-  const std::string photo = ParseRequest(*text)->fresh.at(0).stored_name;
-  while (to_parent.Write(ToText(PreviewMessage(PhotoBegun{photo})))) {
+  const storage::StoredFile photo = ParseRequest(*text)->fresh.at(0);
+  if (photo.name == kWithoutRoom) {
+    to_parent.Write(ToText(PreviewMessage(PhotoBegun{photo.stored_name})));
+    to_parent.Write(ToText(PreviewMessage(Error{ErrorCode::kOutOfSpace, "The disk is full."})));
+    return;
+  }
+  while (to_parent.Write(ToText(PreviewMessage(PhotoBegun{photo.stored_name})))) {
   }
 }
 
@@ -154,10 +161,10 @@ TEST(RunSandboxed, WhatAStopEndsIsNotTheFaultOfItsFiles) {
 
 class HungPreview : public testing::Test {
  protected:
-  HungPreview() {
+  explicit HungPreview(const char* photo = "a.jpg") {
     const std::string flight = catalogue_.AddFlight("field", "{}", storage::Now())->id;
     std::filesystem::create_directories(dir_.Files(flight));
-    EXPECT_TRUE(catalogue_.AddFile(flight, {"a.jpg", storage::NewId(), 5}, storage::Now()));
+    EXPECT_TRUE(catalogue_.AddFile(flight, {photo, storage::NewId(), 5}, storage::Now()));
   }
 
   test::TemporaryFolder folder_;
@@ -183,6 +190,22 @@ TEST_F(HungPreview, AStopEndsItAndItsPhotoWaitsAgain) {
   const Result<bool> drawn = drawing.Step();
   ASSERT_TRUE(drawn) << drawn.error().detail;
   EXPECT_LT(Clock::now() - began, kSoon);
+  const auto again = previews_.Claim(3);
+  ASSERT_TRUE(again && *again);
+  EXPECT_EQ((*again)->fresh.size(), 1u);
+  EXPECT_TRUE((*again)->tried.empty());
+}
+
+class PreviewWithoutRoom : public HungPreview {
+ protected:
+  PreviewWithoutRoom() : HungPreview(kWithoutRoom) {}
+};
+
+TEST_F(PreviewWithoutRoom, AFullDiskIsSaidAndThePhotoWaitsAgain) {
+  SandboxedPreview drawing(dir_, blobs_, previews_, {}, is_stopping_);
+  const Result<bool> drawn = drawing.Step();
+  ASSERT_FALSE(drawn);
+  EXPECT_EQ(drawn.error().code, ErrorCode::kOutOfSpace);
   const auto again = previews_.Claim(3);
   ASSERT_TRUE(again && *again);
   EXPECT_EQ((*again)->fresh.size(), 1u);
