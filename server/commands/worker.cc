@@ -97,18 +97,36 @@ bool AwaitFolder(const std::optional<storage::DataDirWatch>& watch, const Worker
   return false;
 }
 
+// Whether a worker that is to stop by itself gives up: at once where it works once, for whoever started it
+// decides when to start the next; else after a while of failures alone.
+class Patience {
+ public:
+  explicit Patience(const WorkerOptions& options) : options_(options) {}
+  void Worked() { since_.reset(); }
+  bool IsOverAfterFailure() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!since_) since_ = now;
+    return options_.once || (options_.until_empty && now - *since_ >= kPatience);
+  }
+
+ private:
+  const WorkerOptions& options_;
+  std::optional<std::chrono::steady_clock::time_point> since_;
+};
+
 void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storage::CatalogueDb& db,
                   const std::optional<storage::DataDirWatch>& watch, const WorkerOptions& options) {
   storage::Previews previews(db);
   PhotoLimits limits;
   if (options.photo_timeout_s > 0) limits.cpu_s = options.photo_timeout_s;
   SandboxedPreview drawing(dir, blobs, previews, limits, is_stopping);
+  Patience patience(options);
   int failures = 0;  // in a row
   while (AwaitFolder(watch, options)) {
     const Result<bool> drawn = drawing.Step();
     if (!drawn) {
       LogFailure("-", "preview", drawn.error().message + " " + drawn.error().detail);
-      if (options.once || options.until_empty) Fail("skyquilt worker", drawn.error());
+      if (patience.IsOverAfterFailure()) Fail("skyquilt worker", drawn.error());
       // What waits is tried for as long as it fails: on a full disk for hours.
       const auto pause = std::min(kLongestPreviewPause, std::chrono::seconds(1 << std::min(failures++, 10)));
       const auto end = std::chrono::steady_clock::now() + pause;
@@ -116,6 +134,7 @@ void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storag
       continue;
     }
     failures = 0;
+    patience.Worked();
     if (!*drawn) {
       if (options.once || options.until_empty) return;
       const auto end = std::chrono::steady_clock::now() + kLookAnyway;
@@ -227,6 +246,7 @@ void RunWorker(const WorkerOptions& options) {
   const int jobs = options.once ? 1 : options.jobs;
   const std::string name = options.name.empty() ? NameOfWorker(*db) : options.name;
   Aside aside(*db, name);
+  Patience patience(options);
   for (int done = 0; (jobs == 0 || done < jobs) && AwaitFolder(watch, options);) {
     if (context.may_hold) {
       // A claim was made and its answer lost, or an end was not heard; nobody works on that.
@@ -237,11 +257,13 @@ void RunWorker(const WorkerOptions& options) {
     if (!worked) {
       // Busy or full: the queue is polled again; a permanent failure shows in the log.
       LogFailure("-", "claim", worked.error().detail);
-      // Whoever started one that works once decides when to start the next.
-      if (options.once) Fail("skyquilt worker", worked.error());
+      if (patience.IsOverAfterFailure()) Fail("skyquilt worker", worked.error());
       context.may_hold = db->IsShared();
       std::this_thread::sleep_for(std::chrono::seconds(2));
-    } else if (*worked && context.fault) {
+      continue;
+    }
+    patience.Worked();
+    if (*worked && context.fault) {
       if (options.once) Fail("skyquilt worker", *context.fault);
       aside.After(*std::exchange(context.fault, std::nullopt));
     } else if (*worked) {

@@ -151,6 +151,9 @@ class Preview(ServerTestCase):
             in_catalogue(self.data, f"DROP TABLE {table}")
             said = run("worker", "--data", self.data, *storage_words(self.data), *words, code=1, timeout=120)
             self.assertIn("skyquilt worker: ", said.stderr)
+        # One that stays until the queue is empty waits half a minute for the catalogue, and then says so too.
+        said = run("worker", "--data", self.data, *storage_words(self.data), "--until-empty", code=1, timeout=240)
+        self.assertIn("skyquilt worker: ", said.stderr)
 
 
 if __name__ == "__main__":
