@@ -36,16 +36,21 @@ Result<void> JoinChunks(BlobStore& blobs, const std::vector<UploadChunk>& chunks
   constexpr std::int64_t kSliceBytes = std::int64_t{8} << 20;
   errno = 0;
   std::ofstream whole(to, std::ios::binary | std::ios::trunc);
+  const auto failed = [&] { return FileError("cannot write", to, errno != 0 ? errno : EIO); };
+  if (!whole) return failed();
   for (const UploadChunk& chunk : chunks) {
     for (std::int64_t at = 0; at < chunk.bytes; at += kSliceBytes) {
       const std::int64_t wanted = std::min(kSliceBytes, chunk.bytes - at);
       SKYQUILT_TRY_ASSIGN(const std::string bytes, blobs.ReadRange(chunk.key, at, wanted));
       if (static_cast<std::int64_t>(bytes.size()) != wanted) return DamagedPart(chunk.key);
+      errno = 0;  // the store may have set it
       whole.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+      if (!whole) return failed();
     }
   }
+  errno = 0;
   whole.close();
-  if (!whole) return FileError("cannot write", to, errno != 0 ? errno : EIO);
+  if (!whole) return failed();
   return {};
 }
 

@@ -1,5 +1,7 @@
 // Resumable uploads whose bytes lie elsewhere: two servers on one catalogue and one store.
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 
@@ -159,6 +161,36 @@ TEST_F(UploadsOfTwoServers, JoinPartsThatCameToEither) {
   ASSERT_TRUE(b_.spool.Join(wish, ids, false, now_)->is_done);
   EXPECT_TRUE(Stored() == bytes);
   EXPECT_EQ(Chunks(), 0U);
+}
+
+// Of a file that this process may write no further, as of a full disk.
+TEST_F(UploadsOfTwoServers, SayAtOnceThatADiskHasNoRoomForThem) {
+  SpooledUpload part;
+  part.concat = kPartOfUpload;
+  std::vector<std::string> ids;
+  for (const std::size_t count : {5 * kMib, 5 * kMib, kMib}) {
+    part.length = static_cast<std::int64_t>(count);
+    ids.push_back(a_.spool.Create(part, now_)->id);
+    ASSERT_TRUE(Send(a_, ids.back(), 0, Pattern(count)));
+  }
+  // What comes behind is not asked for any more: nobody finds that it is gone.
+  const std::vector<BlobInfo> last = *blobs_->List("uploads/" + ids.back() + "/");
+  ASSERT_EQ(last.size(), 1U);
+  ASSERT_TRUE(blobs_->Remove(last[0].key));
+  SpooledUpload wish;
+  wish.flight_id = flight_;
+  wish.name = "joined.jpg";
+  wish.concat = "final;";
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit limited{rlim_t{8} << 20, before.rlim_max};
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limited), 0);
+  const Result<SpooledUpload> joined = a_.spool.Join(wish, ids, false, now_);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  signal(SIGXFSZ, handler);
+  ASSERT_FALSE(joined);
+  EXPECT_EQ(joined.error().code, ErrorCode::kOutOfSpace) << joined.error().message;
 }
 
 TEST_F(UploadsOfTwoServers, AreSweptWhenNobodyListsThem) {
