@@ -184,7 +184,8 @@ Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::pa
   SKYQUILT_TRY(Hold(blobs, prefix, "mosaic.mbtiles", map_dir));
   const ExportLimits limits;
   SKYQUILT_TRY_ASSIGN(const std::int64_t expected_bytes, ExpectedBytes(map_dir, request));
-  if (FreeBytes(staging) < limits.keep_free_bytes + expected_bytes)
+  SKYQUILT_TRY_ASSIGN(const std::int64_t free_bytes, FreeBytes(staging));
+  if (free_bytes < limits.keep_free_bytes + expected_bytes)
     return Error{
         ErrorCode::kOutOfSpace,
         "The server's disk has no room for this export. Free some space, or ask for a smaller area."};

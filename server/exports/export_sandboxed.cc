@@ -5,6 +5,7 @@
 #include <sys/statvfs.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <exception>
 #include <optional>
 #include <system_error>
@@ -49,7 +50,9 @@ std::optional<Error> OverLimit(const SandboxedChild& child, const ExportTask& ta
     return Error{ErrorCode::kUnprocessable,
                  "The export took more memory than the server gives for it. Ask for a smaller area.",
                  fmt::format("{} bytes", memory)};
-  if (FreeBytes(task.work_dir) < limits.keep_free_bytes) return DiskFull();
+  const Result<std::int64_t> room = FreeBytes(task.work_dir);
+  if (!room) return room.error();
+  if (*room < limits.keep_free_bytes) return DiskFull();
   return std::nullopt;
 }
 
@@ -63,15 +66,16 @@ Result<std::int64_t> SizeOf(const fs::path& path) {
 
 }  // namespace
 
-std::int64_t FreeBytes(const fs::path& folder) {
+Result<std::int64_t> FreeBytes(const fs::path& folder) {
   struct statvfs disk {};
-  if (statvfs(folder.c_str(), &disk) != 0) return 0;
+  if (statvfs(folder.c_str(), &disk) != 0) return storage::FileError("cannot look at", folder, errno);
   return static_cast<std::int64_t>(disk.f_bavail) * static_cast<std::int64_t>(disk.f_frsize);
 }
 
 Result<std::int64_t> ExportSandboxed(ExportTask task, const ExportLimits& limits,
                                      const std::function<bool(double fraction)>& go_on) {
-  const std::int64_t room = FreeBytes(task.work_dir) - limits.keep_free_bytes;
+  SKYQUILT_TRY_ASSIGN(const std::int64_t free_bytes, FreeBytes(task.work_dir));
+  const std::int64_t room = free_bytes - limits.keep_free_bytes;
   if (room < kMinFileBytes) return DiskFull();
   task.file_bytes = room;
   task.memory_bytes = limits.memory_bytes;

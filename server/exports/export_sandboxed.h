@@ -1,7 +1,7 @@
 // ExportSandboxed: has an export made by a sandboxed process (server/sandbox/sandbox.h) and watches it:
 // memory, processor time, clock, and the room on the disk. Whatever becomes of that process, this one goes
 // on. Blocking; one thread. Errors: those of storage::ExportMap; kCancelled (`go_on` said so), kTimeout,
-// kOutOfSpace, kUnprocessable (it died, or took too much memory), kUnavailable.
+// kOutOfSpace, kUnprocessable (it died, or took too much memory), kUnavailable, kIo (its folder is gone).
 #pragma once
 
 #include <chrono>
@@ -28,7 +28,7 @@ Result<std::int64_t> ExportSandboxed(ExportTask task, const ExportLimits& limits
 // What that process does.
 int ExportInSandbox(int parent);
 
-// Room for everything on the disk of a folder; 0 where that cannot be said.
-std::int64_t FreeBytes(const std::filesystem::path& folder);
+// Room for everything on the disk of a folder. Error: kIo (the folder is gone).
+Result<std::int64_t> FreeBytes(const std::filesystem::path& folder);
 
 }  // namespace skyquilt::server

@@ -12,6 +12,7 @@
 
 #include "core/base/text/json_io.h"
 #include "core/flight/remarks/because.h"
+#include "server/exports/export_sandboxed.h"
 #include "server/sandbox/sandboxed_child.h"
 
 namespace skyquilt::server {
@@ -37,6 +38,14 @@ std::string SaidBy(const std::function<Result<std::string>(const std::string& ta
   close(to[1]);
   close(from[0]);
   return said.value_or("");
+}
+
+TEST(ExportSandboxed, AFolderThatIsGoneIsNoFullDisk) {
+  ExportTask task;
+  task.work_dir = "/nonexistent/work";
+  const Result<std::int64_t> made = ExportSandboxed(task, {}, [](double) { return true; });
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::kIo) << made.error().message;
 }
 
 TEST(AnswerParent, WhatALibraryPrintsIsNoPartOfTheAnswer) {
