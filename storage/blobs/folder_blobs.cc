@@ -90,6 +90,9 @@ Result<std::vector<BlobInfo>> FolderBlobs::List(const std::string& prefix) {
     if (lstat(entry->path().c_str(), &status) == 0 && S_ISREG(status.st_mode))
       found.push_back(InfoOf(std::move(key), status));
   }
+  // Half a list would have what lies behind a disk's error taken for gone.
+  if (missing && missing != std::errc::no_such_file_or_directory)
+    return FileError("cannot list", folder, missing.value());
   std::sort(found.begin(), found.end(), [](const BlobInfo& a, const BlobInfo& b) { return a.key < b.key; });
   return found;
 }

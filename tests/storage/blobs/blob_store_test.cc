@@ -259,6 +259,16 @@ TEST_P(EachBlobStore, GivesNothingButWhatWasPublished) {
 INSTANTIATE_TEST_SUITE_P(Blobs, EachBlobStore, testing::Values("folder", "s3"),
                          [](const auto& one) { return std::string(one.param); });
 
+TEST(FolderBlobs, AListThatCannotBeReadIsNoEmptyOne) {
+  const test::TemporaryFolder folder;
+  FolderBlobs blobs(folder.path());
+  EXPECT_TRUE(test::ValueOf(blobs.List("flights/")).empty()) << "it is not there yet";
+  std::ofstream(folder.path() / "flights") << "no folder";
+  const Result<std::vector<BlobInfo>> listed = blobs.List("flights/");
+  ASSERT_FALSE(listed);
+  EXPECT_EQ(listed.error().code, ErrorCode::kIo) << listed.error().message;
+}
+
 TEST(FolderBlobs, APutThatFailsLeavesNoCopy) {
   test::TemporaryFolder folder;
   FolderBlobs blobs(folder.path());
