@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -12,19 +13,23 @@
 #include "core/poses/heights/flight_heights.h"
 
 namespace skyquilt::poses {
+namespace {
+
+geo::LatLon PlaceOf(const PosedPhoto& photo, const geo::LocalFrame& frame) {
+  const geo::Wgs84 at = frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+  return {at.lat_deg, at.lon_deg};
+}
+
+}  // namespace
 
 void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>& takeoff, DemZero zero,
                     PosedFlight& posed) {
-  const auto below = [&](const PosedPhoto& photo) {
-    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
-    return geo::LatLon{at.lat_deg, at.lon_deg};
-  };
   std::optional<double> zero_m;  // the model's height at z = 0 of the flight's frame
   if (zero == DemZero::kSeaLevel) {
     const geo::Wgs84& origin = posed.frame.origin();
     zero_m = origin.height_ellipsoid_m - geo::GeoidHeightM({origin.lat_deg, origin.lon_deg}).value_or(0.0);
   } else {
-    zero_m = dem.GroundHeightM(takeoff.value_or(below(posed.photos.front())));
+    zero_m = dem.GroundHeightM(takeoff.value_or(PlaceOf(posed.photos.front(), posed.frame)));
   }
   if (!zero_m) {
     posed.warnings.push_back(flight::RemarkCode::kElevationModelBesideTakeoff);
@@ -33,7 +38,7 @@ void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>&
   std::vector<std::optional<double>> ground_z_in_enu_m;  // below each photo; nothing where the model has none
   std::vector<double> known;
   for (const PosedPhoto& photo : posed.photos) {
-    const auto height_m = dem.GroundHeightM(below(photo));
+    const auto height_m = dem.GroundHeightM(PlaceOf(photo, posed.frame));
     ground_z_in_enu_m.push_back(height_m ? std::optional(*height_m - *zero_m) : std::nullopt);
     if (height_m) known.push_back(*height_m - *zero_m);
   }
@@ -52,6 +57,16 @@ void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>&
   posed.report.height_rule +=
       fmt::format("; the elevation model puts the ground {:+.1f} m from {}", posed.ground_z_in_enu_m,
                   takeoff ? "take-off" : "the first photo, taken for take-off");
+}
+
+void TellGapsOfDem(const geo::DemSource& dem, PosedFlight& posed) {
+  if (!posed.dem_zero_m) return;
+  std::size_t beside = 0;
+  for (const PosedPhoto& photo : posed.photos)
+    beside += dem.GroundHeightM(PlaceOf(photo, posed.frame)) ? 0 : 1;
+  if (beside == 0) return;
+  posed.warnings.push_back(
+      {flight::RemarkCode::kElevationModelInPart, {{"photos", beside}, {"total", posed.photos.size()}}});
 }
 
 void PutGroundBelow(PosedFlight& posed) {

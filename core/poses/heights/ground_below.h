@@ -22,6 +22,8 @@ enum class DemZero { kTakeoff, kSeaLevel };
 // takeoff: where it is known. A model that does not cover the flight changes nothing, and a warning says so.
 void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>& takeoff, DemZero zero,
                     PosedFlight& posed);
+// How many of the photos that are left lie where a model that was taken has no height.
+void TellGapsOfDem(const geo::DemSource& dem, PosedFlight& posed);
 
 // Photos that mostly stand on or below the ground say that it was put at the wrong height: take-off on a
 // hill, or heights that count from another zero. Their spacing is then the better measure.

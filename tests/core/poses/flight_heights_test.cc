@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "core/flight/remarks/remark_words.h"
@@ -132,6 +134,36 @@ TEST(ChooseHeights, PhotosBelowTheTakeoffLieOverAnElevationModel) {
   const auto over_model = test::ValueOf(EstimatePoses(flight, options));
   ASSERT_EQ(over_model.photos.size(), 5u);
   for (const PosedPhoto& photo : over_model.photos) EXPECT_NEAR(photo.height_above_ground_m, 30.0, 2.0);
+}
+
+// 85 m up to 50 m north of the first photo.
+class SouthernDem final : public geo::DemSource {
+ public:
+  std::optional<double> GroundHeightM(const geo::LatLon& at) const override {
+    if (at.lat_deg > 50.8 + 50.0 * kDegPerM) return std::nullopt;
+    return 85.0;
+  }
+};
+
+TEST(TellGapsOfDem, SaysBelowHowManyOfThePhotosInTheMapTheModelHasNoHeight) {
+  flight::Flight flight;
+  flight.photos = Photos(6, 60.0);
+  for (std::size_t i = 0; i < flight.photos.size(); ++i)
+    flight.photos[i].name = "IMG_" + std::to_string(i) + ".JPG";
+  flight.photos[5].position->position.lat_deg = 60.8;  // left out
+  const SouthernDem southern;
+  const FlatDem whole(85.0);
+  const auto times_said = [&flight](const geo::DemSource& dem) {
+    EstimatePosesOptions options;
+    options.dem = &dem;
+    const auto posed = test::ValueOf(EstimatePoses(flight, options));
+    EXPECT_TRUE(posed.dem_zero_m);
+    EXPECT_EQ(posed.photos.size(), 5u);
+    const flight::Remark said{flight::RemarkCode::kElevationModelInPart, {{"photos", 2}, {"total", 5}}};
+    return std::count(posed.warnings.begin(), posed.warnings.end(), said);
+  };
+  EXPECT_EQ(times_said(southern), 1);
+  EXPECT_EQ(times_said(whole), 0);
 }
 
 TEST(ChooseHeights, LetsSurveyedHeightsDifferAsTheyWereMeasured) {

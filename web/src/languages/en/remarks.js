@@ -236,6 +236,7 @@ export const remark_words = {
   assumed_by_poses: (v) => `For the ${count(v.photos, { one: 'photo', other: 'photos' })} placed by metadata alone the assumption stands: ${v.assumed}`,
   elevation_model_beside_takeoff: () => 'The elevation model does not cover the take-off location; the ground is taken as flat.',
   elevation_model_too_small: () => 'The elevation model covers less than half of the photos; the ground is taken as flat.',
+  elevation_model_in_part: (v) => `The elevation model has no height below ${some(v)}; the ground there is estimated without it. Add a model of the whole area.`,
   no_ties: () => 'No two photos could be matched: the map is made by their metadata alone and may show steps. If the ground is not water or bare, check that positions, heights and angles are those of this flight.',
   positions_jump: (v) => `Between ${v.before} and ${v.after} the recorded positions jump by ${formatError(v.by_m)} against what the photos show, far more than they claim to err by: as of a receiver that lost its fix, a base that was moved, or photos stamped late. Which side is right the photos do not tell: surveyed points would.`,
   heights_jump: (v) => `Between ${v.before} and ${v.after} the recorded heights jump by ${formatError(v.by_m)} against what the photos show, far more than they claim to err by: as of a receiver that lost its fix, or a base that was moved. The map's heights may be off by as much on one of the two sides; surveyed points with heights would tell which.`,
