@@ -1,8 +1,8 @@
 // What a map shows within a polygon: its area, how much of it the map covers, and of each colour the least,
 // the greatest, the mean, the spread and a histogram; the same of an index, with percentiles. Of the finest
 // zoom at which the polygon has at most kMaxPixels pixels; the answer says which. Any thread; takes up to
-// half a second, with a slow expression up to three. Errors: kInvalidArgument, kUnprocessable (no polygon),
-// kNotFound (no such flight, or no map yet), kCorrupt, kIo.
+// half a second, with a slow expression up to three. Errors: kInvalidArgument, kUnprocessable (no polygon, or
+// one that crosses itself), kNotFound (no such flight, or no map yet), kCorrupt, kIo.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -194,7 +194,7 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
                                   const std::optional<IndexLook>& look, double max_pixels) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(CheckJsonText(polygon));
-  SKYQUILT_TRY_ASSIGN(const storage::Boundary boundary, storage::ParseBoundary(polygon));
+  SKYQUILT_TRY_ASSIGN(const storage::Boundary boundary, storage::ParseArea(polygon));
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
   const storage::Revision& revision = tileset->revision;
   const std::optional<geo::Bounds2> common = CommonInMerc(boundary, revision);

@@ -1,8 +1,8 @@
 // POST /api/v1/flights/{flight}/volume: what lies above and below a base, or the heights of an earlier
 // flight, within a polygon of a map's heights (core/surface/terrain/volume). Any thread; reads up to eight
-// million cells. Errors: kInvalidArgument (no JSON, no such base), kUnprocessable (no polygon, no height
-// within or along it, or a map whose scale is a guess), kNotFound (no such flight, no map, or one without
-// heights), kCorrupt, and those of fetching.
+// million cells. Errors: kInvalidArgument (no JSON, no such base), kUnprocessable (no polygon, one that
+// crosses itself, no height within or along it, or a map whose scale is a guess), kNotFound (no such flight,
+// no map, or one without heights), kCorrupt, and those of fetching.
 #include "core/surface/terrain/volume.h"
 
 #include <fmt/format.h>
@@ -84,7 +84,7 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
                                Surface surface, const Base& base) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(CheckJsonText(polygon));
-  SKYQUILT_TRY_ASSIGN(const storage::Boundary area, storage::ParseBoundary(polygon));
+  SKYQUILT_TRY_ASSIGN(const storage::Boundary area, storage::ParseArea(polygon));
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
   if (IsScaleGuessed(*tileset)) return UnusableArea(kNoScale);
   const std::int64_t revision = tileset->revision.revision;

@@ -65,6 +65,57 @@ double AreaM2(const Boundary& boundary) {
 
 namespace {
 
+// Beyond 0 on the one side of the edge, below it on the other.
+double SideOf(const RingEdge& edge, double x, double y) {
+  return (edge.x1 - edge.x0) * (y - edge.y0) - (edge.y1 - edge.y0) * (x - edge.x0);
+}
+
+bool DoCross(const RingEdge& a, const RingEdge& b) {
+  for (const auto& [x, y] : {std::pair{b.x0, b.y0}, std::pair{b.x1, b.y1}}) {
+    if ((x == a.x0 && y == a.y0) || (x == a.x1 && y == a.y1)) return false;
+  }
+  return SideOf(a, b.x0, b.y0) * SideOf(a, b.x1, b.y1) < 0.0 &&
+         SideOf(b, a.x0, a.y0) * SideOf(b, a.x1, a.y1) < 0.0;
+}
+
+// The edges of a ring in Web Mercator, each from west to east; across the antimeridian the numbers go on.
+std::vector<RingEdge> EdgesInMerc(const Boundary::Ring& ring) {
+  std::vector<RingEdge> edges;
+  double lon_deg = ring.front().lon_deg;
+  Eigen::Vector2d from = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i <= ring.size(); ++i) {
+    const LatLon& corner = ring[i % ring.size()];
+    lon_deg = corner.lon_deg - 360.0 * std::nearbyint((corner.lon_deg - lon_deg) / 360.0);
+    const Eigen::Vector2d to = MercFromLatLon({std::clamp(corner.lat_deg, -85.06, 85.06), lon_deg});
+    if (i > 0 && from.x() < to.x()) edges.push_back({from.x(), from.y(), to.x(), to.y()});
+    if (i > 0 && from.x() >= to.x()) edges.push_back({to.x(), to.y(), from.x(), from.y()});
+    from = to;
+  }
+  return edges;
+}
+
+}  // namespace
+
+bool CrossesItself(const Boundary& boundary) {
+  std::size_t looks_left = 50'000'000;  // all pairs of ten thousand edges
+  for (const Boundary::Polygon& polygon : boundary.polygons) {
+    for (const Boundary::Ring& ring : polygon) {
+      std::vector<RingEdge> edges = EdgesInMerc(ring);
+      std::sort(edges.begin(), edges.end(), [](const RingEdge& a, const RingEdge& b) { return a.x0 < b.x0; });
+      for (std::size_t i = 0; i < edges.size(); ++i) {
+        for (std::size_t k = i + 1; k < edges.size() && edges[k].x0 < edges[i].x1; ++k) {
+          if (looks_left == 0) return false;
+          --looks_left;
+          if (DoCross(edges[i], edges[k])) return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
+namespace {
+
 // Of a ring what lies on one side of a meridian or parallel (Sutherland and Hodgman 1974): where `of` is not
 // below `line` (sign 1) or not above it (sign -1).
 Boundary::Ring CutAtLine(const Boundary::Ring& ring, double LatLon::*of, double sign, double line) {

@@ -43,6 +43,9 @@ struct Boundary {
 
 // Square metres: the outlines less their holes.
 double AreaM2(const Boundary& boundary);
+// Whether two edges of one ring cross: then its area is none that one could mean. Edges that touch do not. Of
+// rings of more than ten thousand corners that would take seconds not all edges are looked at.
+bool CrossesItself(const Boundary& boundary);
 // What of it lies within bounds, for what looks no further: rings cut one by one, so that parts may hang
 // together along the border. No polygons: nothing does.
 Boundary CutTo(const Boundary& boundary, const LatLonBounds& bounds);

@@ -202,6 +202,13 @@ Result<Boundary> ParseBoundary(std::string_view geojson) {
   return boundary;
 }
 
+Result<Boundary> ParseArea(std::string_view geojson) {
+  SKYQUILT_TRY_ASSIGN(Boundary boundary, ParseBoundary(geojson));
+  if (geo::CrossesItself(boundary))
+    return NoBoundary("one of its rings crosses itself: put its corners in the order along the outline.");
+  return boundary;
+}
+
 Result<Boundary> ParseBoundaryFile(std::string_view bytes) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());

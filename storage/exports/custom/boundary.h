@@ -20,6 +20,8 @@ using geo::kMaxBoundaryCorners;
 inline constexpr std::size_t kMaxBoundaryBytes = std::size_t{16} << 20;  // of its file
 
 Result<Boundary> ParseBoundary(std::string_view geojson);
+// The same to be measured: kUnprocessable also where a ring crosses itself.
+Result<Boundary> ParseArea(std::string_view geojson);
 // GeoJSON or KML, whichever it is.
 Result<Boundary> ParseBoundaryFile(std::string_view bytes);
 

@@ -118,7 +118,8 @@ TEST_F(StatisticsTest, RefusesWhatIsNoPolygon) {
   for (const char* body : {"", "x", "[]", "7"}) EXPECT_EQ(Post(body).status, 400) << body;
   for (const char* body :
        {"{}", R"({"type":"Point","coordinates":[1,1]})", R"({"type":"Polygon","coordinates":[]})",
-        R"({"type":"Polygon","coordinates":[[[0,0],[1,1e9],[1,1],[0,0]]]})"}) {
+        R"({"type":"Polygon","coordinates":[[[0,0],[1,1e9],[1,1],[0,0]]]})",
+        R"({"type":"Polygon","coordinates":[[[0,0],[1,1],[1,0],[0,1],[0,0]]]})"}) {
     EXPECT_EQ(Post(body).status, 422) << body;
   }
   EXPECT_EQ(Post(Box(0, 0, 1, 1), {}, "text/plain").status, 415);

@@ -12,6 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   using namespace skyquilt;
   const std::string_view text(reinterpret_cast<const char*>(bytes), size);
   (void)storage::ParseExportRequest(text).ok();
+  (void)storage::ParseArea(text).ok();
   const auto boundary = storage::ParseBoundary(text);
   if (!boundary) return 0;
   SKYQUILT_CHECK(!boundary->polygons.empty(), "a boundary without a polygon");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "core/geo/web_mercator.h"
 #include "tests/support/value_of.h"
@@ -71,6 +72,31 @@ TEST(ParseBoundary, SaysWhatIsWrongAndWhatToGive) {
     EXPECT_NE(boundary.error().message.find(word), std::string::npos) << boundary.error().message;
     EXPECT_NE(boundary.error().message.find("Polygon"), std::string::npos) << boundary.error().message;
   }
+}
+
+TEST(ParseArea, RefusesRingsThatCrossThemselves) {
+  const std::string square = Square(7.0, 46.0, 8.0, 47.0);
+  const std::pair<std::string, const char*> crossing[] = {
+      {"[[7,46],[8,47],[8,46],[7,47],[7,46]]", "a bow tie"},
+      {square + ",[[7.2,46.2],[7.8,46.8],[7.8,46.2],[7.2,46.8],[7.2,46.2]]", "a hole"},
+      {"[[7,46],[9,46],[9,47],[8,45],[7,47],[7,46]]", "over one edge and back"},
+      {"[[179,-17],[-179,-16],[-179,-17],[179,-16],[179,-17]]", "across the antimeridian"}};
+  for (const auto& [rings, what] : crossing) {
+    EXPECT_TRUE(ParseBoundary(Polygon(rings)).ok()) << what;
+    const auto area = ParseArea(Polygon(rings));
+    ASSERT_FALSE(area.ok()) << what;
+    EXPECT_NE(area.error().message.find("crosses itself: put its corners in the order"), std::string::npos)
+        << area.error().message;
+  }
+  const std::pair<std::string, const char*> whole[] = {
+      {square + "," + Square(7.0, 46.0, 7.5, 46.5), "a hole along the edge"},
+      {"[[7,46],[8,46],[8,46],[8,47],[7,47],[7,46]]", "a corner set twice"},
+      {"[[7,46],[8,46],[8,47],[7.5,46],[7,47],[7,46]]", "a corner on an edge"},
+      {"[[7,46],[8,46],[7.5,46.5],[8,47],[7,47],[7.5,46.5],[7,46]]", "a corner on another"},
+      {"[[7,46],[7.2,46.2],[7.8,46.2],[7.5,46.8],[7.2,46.2],[7,46],[7,47],[8,47],[8,46],[7,46]]", "a slit"},
+      {"[[179,-17],[-179,-17],[-179.5,-16.5],[-179,-16],[179,-16],[179,-17]]", "across the antimeridian"},
+      {Square(-180.0, -90.0, 180.0, 90.0), "the world"}};
+  for (const auto& [rings, what] : whole) EXPECT_TRUE(ParseArea(Polygon(rings)).ok()) << what;
 }
 
 TEST(BoundaryOnZoom, CountsPixelsByTheirMiddles) {
