@@ -178,8 +178,7 @@ test('what the server does not know is said to be unknown, and is neither nothin
   assert.ok(!Object.values(said).some((text) => /NaN|null|undefined/.test(text)), JSON.stringify(said));
   assert.equal(Object.fromEntries(recordFacts({ ...record, error_radius_m: 2.3 }, null, 'metric'))['Position error'], '± 2.3\u00a0m');
   assert.match(JSON.stringify(recordFacts({ ...record, error_radius_m: 0.3048, camera_height_above_ground_m: 30.48 }, null, 'imperial')), /"± 1\u00a0ft".*"100\.0\u00a0ft"/);
-  assert.equal(errorWords([1, 2, 4], 3), 'Median 2\u00a0m, maximum 4\u00a0m.');
-  assert.equal(errorWords([1, 2, 4], 5), 'Median 2\u00a0m, maximum 4\u00a0m. Unknown for 2 photos.');
+  assert.deepEqual([errorWords([1, 2, 4], 3, 'metric'), errorWords([0.3048, 0.6096, 1.2192], 5, 'imperial')], ['Median 2\u00a0m, maximum 4\u00a0m.', 'Median 2\u00a0ft, maximum 4\u00a0ft. Unknown for 2 photos.']);
   const photos = (/** @type {(number|null|undefined)[]} */ ...radii) => /** @type {any} */ ({ features: radii.map((error_radius_m) => ({ properties: { error_radius_m } })) });
   assert.deepEqual(errorsOf(null), { worst_m: null, lacks_some: false });
   assert.deepEqual(errorsOf(photos(null, undefined)), { worst_m: null, lacks_some: true });

@@ -1,11 +1,13 @@
 // The report as pictures: how many photos see each spot, how far the photos may be off, where the time went.
 /** @import { PhotoCollection, PhotoRecord, Report } from '../shared/types.js' */
+/** @import { Units } from '../shared/units.js' */
 import { h, svg } from '../shared/dom.js';
-import { formatDuration, formatError, formatLength } from '../shared/format.js';
+import { formatDuration } from '../shared/format.js';
 import { boundsOf, isInside } from '../map/geodesy.js';
 import { stageName } from './job_view.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
+import { errorIn, lengthIn } from '../shared/units.js';
 
 /**
  * How many footprints cover each cell of a grid over their common bounds.
@@ -80,18 +82,19 @@ export function histogram(values, bins) {
   return result;
 }
 
-/** @param {number[]} radii_m that are known, rising @param {number} photos of how many */
-export function errorWords(radii_m, photos) {
+/** @param {number[]} radii_m that are known, rising @param {number} photos of how many @param {Units} units */
+export function errorWords(radii_m, photos, units) {
   const words = strings.report;
-  const known = words.errors_text(formatError(radii_m[Math.floor((radii_m.length - 1) / 2)]), formatError(radii_m[radii_m.length - 1]));
+  const known = words.errors_text(errorIn(radii_m[Math.floor((radii_m.length - 1) / 2)], units), errorIn(radii_m[radii_m.length - 1], units));
   return radii_m.length < photos ? `${known} ${words.errors_unknown(photos - radii_m.length)}` : known;
 }
 
 /**
  * @param {PhotoCollection} photos
+ * @param {Units} units
  * @returns {HTMLElement|null}
  */
-export function errorPicture(photos) {
+export function errorPicture(photos, units) {
   const radii = photos.features
     .map(({ properties }) => /** @type {PhotoRecord} */ (properties).error_radius_m)
     .filter((radius) => typeof radius === 'number' && Number.isFinite(radius))
@@ -100,11 +103,11 @@ export function errorPicture(photos) {
   if (radii.length < 2) return null;
   const bars = histogram(radii, 10);
   const most = Math.max(...bars.map(({ count }) => count));
-  const text = errorWords(radii, photos.features.length);
+  const text = errorWords(radii, photos.features.length, units);
   const chart = svg('svg', { class: 'histogram', viewBox: '0 0 200 66', role: 'img', 'aria-label': text });
   bars.forEach(({ from, to, count }, i) => {
     const height = (count / most) * 48;
-    const label = strings.report.error_bar(count, formatLength(from), formatLength(to));
+    const label = strings.report.error_bar(count, lengthIn(from, units), lengthIn(to, units));
     chart.append(
       svg('rect', { x: i * 20 + 1, y: 50 - height, width: 18, height, rx: 1.5, class: 'bar-fill' }, svg('title', {}, label)),
     );
@@ -112,7 +115,7 @@ export function errorPicture(photos) {
   chart.append(
     svg('line', { x1: 0, x2: 200, y1: 50.5, y2: 50.5, class: 'axis' }),
     svg('text', { x: 1, y: 62, class: 'axis-text' }, number(0)),
-    svg('text', { x: 199, y: 62, class: 'axis-text', 'text-anchor': 'end' }, formatLength(bars[bars.length - 1].to)),
+    svg('text', { x: 199, y: 62, class: 'axis-text', 'text-anchor': 'end' }, lengthIn(bars[bars.length - 1].to, units)),
   );
   return figure(strings.report.errors, chart, text);
 }

@@ -35,16 +35,20 @@ function placementBar(photos) {
 /** @param {string} term @param {string} value */
 const fact = (term, value) => h('div', {}, h('dt', {}, term), h('dd', {}, value));
 
-/** In the units that are chosen. @param {number} area_m2 */
-function areaFact(area_m2) {
-  const text = () => areaIn(area_m2, chosenUnits());
-  const row = fact(strings.report.area, text());
+/** Made again when other units are chosen. @param {() => HTMLElement|null} make */
+function inUnits(make) {
+  let shown = make();
   const update = () => {
-    if (!row.isConnected) units_chosen.removeEventListener('change', update);
-    else /** @type {HTMLElement} */ (row.lastElementChild).textContent = text();
+    if (!shown?.isConnected) {
+      units_chosen.removeEventListener('change', update);
+      return;
+    }
+    const anew = make();
+    if (anew) shown.replaceWith(anew);
+    shown = anew;
   };
   units_chosen.addEventListener('change', update);
-  return row;
+  return shown;
 }
 
 // A photo's first bytes hold the name of its camera.
@@ -120,7 +124,7 @@ export function reportView(flight, report, photos, change) {
       'dl',
       { class: 'facts' },
       flight.captured && fact(words.taken, formatCaptureTime(flight.captured)),
-      is_scale_known ? areaFact(report.area_m2) : fact(words.area, words.no_scale),
+      is_scale_known ? inUnits(() => fact(words.area, areaIn(report.area_m2, chosenUnits()))) : fact(words.area, words.no_scale),
       fact(words.gsd, is_scale_known ? formatGsd(report.gsd_m) : words.no_scale),
       report.quality && fact(words.absolute, absoluteWords(report.quality)),
       report.quality && fact(words.relative, relativeWords(report.quality)),
@@ -144,7 +148,7 @@ export function reportView(flight, report, photos, change) {
       { class: 'pictures' },
       mapPicture(flight),
       photos && coveragePicture(photos),
-      photos && errorPicture(photos),
+      photos && inUnits(() => errorPicture(photos, chosenUnits())),
     ),
     h(
       'details',
