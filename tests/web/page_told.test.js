@@ -42,10 +42,12 @@ test('a map with photos left out or placed by record alone is amber and says so;
     if (is_whole) assert.match(text, /Ready to use.*All 18 photos are aligned/);
     else assert.match(text, /1 of 19 photos was left out.*2 photos were placed by their recorded position only/);
     // What was noted of single photos, and how it was made, are for who looks for it.
-    assert.doesNotMatch(await page.innerText('#report .callout'), /46 m/);
+    assert.doesNotMatch(await page.innerText('#report .callout'), /152\sft/);
     assert.equal(await page.innerText('#photo-notes'), '1 note on a single photo');
     assert.equal(await page.innerText('#processing-details'), 'Processing details');
     await page.click('#photo-notes summary');
+    assert.match(await page.innerText('#photo-notes'), /DJI_0001\.JPG: the recorded position is 152\sft/);  // the browser speaks American English
+    await page.evaluate(async () => (await import(new URL('src/shared/units.js', location.href).href)).keepUnits('metric'));
     assert.match(await page.innerText('#photo-notes'), /DJI_0001\.JPG: the recorded position is 46\sm/);
     await mapIdle(page);
     await assertAccessible(page, 'result');

@@ -9,6 +9,7 @@ import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
 import { loadPageWords, strings } from '../../../web/src/shared/strings.js';
 import { remarkWords, serverWords } from '../../../web/src/shared/api.js';
 import { inOneLine, saidOf, whyLeftOut } from '../../../web/src/shared/remarks.js';
+import { keepUnits } from '../../../web/src/shared/units.js';
 import { web_root } from '../support/mock_server.js';
 
 /** @typedef {import('../../../web/src/shared/language.js').Language} Language */
@@ -64,6 +65,15 @@ for (const tag of tags) {
     }
   });
 }
+
+test('lengths in remarks have the units that are chosen', async () => {
+  const { remarks } = await loadFlightWords('en');
+  const said = () => [remarks.position_elsewhere({ off_m: 46.2 }), remarks.heights_jump({ before: 'a', after: 'b', by_m: 3.048 }), remarks.altitude_impossible({ altitude_m: 30_480 }), remarks.left_far_from_flight({ apart_km: 16.09344 })].join('\n');
+  keepUnits('imperial');
+  assert.match(said(), /152\u00a0ft[^]*10\u00a0ft[^]*100,000\u00a0ft[^]*10\u00a0mi/);
+  keepUnits('metric');
+  assert.match(said(), /46\u00a0m[^]*3\u00a0m[^]*30,480\u00a0m[^]*16\u00a0km/);
+});
 
 test('no two languages say the same sentence', async () => {
   const [english, german] = [(await loadFlightWords('en')).remarks, (await loadFlightWords('de')).remarks];

@@ -99,8 +99,8 @@ export function reportView(flight, report, photos, change) {
   const words = strings.report;
   const left_out = report.left_out_photos ?? [];
   const said = saidOf(report);
-  const of_flight = said.filter(({ photo }) => photo === null);
-  const of_photos = said.filter(({ photo }) => photo !== null);  // for who looks for it
+  const of_photos = said.filter(({ photo }) => photo !== null).length;  // for who looks for it
+  const remarksOn = (/** @type {boolean} */ is_photo) => inUnits(() => remarkList(saidOf(report).filter(({ photo }) => (photo !== null) === is_photo)));
   const is_scale_known = hasScale(report);
   const placed = report.photos.aligned + report.photos.pose_only;
   return h(
@@ -132,17 +132,17 @@ export function reportView(flight, report, photos, change) {
       report.photos.total > 0 && fact(words.photos, `${number(placed)} / ${number(report.photos.total)}`),
     ),
     report.photos.total > 0 && placementBar(report.photos),
-    of_flight.length > 0 &&
+    said.length > of_photos &&
       h(
         'div',
         { class: 'callout callout-warning' },
         h('p', { class: 'callout-title' }, icon('warning'), words.warnings),
-        remarkList(of_flight),
+        remarksOn(false),
       ),
-    of_photos.length > 0 &&
-      h('details', { class: 'left-out', id: 'photo-notes' }, h('summary', {}, words.corrections(of_photos.length)), remarkList(of_photos)),
+    of_photos > 0 &&
+      h('details', { class: 'left-out', id: 'photo-notes' }, h('summary', {}, words.corrections(of_photos)), remarksOn(true)),
     left_out.length > 0 &&
-      h('details', { class: 'left-out', id: 'left-out' }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out.map((one) => ({ name: one.name, reason: whyLeftOut(one) })))),
+      h('details', { class: 'left-out', id: 'left-out' }, h('summary', {}, words.left_out(left_out.length)), inUnits(() => reasonList(left_out.map((one) => ({ name: one.name, reason: whyLeftOut(one) }))))),
     h(
       'div',
       { class: 'pictures' },

@@ -1,6 +1,6 @@
 // Lengths, areas and volumes in the units of who reads: metres and hectares, or feet and acres. By the browser's country until
 // one chooses; the choice stays in this browser.
-import { formatArea, formatError, formatLength, formatVolume, threeDigits } from './format.js';
+import { formatArea, formatDistance, formatError, formatLength, formatVolume, threeDigits } from './format.js';
 import { fixed, keepChoice, keptChoice, number } from './language.js';
 import { strings } from './strings.js';
 
@@ -26,7 +26,7 @@ export function usualUnits(language) {
 /** @returns {Units} */
 export function chosenUnits() {
   const kept = keptChoice(kKey);
-  return kept === 'metric' || kept === 'imperial' ? kept : usualUnits(navigator.language);
+  return kept === 'metric' || kept === 'imperial' ? kept : usualUnits(globalThis.navigator?.language ?? '');
 }
 
 /** Emits 'change' when others were chosen. */
@@ -80,3 +80,18 @@ export function volumeIn(cubic_metres, units) {
   if (units === 'metric') return formatVolume(cubic_metres);
   return `${threeDigits(Number((cubic_metres / kYard_m ** 3).toFixed(2)) + 0)}\u00a0yd³`;
 }
+
+// Within sentences: in the units that are chosen.
+
+/** A round length. @param {number} metres */
+export function distanceTold(metres) {
+  if (chosenUnits() === 'metric') return formatDistance(metres);
+  const feet = metres / kFoot_m;
+  return feet < kMile_ft ? `${fixed(feet, feet < 10 ? 1 : 0)}\u00a0ft` : `${number(feet / kMile_ft, { maximumFractionDigits: feet < 10 * kMile_ft ? 1 : 0 })}\u00a0mi`;
+}
+
+/** @param {number} metres @param {number} digits */
+export const metresTold = (metres, digits) => heightIn(metres, chosenUnits(), [], digits);
+
+/** @param {number} metres */
+export const errorTold = (metres) => errorIn(metres, chosenUnits());
