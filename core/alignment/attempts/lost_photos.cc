@@ -31,49 +31,49 @@ constexpr int kMaxSamples = 1000;
 constexpr double kMaxHeightRatio = 6.0;  // to the other photos' heights: a climb of five times is flown
 constexpr std::uint64_t kSeed = 0x10571057;
 
-using PointOfPixel = std::unordered_map<std::uint64_t, int>;
+using TrackOfPixel = std::unordered_map<std::uint64_t, const Track*>;
 
 std::uint64_t KeyOf(double x_px, double y_px) {
   return (std::uint64_t{std::bit_cast<std::uint32_t>(static_cast<float>(x_px))} << 32) |
          std::bit_cast<std::uint32_t>(static_cast<float>(y_px));
 }
 
-// By photo, which track each of its pixels sees.
-std::vector<PointOfPixel> IndexPoints(const LostInput& input) {
-  std::vector<PointOfPixel> points(input.views.size());
-  for (std::size_t t = 0; t < input.tracks.size(); ++t) {
-    for (const Observation& one : input.tracks[t].observations) {
-      if (!input.tied.Has(one.photo)) continue;
-      points[one.photo].emplace(KeyOf(one.pixel_in_image.x(), one.pixel_in_image.y()), static_cast<int>(t));
+// By photo, which track each of its pixels sees; of photos of the alignment.
+std::vector<TrackOfPixel> IndexTracks(const PhotoSet& tied, const std::vector<Track>& tracks) {
+  std::vector<TrackOfPixel> indexed(tied.Photos());
+  for (const Track& track : tracks) {
+    for (const Observation& one : track.observations) {
+      if (!tied.Has(one.photo)) continue;
+      indexed[one.photo].emplace(KeyOf(one.pixel_in_image.x(), one.pixel_in_image.y()), &track);
     }
   }
-  return points;
+  return indexed;
 }
 
-std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<int>& alike) {
+std::vector<int> PartnersOf(const PhotoRecord& record, const std::vector<View>& views, const PhotoSet& tied,
+                            int lost, const std::vector<int>& alike) {
   std::set<int> partners;
-  const int count = static_cast<int>(input.views.size());
+  const int count = static_cast<int>(views.size());
   for (const int step : {-1, 1}) {
     // The next aligned ones, over others that are lost too.
     int found = 0;
     for (int i = lost + step; i >= 0 && i < count && found < kMaxSteps; i += step) {
-      if (!input.tied.Has(i)) continue;
+      if (!tied.Has(i)) continue;
       partners.insert(i);
       ++found;
     }
   }
-  const auto& record = input.records[lost];
   if (record.center_in_enu) {
     std::vector<std::pair<double, int>> near;
     for (int i = 0; i < count; ++i) {
-      if (!input.tied.Has(i)) continue;
-      const Eigen::Vector3d center = input.views[i].CenterInEnu();
+      if (!tied.Has(i)) continue;
+      const Eigen::Vector3d center = views[i].CenterInEnu();
       near.emplace_back((center - *record.center_in_enu).head<2>().norm(), i);
     }
     for (const int i : LeastFew(std::move(near), kNearest)) partners.insert(i);
   }
   for (const int i : alike) {
-    if (input.tied.Has(i)) partners.insert(i);
+    if (tied.Has(i)) partners.insert(i);
   }
   return {partners.begin(), partners.end()};
 }
@@ -104,23 +104,24 @@ std::vector<PhotoPair> LinksOf(const std::vector<Pairing>& pairings, const std::
 // What keypoints of aligned photos stand for: tracks alone, or the ground where they are none's.
 enum class PointsOf { kTracks, kTracksAndGround };
 
-std::optional<FoundPose> Resect(const LostInput& input, const std::vector<PointOfPixel>& points,
-                                const std::vector<int>& partners, double median_height_m, int lost,
-                                PointsOf points_of) {
-  const PhotoFeatures& features = *input.features[lost];
+std::optional<FoundPose> Resect(const ExtractedFlight& extracted, const Attempt& attempt,
+                                const std::vector<TrackOfPixel>& indexed, const std::vector<int>& partners,
+                                double median_height_m, int lost, PointsOf points_of) {
+  const PhotoFeatures& features = *extracted.readable[lost];
+  const std::vector<View>& views = attempt.matched.views;
   std::vector<PointObservation> observations;
   std::vector<Pairing> pairings;
   for (const int partner : partners) {
-    const PhotoFeatures* other = input.features[partner];
+    const PhotoFeatures* other = extracted.readable[partner];
     if (!other) continue;
     for (const KeypointMatch& match : MatchDescriptors(features, *other, kMaxFeatures)) {
       const Keypoint& seen = other->keypoints[match.second];
-      const auto point = points[partner].find(KeyOf(seen.x_px, seen.y_px));
+      const auto track = indexed[partner].find(KeyOf(seen.x_px, seen.y_px));
       Eigen::Vector3d point_in_enu;
-      if (point != points[partner].end()) {
-        point_in_enu = input.tracks[point->second].point_in_enu;
+      if (track != indexed[partner].end()) {
+        point_in_enu = track->second->point_in_enu;
       } else if (points_of == PointsOf::kTracks ||
-                 !MeetGround(input.views[partner], input.relief, {seen.x_px, seen.y_px}, &point_in_enu)) {
+                 !MeetGround(views[partner], attempt.relief, {seen.x_px, seen.y_px}, &point_in_enu)) {
         continue;
       }
       const Keypoint& keypoint = features.keypoints[match.first];
@@ -129,7 +130,7 @@ std::optional<FoundPose> Resect(const LostInput& input, const std::vector<PointO
     }
   }
   std::optional<FoundPose> found =
-      FindPose(input.views[lost].intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost),
+      FindPose(views[lost].intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost),
                {.min_inliers = static_cast<int>(kMinInliers), .max_samples = kMaxSamples});
   if (!found) return std::nullopt;
   // A point seen by three partners is one witness, not three.
@@ -176,31 +177,37 @@ CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m
 
 }  // namespace
 
-std::vector<FoundPose> RegisterLost(const LostInput& input, int threads) {
-  const std::size_t count = input.views.size();
+std::vector<FoundPose> RegisterLost(const ExtractedFlight& extracted, const Attempt& attempt,
+                                    const PhotoSet& tied, const std::vector<Track>& tracks, int threads) {
+  const std::vector<PhotoRecord>& records = extracted.records;
+  const std::vector<View>& views = attempt.matched.views;
+  const std::size_t count = views.size();
   std::vector<int> lost;
   std::vector<double> heights_m;
   bool any_without_position = false;
   for (std::size_t i = 0; i < count; ++i) {
-    if (input.tied.Has(i)) {
-      heights_m.push_back(input.views[i].height_above_ground_m);
-    } else if (ShowsEnough(input.features[i])) {
+    if (tied.Has(i)) {
+      heights_m.push_back(views[i].height_above_ground_m);
+    } else if (ShowsEnough(extracted.readable[i])) {
       lost.push_back(static_cast<int>(i));
-      any_without_position = any_without_position || !input.records[i].center_in_enu;
+      any_without_position = any_without_position || !records[i].center_in_enu;
     }
   }
   if (lost.empty() || heights_m.empty()) return {};
   const double median_height_m = Median(std::move(heights_m));
   std::vector<std::vector<int>> alike(count);
   // Learning what photos look like is worth its time only where no position says which are near.
-  if (any_without_position) alike = Appearance::Learn(input.features, threads).MostAlike(kAlike, threads);
-  const std::vector<PointOfPixel> points = IndexPoints(input);
+  if (any_without_position) alike = Appearance::Learn(extracted.readable, threads).MostAlike(kAlike, threads);
+  const std::vector<TrackOfPixel> indexed = IndexTracks(tied, tracks);
   return ParallelCollect(lost.size(), threads, [&](std::size_t k) {
     const int i = lost[k];
     const std::vector<int> partners =
-        PartnersOf(input, i, input.records[i].center_in_enu ? std::vector<int>() : alike[i]);
-    if (auto found = Resect(input, points, partners, median_height_m, i, PointsOf::kTracks)) return found;
-    return Resect(input, points, partners, median_height_m, i, PointsOf::kTracksAndGround);
+        PartnersOf(records[i], views, tied, i, records[i].center_in_enu ? std::vector<int>() : alike[i]);
+    const auto resect = [&](PointsOf points_of) {
+      return Resect(extracted, attempt, indexed, partners, median_height_m, i, points_of);
+    };
+    if (auto found = resect(PointsOf::kTracks)) return found;
+    return resect(PointsOf::kTracksAndGround);
   });
 }
 
@@ -217,8 +224,7 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
   MatchedFlight& linked = attempt.matched;
   BundleProblem& problem = attempt.problem;
   const PhotoSet tied = TiedPhotos(attempt);
-  const std::vector<FoundPose> found = RegisterLost(
-      {extracted.readable, linked.views, tied, tracks, extracted.records, attempt.relief}, threads);
+  const std::vector<FoundPose> found = RegisterLost(extracted, attempt, tied, tracks, threads);
   if (found.empty()) return 0;
   // Where the images placed the others, its record counts as little as theirs, and that is said of all of
   // them.

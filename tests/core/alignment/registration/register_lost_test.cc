@@ -11,40 +11,37 @@ constexpr std::size_t kLost = 2;
 // Five photos of one line over level ground; the third is lost, the others lie where they were taken.
 struct LostPhoto {
   SyntheticScene scene = MakeScene({.columns = 5, .rows = 1, .relief_m = 0.0});
-  std::vector<const PhotoFeatures*> features;
-  std::vector<View> views;
+  ExtractedFlight extracted;
+  Attempt attempt;
   PhotoSet tied;
-  std::vector<PhotoRecord> records;
   std::vector<Track> tracks;
-  Relief relief{0.0};
 
   LostPhoto() {
     for (std::size_t i = 0; i < scene.features.size(); ++i) {
-      features.push_back(&scene.features[i]);
+      extracted.readable.push_back(&scene.features[i]);
       View view;
       view.intrinsics = scene.lens;
       view.cam_from_enu = scene.cam_from_enu[i];
       view.height_above_ground_m = 50.0;
-      views.push_back(view);
+      attempt.matched.views.push_back(view);
       tied.Append(i != kLost);
     }
-    records.resize(features.size());
+    extracted.records.resize(scene.features.size());
   }
   // Every so-many-th keypoint of a tied photo is a track, at its place on the ground.
   void AddTracks(std::size_t every) {
-    for (std::size_t i = 0; i < features.size(); ++i) {
-      for (std::size_t k = 0; tied.Has(i) && k < features[i]->keypoints.size(); k += every) {
-        const Keypoint& keypoint = features[i]->keypoints[k];
+    for (std::size_t i = 0; i < scene.features.size(); ++i) {
+      for (std::size_t k = 0; tied.Has(i) && k < scene.features[i].keypoints.size(); k += every) {
+        const Keypoint& keypoint = scene.features[i].keypoints[k];
         Track track;
         track.observations.push_back({static_cast<int>(i), {keypoint.x_px, keypoint.y_px}, 1.0});
-        if (MeetGround(views[i], relief, track.observations[0].pixel_in_image, &track.point_in_enu))
+        if (MeetGround(attempt.matched.views[i], attempt.relief, track.observations[0].pixel_in_image,
+                       &track.point_in_enu))
           tracks.push_back(track);
       }
     }
   }
-  std::vector<FoundPose> Register() const {
-    return RegisterLost({features, views, tied, tracks, records, relief}, 2);
-  }
+  std::vector<FoundPose> Register() const { return RegisterLost(extracted, attempt, tied, tracks, 2); }
   double OffM(const FoundPose& one) const {
     return (one.cam_from_world.TargetOriginInSource() - scene.cam_from_enu[kLost].TargetOriginInSource())
         .norm();
@@ -73,7 +70,7 @@ TEST(RegisterLost, LeavesAPhotoOfAnotherPlaceLost) {
   LostPhoto of;
   of.AddTracks(1);
   const SyntheticScene elsewhere = MakeScene({.columns = 5, .rows = 1, .relief_m = 0.0, .seed = 77});
-  of.features[kLost] = &elsewhere.features[kLost];
+  of.extracted.readable[kLost] = &elsewhere.features[kLost];
   EXPECT_TRUE(of.Register().empty());
 }
 
