@@ -8,6 +8,7 @@
 #include "core/alignment/estimators/epipolar.h"
 #include "core/alignment/estimators/sampler.h"
 #include "core/base/median.h"
+#include "core/base/parallel_for.h"
 #include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
@@ -32,20 +33,21 @@ constexpr double kNearlyAsWell = 0.9;
 constexpr int kRefinements = 8;
 
 // Inliers of one rough motion of the picture: of the proposed motions, the one with most inliers.
-std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& second,
+std::vector<int> FollowLoosely(const PhotoFeatures& first, const PhotoFeatures& second,
+                               const camera::Intrinsics& second_lens,
                                const std::vector<KeypointMatch>& matches) {
   const int count = static_cast<int>(matches.size());
   std::vector<Vector2d> from, to;
   std::vector<double> turn, grown;
   for (const KeypointMatch& match : matches) {
-    const Keypoint& a = first.features->keypoints[match.first];
-    const Keypoint& b = second.features->keypoints[match.second];
+    const Keypoint& a = first.keypoints[match.first];
+    const Keypoint& b = second.keypoints[match.second];
     from.emplace_back(a.x_px, a.y_px);
     to.emplace_back(b.x_px, b.y_px);
     turn.push_back(b.angle_rad - a.angle_rad);
     grown.push_back(std::log2(b.scale_px / std::max(1e-3F, a.scale_px)));
   }
-  const double near_px = kNearShare * std::max(second.lens->width_px, second.lens->height_px);
+  const double near_px = kNearShare * std::max(second_lens.width_px, second_lens.height_px);
   std::vector<int> best;
   const int step = std::max(1, count / kMaxProposals);
   for (int k = 0; k < count; k += step) {
@@ -225,32 +227,41 @@ void TakeMatches(const std::vector<KeypointMatch>& matches, const std::vector<in
 
 }  // namespace
 
-TwoViewPhoto TwoViewOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most) {
-  TwoViewPhoto photo{&features, &lens};
-  const std::size_t count = std::min<std::size_t>(most, features.keypoints.size());
-  photo.rays.reserve(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    const Keypoint& keypoint = features.keypoints[k];
-    photo.rays.emplace_back(lens.Unproject({keypoint.x_px, keypoint.y_px}).head<2>());
-  }
-  return photo;
+KeypointRays RaysOf(const Registration& input, int most, int threads) {
+  KeypointRays rays(input.photos.size());
+  ParallelFor(input.photos.size(), threads, [&](std::size_t i) {
+    const PhotoFeatures* features = input.photos[i].features;
+    if (!features) return;
+    const camera::Intrinsics& lens = input.lenses[input.photos[i].lens].intrinsics;
+    const std::size_t count = std::min<std::size_t>(most, features->keypoints.size());
+    rays[i].reserve(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Keypoint& keypoint = features->keypoints[k];
+      rays[i].emplace_back(lens.Unproject({keypoint.x_px, keypoint.y_px}).head<2>());
+    }
+  });
+  return rays;
 }
 
-std::optional<PhotoPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
+std::optional<PhotoPair> VerifyTwoViews(const Registration& input, const KeypointRays& rays,
                                         const PhotoPair& compared, double tolerance_sigmas) {
   const std::vector<KeypointMatch>& matches = compared.matches;
   const int least = kMinTwoViewMatches;
   if (static_cast<int>(matches.size()) < least) return std::nullopt;
-  const std::vector<int> loose = FollowLoosely(first, second, matches);
+  const RegistrationPhoto& first = input.photos[compared.first];
+  const RegistrationPhoto& second = input.photos[compared.second];
+  const camera::Intrinsics& first_lens = input.lenses[first.lens].intrinsics;
+  const camera::Intrinsics& second_lens = input.lenses[second.lens].intrinsics;
+  const std::vector<int> loose = FollowLoosely(*first.features, *second.features, second_lens, matches);
   if (static_cast<int>(loose.size()) < least) return std::nullopt;
   std::vector<RayPair> pairs;
   pairs.reserve(matches.size());
   for (const KeypointMatch& match : matches) {
-    pairs.push_back({first.rays[match.first], second.rays[match.second]});
+    pairs.push_back({rays[compared.first][match.first], rays[compared.second][match.second]});
   }
   const double tolerance =
-      tolerance_sigmas * std::hypot(first.features->sigma_px / first.lens->MeanFocalPx(),
-                                    second.features->sigma_px / second.lens->MeanFocalPx());
+      tolerance_sigmas * std::hypot(first.features->sigma_px / first_lens.MeanFocalPx(),
+                                    second.features->sigma_px / second_lens.MeanFocalPx());
   Sampler sampler(static_cast<std::uint64_t>(compared.first) * 1000003U +
                   static_cast<std::uint64_t>(compared.second));
   const RobustFit flat = FindHomography(pairs, loose, 2.0 * tolerance, sampler);

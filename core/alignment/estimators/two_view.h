@@ -11,26 +11,20 @@
 #include <optional>
 #include <vector>
 
-#include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
-#include "core/camera/intrinsics.h"
+#include "core/alignment/scene/registration.h"
 
 namespace skyquilt::alignment {
 
-struct TwoViewPhoto {
-  const PhotoFeatures* features = nullptr;
-  const camera::Intrinsics* lens = nullptr;
-  std::vector<Eigen::Vector2d> rays = {};  // (x, y, 1) of each keypoint, freed of distortion
-};
-
 inline constexpr int kMinTwoViewMatches = 15;  // fewer are no geometry
 
-// With the rays of so many keypoints at most. Keeps pointers to both.
-TwoViewPhoto TwoViewOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most);
+// By photo, (x, y, 1) of each of its keypoints, so many at most, freed of distortion.
+using KeypointRays = std::vector<std::vector<Eigen::Vector2d>>;
+KeypointRays RaysOf(const Registration& input, int most, int threads);
 
 // `compared`: with all matches; samples are seeded by its photos. tolerance_sigmas: of a keypoint's place,
 // each photo.
-std::optional<PhotoPair> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
+std::optional<PhotoPair> VerifyTwoViews(const Registration& input, const KeypointRays& rays,
                                         const PhotoPair& compared, double tolerance_sigmas = 8.0);
 
 }  // namespace skyquilt::alignment

@@ -27,13 +27,8 @@ using Pair = std::pair<int, int>;
 
 class Verifier {
  public:
-  Verifier(Registration& input, int threads) : input_(input), threads_(threads), views_(input.photos.size()) {
-    ParallelFor(input.photos.size(), threads, [&](std::size_t i) {
-      const RegistrationPhoto& photo = input.photos[i];
-      if (!photo.features) return;
-      views_[i] = TwoViewOf(*photo.features, input.lenses[photo.lens].intrinsics, kFeaturesOfWeak);
-    });
-  }
+  Verifier(Registration& input, int threads)
+      : input_(input), threads_(threads), rays_(RaysOf(input, kFeaturesOfWeak, threads)) {}
 
   // Compares and verifies; adds what was found to the view graph.
   void Compare(const std::vector<Pair>& pairs, int features) {
@@ -49,9 +44,8 @@ class Verifier {
   }
 
   void Verify(const std::vector<PhotoPair>& compared) {
-    std::vector<PhotoPair> found = ParallelCollect(compared.size(), threads_, [&](std::size_t p) {
-      return VerifyTwoViews(views_[compared[p].first], views_[compared[p].second], compared[p]);
-    });
+    const auto verify = [&](std::size_t p) { return VerifyTwoViews(input_, rays_, compared[p]); };
+    std::vector<PhotoPair> found = ParallelCollect(compared.size(), threads_, verify);
     std::move(found.begin(), found.end(), std::back_inserter(input_.links));
   }
 
@@ -60,7 +54,7 @@ class Verifier {
 
   Registration& input_;
   int threads_;
-  std::vector<TwoViewPhoto> views_;
+  KeypointRays rays_;
 };
 
 PhotoSet WithFewerPartners(const Registration& input, int enough) {

@@ -155,9 +155,11 @@ Solver CvHomography(int method) {
 Solver OurTwoViews() {
   return [](const Problem& problem) -> std::optional<Outcome> {
     const camera::Intrinsics lens = camera::Intrinsics::Centered(kWidthPx, kHeightPx, kFocalPx);
-    const auto view =
-        VerifyTwoViews(TwoViewOf(problem.first, lens, kPairs), TwoViewOf(problem.second, lens, kPairs),
-                       {0, 1, {}, problem.matches}, 3.0);
+    Registration input;
+    input.lenses.emplace_back().intrinsics = lens;
+    for (const PhotoFeatures* features : {&problem.first, &problem.second})
+      input.photos.emplace_back().features = features;
+    const auto view = VerifyTwoViews(input, RaysOf(input, kPairs, 1), {0, 1, {}, problem.matches}, 3.0);
     if (!view || view->poses.front().translation.squaredNorm() < 0.5) return std::nullopt;
     Outcome best = JudgePose(problem, view->poses.front().rotation, view->poses.front().translation);
     if (problem.homography && view->poses.size() > 1) {  // flat ground leaves two

@@ -11,8 +11,8 @@ namespace skyquilt::alignment {
 namespace {
 
 std::optional<PhotoPair> View(const SyntheticScene& scene, int i, int j) {
-  return VerifyTwoViews(TwoViewOf(scene.features[i], scene.lens, 2000),
-                        TwoViewOf(scene.features[j], scene.lens, 2000),
+  const Registration input = InputOf(scene);
+  return VerifyTwoViews(input, RaysOf(input, 2000, 1),
                         {i, j, {}, MatchDescriptors(scene.features[i], scene.features[j])});
 }
 
