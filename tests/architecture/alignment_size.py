@@ -11,12 +11,12 @@ FLAGS = re.compile(r"\bvector<\s*char\s*>")
 CAST = re.compile(r"\bstatic_cast<(?:std::)?size_t>")
 TYPE = re.compile(r"^(?:struct|class) (\w+)[^;\n]*$", re.M)  # of a header, not within another type
 
-MOST_TYPES = 31
+MOST_TYPES = 30
 STANDS_FOR = {
     "photo": """AlignPhotoReport AlignedPhoto BundlePhoto CorrectedPose FoundPose GroundCorrection GroundPrior
         PhotoDoubt PhotoFeatures PhotoRecord RegistrationPhoto View""",
     "point": "GroundKeypoint Keypoint Observation PointObservation Track TrackElement",
-    "pair": "AlignPairReport CandidatePair KeypointMatch PhotoPair PlacePair RayPair",
+    "pair": "AlignPairReport KeypointMatch PhotoPair PlacePair RayPair",
     "flight": "AlignedFlight Attempt BundleProblem ExtractedFlight MatchedFlight Registration SceneTracks",
 }
 # Options and questions, verdicts and reports, surveyed points, lenses, pictures, and what is computed with.

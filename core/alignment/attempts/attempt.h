@@ -37,7 +37,7 @@ struct ExtractedFlight {
 struct Attempt {
   poses::PosedFlight posed;  // where the photos were taken to be before they were compared
   MatchedFlight matched;
-  std::vector<CandidatePair> compared;  // by the first passes, whatever came of it
+  std::vector<PhotoPair> compared;  // by the first passes, whatever came of it
   Relief relief{0.0};
   BundleProblem problem;
   BundleSummary adjusted;  // by the last adjustment

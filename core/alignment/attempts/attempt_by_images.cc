@@ -373,7 +373,7 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
   for (const PhotoPair& link : registration.links) {
     if (!placed.Has(link.first)) continue;
     second.matched.links.push_back(link);
-    second.matched.pairs.push_back({link.first, link.second, 0.0});
+    second.matched.pairs.push_back({.first = link.first, .second = link.second});
   }
   second.compared = second.matched.pairs;
   second.problem = MakeBundle(second.posed, second.matched.corrected, extracted.lines);

@@ -173,20 +173,20 @@ double MedianWidthM(const std::vector<View>& views) {
   return views.empty() ? 1.0 : MedianOf(views, &View::WidthM);
 }
 
-std::vector<CandidatePair> OnlyWithinComponents(const std::vector<CandidatePair>& pairs,
-                                                const std::vector<PhotoPair>& verified, std::size_t photos) {
+std::vector<PhotoPair> OnlyWithinComponents(const std::vector<PhotoPair>& pairs,
+                                            const std::vector<PhotoPair>& verified, std::size_t photos) {
   const std::vector<int> component = FindConnectedComponents(photos, verified).of_photo;
   std::map<std::pair<int, int>, double> kept;  // overlap
   for (const PhotoPair& pair : verified) {
     kept.emplace(std::pair(pair.first, pair.second), 0.0);
   }
-  for (const CandidatePair& pair : pairs) {
+  for (const PhotoPair& pair : pairs) {
     if (component[pair.first] >= 0 && component[pair.first] == component[pair.second])
       kept[{pair.first, pair.second}] = pair.overlap;
   }
-  std::vector<CandidatePair> sorted;
+  std::vector<PhotoPair> sorted;
   for (const auto& [photos_of_pair, overlap] : kept) {
-    sorted.push_back({photos_of_pair.first, photos_of_pair.second, overlap});
+    sorted.push_back({.first = photos_of_pair.first, .second = photos_of_pair.second, .overlap = overlap});
   }
   return sorted;
 }

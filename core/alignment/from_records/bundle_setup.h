@@ -26,8 +26,8 @@ std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const
 double MedianWidthM(const std::vector<View>& views);
 // Pairs of photos within one connected component, and every verified pair however little it overlaps. Others
 // are too uncertain relative to each other for a narrow window: what matches there matches by chance.
-std::vector<CandidatePair> OnlyWithinComponents(const std::vector<CandidatePair>& pairs,
-                                                const std::vector<PhotoPair>& verified, std::size_t photos);
+std::vector<PhotoPair> OnlyWithinComponents(const std::vector<PhotoPair>& pairs,
+                                            const std::vector<PhotoPair>& verified, std::size_t photos);
 
 BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
                          const std::vector<int>& lines);

@@ -187,7 +187,7 @@ std::optional<Track> RegisterDirectly(const MatchedFlight& input, int first, int
 std::vector<Track> DirectTracks(const MatchedFlight& input, const Relief& relief, int threads) {
   const std::vector<int> linked = CountPairs(input.views.size(), input.links);
   return ParallelCollect(input.pairs.size(), threads, [&](std::size_t p) -> std::optional<Track> {
-    const CandidatePair& pair = input.pairs[p];
+    const PhotoPair& pair = input.pairs[p];
     if (pair.overlap < kMinOverlap) return std::nullopt;
     if (linked[pair.first] >= kEnoughPairs && linked[pair.second] >= kEnoughPairs) return std::nullopt;
     return RegisterDirectly(input, pair.first, pair.second, relief);

@@ -74,7 +74,7 @@ std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const GroundK
   const std::vector<int> linked = CountPairs(count, verified);
   std::set<std::pair<int, int>> done;
   for (const PhotoPair& pair : verified) done.emplace(pair.first, pair.second);
-  for (const CandidatePair& pair : input.pairs) {
+  for (const PhotoPair& pair : input.pairs) {
     if (pair.overlap < kPromisingOverlap) continue;
     ++promising[pair.first];
     ++promising[pair.second];
@@ -83,9 +83,9 @@ std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const GroundK
     return input.features[i] && (linked[i] == 0 || (linked[i] < 3 && 3 * linked[i] < promising[i]));
   };
   // Neighbours in time first: they are near whatever the positions say. Then the most overlapping.
-  std::vector<CandidatePair> by_overlap = input.pairs;
+  std::vector<PhotoPair> by_overlap = input.pairs;
   std::stable_sort(by_overlap.begin(), by_overlap.end(),
-                   [](const CandidatePair& a, const CandidatePair& b) { return a.overlap > b.overlap; });
+                   [](const PhotoPair& a, const PhotoPair& b) { return a.overlap > b.overlap; });
   std::vector<int> taken(count, 0);
   std::vector<std::pair<int, int>> chosen;
   const auto want = [&](int lost, int first, int second) {
@@ -103,7 +103,7 @@ std::vector<PhotoPair> MatchLostPhotos(const MatchedFlight& input, const GroundK
       if (other >= 0 && other < count) want(i, std::min(i, other), std::max(i, other));
     }
   }
-  for (const CandidatePair& pair : by_overlap) {
+  for (const PhotoPair& pair : by_overlap) {
     if (is_lost(pair.first)) {
       want(pair.first, pair.first, pair.second);
     } else if (is_lost(pair.second)) {

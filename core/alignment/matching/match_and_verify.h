@@ -31,8 +31,8 @@ struct MatchedFlight {
   std::vector<double> ground_sigma_m;
   std::vector<double> sigma_turn_rad;
   std::vector<CorrectedPose> corrected;
-  std::vector<CandidatePair> pairs;  // candidates of the last pass
-  std::vector<PhotoPair> links;      // verified, and not contradicted by the others
+  std::vector<PhotoPair> pairs;  // candidates of the last pass
+  std::vector<PhotoPair> links;  // verified, and not contradicted by the others
 };
 
 GroundKeypoints ProjectAllToGround(const MatchedFlight& input, const Relief& relief, int threads);

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
-#include <set>
+#include <utility>
 
 namespace skyquilt::alignment {
 namespace {
@@ -52,8 +53,8 @@ bool AreUnlike(const View& a, const View& b) { return ScaleRatio(a, b) > kUnlike
 
 bool AreOfComparableScale(const View& a, const View& b) { return ScaleRatio(a, b) <= kMaxScaleRatio; }
 
-std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
-                                       const std::vector<double>& ground_sigma_m, const Relief& relief) {
+std::vector<PhotoPair> SelectPairs(const std::vector<View>& views, const std::vector<double>& ground_sigma_m,
+                                   const Relief& relief) {
   const int count = static_cast<int>(views.size());
   std::vector<std::vector<Eigen::Vector3d>> samples(count);
   std::vector<Eigen::Vector2d> middle(count, Eigen::Vector2d::Zero());
@@ -72,7 +73,7 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
     return middle[a].x() != middle[b].x() ? middle[a].x() < middle[b].x() : a < b;
   });
   const double widest = count == 0 ? 0.0 : *std::max_element(reach.begin(), reach.end());
-  std::vector<std::vector<CandidatePair>> of_photo(count);
+  std::vector<std::vector<std::pair<double, int>>> of_photo(count);  // minus the overlap, with which other
   for (int k = 0; k < count; ++k) {
     const int i = by_east[k];
     if (samples[i].empty()) continue;
@@ -92,23 +93,18 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
       double overlap = static_cast<double>(seen) / (kSamplesAcross * kSamplesAcross);
       if (overlap < kMinPairOverlap) continue;
       if (AreUnlike(views[i], views[j])) overlap /= std::pow(ScaleRatio(views[i], views[j]), 2);
-      const CandidatePair pair{std::min(i, j), std::max(i, j), overlap};
-      of_photo[i].push_back(pair);
-      of_photo[j].push_back(pair);
+      of_photo[i].emplace_back(-overlap, j);
+      of_photo[j].emplace_back(-overlap, i);
     }
   }
-  std::set<CandidatePair> chosen;
+  std::map<std::pair<int, int>, double> chosen;  // overlap
   for (int i = 0; i < count; ++i) {
-    std::sort(of_photo[i].begin(), of_photo[i].end(), [](const CandidatePair& a, const CandidatePair& b) {
-      if (a.overlap != b.overlap) return a.overlap > b.overlap;
-      return std::pair(a.first, a.second) < std::pair(b.first, b.second);
-    });
+    std::sort(of_photo[i].begin(), of_photo[i].end());
     std::array<bool, kDirections> served{};
     int taken = 0, taken_of_unlike = 0;
-    for (const CandidatePair& pair : of_photo[i]) {
-      const int other = pair.first == i ? pair.second : pair.first;
+    for (const auto& [minus_overlap, other] : of_photo[i]) {
       if (AreUnlike(views[i], views[other])) {
-        if (taken_of_unlike++ < kBestOfUnlike) chosen.insert(pair);
+        if (taken_of_unlike++ < kBestOfUnlike) chosen.emplace(std::minmax(i, other), -minus_overlap);
         continue;
       }
       const Eigen::Vector2d away = middle[other] - middle[i];
@@ -117,10 +113,13 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
       if (taken >= kBestPerPhoto && served[direction]) continue;
       served[direction] = true;
       ++taken;
-      chosen.insert(pair);
+      chosen.emplace(std::minmax(i, other), -minus_overlap);
     }
   }
-  return {chosen.begin(), chosen.end()};
+  std::vector<PhotoPair> pairs;
+  for (const auto& [photos, overlap] : chosen)
+    pairs.push_back({.first = photos.first, .second = photos.second, .overlap = overlap});
+  return pairs;
 }
 
 }  // namespace skyquilt::alignment

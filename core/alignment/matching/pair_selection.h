@@ -5,24 +5,17 @@
 // neighbours. Pure; any thread.
 #pragma once
 
-#include <compare>
 #include <vector>
 
+#include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
 
-struct CandidatePair {
-  int first = 0;  // < second
-  int second = 0;
-  double overlap = 0.0;  // share of the one's picture that the other sees; of unlike ones the wider's
-
-  auto operator<=>(const CandidatePair&) const = default;
-};
-
-// Sorted by (first, second). ground_sigma_m: how far off each photo may lie on the ground, one sigma.
-std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
-                                       const std::vector<double>& ground_sigma_m, const Relief& relief);
+// Candidates, sorted by (first, second), first < second. ground_sigma_m: how far off each photo may lie on
+// the ground, one sigma.
+std::vector<PhotoPair> SelectPairs(const std::vector<View>& views, const std::vector<double>& ground_sigma_m,
+                                   const Relief& relief);
 
 // Whether features of the one can be seen in the other, by how wide the ground is that each shows.
 bool AreOfComparableScale(const View& a, const View& b);

@@ -51,13 +51,15 @@ struct GroundSimilarity {
 // the ground between their poses, or without any record the geometry of two views.
 struct PhotoPair {
   int first = 0, second = 0;
-  GroundSimilarity second_from_first;
-  std::vector<KeypointMatch> matches;  // all; once verified, those that fit
-  double rms_m = 0.0;                  // of that motion
+  GroundSimilarity second_from_first = {};
+  std::vector<KeypointMatch> matches = {};  // all; once verified, those that fit
+  double rms_m = 0.0;                       // of that motion
   // second_from_first, the length of the shift unknown (1, or 0 without parallax); empty: not verified. The
   // likeliest first, or the one that the loops agree with; a second where the matches fit it nearly as well.
   std::vector<geo::Rigid3> poses = {};
   double angle_rad = 0.0;  // between two rays to the same point, in the median
+  // Of a candidate: share of the one's picture that the other sees; of unlike ones the wider's.
+  double overlap = 0.0;
 };
 
 // By photo, of how many of the pairs it is one.

@@ -38,7 +38,7 @@ bool ShowsTheSamePixels(const PhotoPair& verified_pair, const MatchedFlight& inp
 
 // Against those that are linked, and so surely show the same ground; a photo without verified pairs, which
 // may show any, must besides be of little sharpness by itself, whatever it shows.
-void FindBlurred(const MatchedFlight& input, const std::vector<CandidatePair>& pairs, const Relief& relief,
+void FindBlurred(const MatchedFlight& input, const std::vector<PhotoPair>& pairs, const Relief& relief,
                  std::vector<PhotoDoubt>& doubts) {
   const std::size_t count = input.views.size();
   std::vector<std::vector<double>> linked(count), overlapping(count), by_itself(count);
@@ -56,7 +56,7 @@ void FindBlurred(const MatchedFlight& input, const std::vector<CandidatePair>& p
   for (std::size_t i = 0; i < count; ++i) {
     if (input.features[i] != nullptr) sharpness[i] = SharpnessByItself(input.features[i]->detail);
   }
-  for (const CandidatePair& pair : pairs) {
+  for (const PhotoPair& pair : pairs) {
     if (pair.overlap < kSurelySharedOverlap || !input.features[pair.first] || !input.features[pair.second])
       continue;
     for (const auto& [own, other] : {std::pair(pair.first, pair.second), {pair.second, pair.first}}) {
@@ -79,7 +79,7 @@ void FindBlurred(const MatchedFlight& input, const std::vector<CandidatePair>& p
 
 }  // namespace
 
-std::vector<PhotoDoubt> DoubtPhotos(const MatchedFlight& input, const std::vector<CandidatePair>& pairs,
+std::vector<PhotoDoubt> DoubtPhotos(const MatchedFlight& input, const std::vector<PhotoPair>& pairs,
                                     const Relief& relief) {
   const std::size_t count = input.views.size();
   std::vector<PhotoDoubt> doubts(count);
@@ -90,7 +90,7 @@ std::vector<PhotoDoubt> DoubtPhotos(const MatchedFlight& input, const std::vecto
     if (!later.copy_of && ShowsTheSamePixels(verified_pair, input)) later.copy_of = verified_pair.first;
   }
   FindBlurred(input, pairs, relief, doubts);
-  for (const CandidatePair& pair : pairs) {
+  for (const PhotoPair& pair : pairs) {
     if (pair.overlap < kSurelySharedOverlap) continue;
     if (linked[pair.second] > 1) ++witnesses[pair.first];
     if (linked[pair.first] > 1) ++witnesses[pair.second];

@@ -24,7 +24,7 @@ struct PhotoDoubt {
 };
 
 // `pairs` were compared; the links of the flight are those verified in the end, over `relief`.
-std::vector<PhotoDoubt> DoubtPhotos(const MatchedFlight& input, const std::vector<CandidatePair>& pairs,
+std::vector<PhotoDoubt> DoubtPhotos(const MatchedFlight& input, const std::vector<PhotoPair>& pairs,
                                     const Relief& relief);
 
 // What the user is to know of it, each going on from the photo's name.

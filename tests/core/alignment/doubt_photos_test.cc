@@ -103,7 +103,7 @@ struct Overlapping {
       input.views.push_back(view);
     }
     for (int i = 0; i < count; ++i) {
-      for (int j = i + 1; j < count; ++j) input.pairs.push_back({i, j, 0.8});
+      for (int j = i + 1; j < count; ++j) input.pairs.push_back({.first = i, .second = j, .overlap = 0.8});
     }
   }
   void Verify(int i, int j) {

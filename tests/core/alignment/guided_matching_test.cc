@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <tuple>
+#include <vector>
 
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/matching/verified_pair.h"
@@ -162,9 +164,14 @@ TEST(VerifyOnGround, RefusesMatchesThatFillTheWindowByChance) {
 
 TEST(OnlyWithinComponents, LeavesOutWhatNoVerifiedPairsHoldTogether) {
   const std::vector<PhotoPair> links = {{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}, {3, 4, {}, {}, 0.0}};
-  const std::vector<CandidatePair> pairs = {{0, 2, 0.3}, {2, 3, 0.4}, {4, 5, 0.5}};
-  const std::vector<CandidatePair> want = {{0, 1, 0.0}, {0, 2, 0.3}, {1, 2, 0.0}, {3, 4, 0.0}};
-  EXPECT_EQ(OnlyWithinComponents(pairs, links, 6), want);
+  const std::vector<PhotoPair> pairs = {{.first = 0, .second = 2, .overlap = 0.3},
+                                        {.first = 2, .second = 3, .overlap = 0.4},
+                                        {.first = 4, .second = 5, .overlap = 0.5}};
+  std::vector<std::tuple<int, int, double>> kept;
+  for (const PhotoPair& pair : OnlyWithinComponents(pairs, links, 6))
+    kept.emplace_back(pair.first, pair.second, pair.overlap);
+  const std::vector<std::tuple<int, int, double>> want = {{0, 1, 0.0}, {0, 2, 0.3}, {1, 2, 0.0}, {3, 4, 0.0}};
+  EXPECT_EQ(kept, want);
 }
 
 }  // namespace

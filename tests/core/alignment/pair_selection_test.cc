@@ -34,18 +34,18 @@ std::vector<View> AtTwoHeights(double high_m, double low_m) {
 
 constexpr int kHigh = 6;
 
-std::vector<CandidatePair> Select(const std::vector<View>& views) {
+std::vector<PhotoPair> Select(const std::vector<View>& views) {
   return SelectPairs(views, std::vector<double>(views.size(), 2.0), Relief(0.0));
 }
 
-int PairsWithin(const std::vector<CandidatePair>& pairs, int first, int end) {
-  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
+int PairsWithin(const std::vector<PhotoPair>& pairs, int first, int end) {
+  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const PhotoPair& pair) {
     return pair.first >= first && pair.second < end;
   }));
 }
 
-int PairsAcross(const std::vector<CandidatePair>& pairs, int photo) {
-  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
+int PairsAcross(const std::vector<PhotoPair>& pairs, int photo) {
+  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const PhotoPair& pair) {
     const bool is_across = pair.first < kHigh && pair.second >= kHigh;
     return is_across && (pair.first == photo || pair.second == photo);
   }));
@@ -53,16 +53,16 @@ int PairsAcross(const std::vector<CandidatePair>& pairs, int photo) {
 
 TEST(SelectPairs, ComparesPhotosOfTheirOwnHeightWhateverTheySeeOfThoseBelow) {
   for (const double low_m : {8.0, 35.0}) {
-    const std::vector<CandidatePair> pairs = Select(AtTwoHeights(120.0, low_m));
+    const std::vector<PhotoPair> pairs = Select(AtTwoHeights(120.0, low_m));
     EXPECT_GE(PairsWithin(pairs, 0, kHigh), 11) << low_m;
     EXPECT_GE(PairsWithin(pairs, kHigh, 26), 40) << low_m;
   }
 }
 
 TEST(SelectPairs, TiesBothHeightsWhereTheirFeaturesCanBeTheSame) {
-  const std::vector<CandidatePair> near = Select(AtTwoHeights(120.0, 35.0));
+  const std::vector<PhotoPair> near = Select(AtTwoHeights(120.0, 35.0));
   for (int i = 0; i < 26; ++i) EXPECT_GE(PairsAcross(near, i), 1) << i;
-  const std::vector<CandidatePair> far = Select(AtTwoHeights(120.0, 8.0));
+  const std::vector<PhotoPair> far = Select(AtTwoHeights(120.0, 8.0));
   for (int i = 0; i < 26; ++i) EXPECT_EQ(PairsAcross(far, i), 0) << i;
 }
 
@@ -76,9 +76,9 @@ TEST(SelectPairs, ComparesCamerasSideBySideAsOne) {
       views.push_back(view);
     }
   }
-  const std::vector<CandidatePair> pairs = Select(views);
+  const std::vector<PhotoPair> pairs = Select(views);
   for (int i = 0; i < 24; i += 2) {
-    const auto across = std::count_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
+    const auto across = std::count_if(pairs.begin(), pairs.end(), [&](const PhotoPair& pair) {
       return (pair.first == i && pair.second % 2 == 1) || (pair.second == i && pair.first % 2 == 1);
     });
     EXPECT_GE(across, 2) << i;
