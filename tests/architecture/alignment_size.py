@@ -11,9 +11,9 @@ FLAGS = re.compile(r"\bvector<\s*char\s*>")
 CAST = re.compile(r"\bstatic_cast<(?:std::)?size_t>")
 TYPE = re.compile(r"^(?:struct|class) (\w+)[^;\n]*$", re.M)  # of a header, not within another type
 
-MOST_TYPES = 30
+MOST_TYPES = 29
 STANDS_FOR = {
-    "photo": """AlignPhotoReport AlignedPhoto BundlePhoto CorrectedPose FoundPose GroundCorrection GroundPrior
+    "photo": """AlignPhotoReport AlignedPhoto BundlePhoto CorrectedPose FoundPose PhotoGround
         PhotoDoubt PhotoFeatures PhotoRecord RegistrationPhoto View""",
     "point": "GroundKeypoint Keypoint Observation PointObservation Track TrackElement",
     "pair": "AlignPairReport KeypointMatch PhotoPair PlacePair RayPair",

@@ -231,7 +231,7 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
   const bool is_common = 2 * std::count_if(problem.photos.begin(), problem.photos.end(),
                                            [](const BundlePhoto& one) { return one.is_by_images; }) >
                          static_cast<std::ptrdiff_t>(problem.photos.size());
-  const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchedFlight(posed));
+  const std::vector<PhotoGround> recorded = MakeGrounds(posed, MakeMatchedFlight(posed));
   for (const FoundPose& one : found) {
     const int i = one.photo;
     const geo::Rigid3& cam_from_enu = one.cam_from_world;

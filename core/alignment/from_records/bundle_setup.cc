@@ -150,9 +150,9 @@ MatchedFlight MakeMatchedFlight(const poses::PosedFlight& posed) {
   return input;
 }
 
-std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchedFlight& input) {
+std::vector<PhotoGround> MakeGrounds(const poses::PosedFlight& posed, const MatchedFlight& input) {
   constexpr double kUnlikeWidth = 2.0;  // less is the wander of heights
-  std::vector<GroundPrior> priors;
+  std::vector<PhotoGround> grounds;
   const Relief flat(posed.ground_z_in_enu_m);
   const double median_width_m = MedianWidthM(input.views);
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
@@ -161,12 +161,12 @@ std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const
     const Eigen::Vector2d axis(view.intrinsics.center_x_px, view.intrinsics.center_y_px);
     if (!MeetGround(view, flat, axis, &middle)) middle = view.CenterInEnu();
     const double width = view.WidthM() / median_width_m;
-    priors.push_back({{middle.x(), middle.y()},
-                      input.ground_sigma_m[i],
-                      input.sigma_turn_rad[i],
-                      width > kUnlikeWidth ? width : 1.0});
+    grounds.push_back({{middle.x(), middle.y()},
+                       input.ground_sigma_m[i],
+                       input.sigma_turn_rad[i],
+                       width > kUnlikeWidth ? width : 1.0});
   }
-  return priors;
+  return grounds;
 }
 
 double MedianWidthM(const std::vector<View>& views) {

@@ -22,7 +22,7 @@ std::vector<int> FindLines(const std::vector<Eigen::Vector2d>& east_north);
 
 // Without features, which the caller adds.
 MatchedFlight MakeMatchedFlight(const poses::PosedFlight& posed);
-std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchedFlight& input);
+std::vector<PhotoGround> MakeGrounds(const poses::PosedFlight& posed, const MatchedFlight& input);
 double MedianWidthM(const std::vector<View>& views);
 // Pairs of photos within one connected component, and every verified pair however little it overlaps. Others
 // are too uncertain relative to each other for a narrow window: what matches there matches by chance.

@@ -55,8 +55,8 @@ bool BendsAt(const std::vector<poses::PosedPhoto>& recorded, const std::vector<s
   return std::acos(std::clamp(before.normalized().dot(after.normalized()), -1.0, 1.0)) > kBendRad;
 }
 
-// How a pose moves a photo over level ground against its record.
-GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior& prior,
+// How a pose moves a photo over level ground against its record, about its middle.
+GroundSimilarity GroundMotion(const poses::PosedPhoto& posed, Complex recorded_middle,
                               const geo::Rigid3& cam_from_enu) {
   const double ground_z_m = posed.cam_from_enu.TargetOriginInSource().z() - posed.height_above_ground_m;
   const Eigen::Quaterniond enu_from_cam = cam_from_enu.rotation.conjugate();
@@ -65,12 +65,12 @@ GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior&
   const Eigen::Vector3d right_before = posed.cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitX();
   const double turn =
       std::atan2(right_now.y(), right_now.x()) - std::atan2(right_before.y(), right_before.x());
-  return {std::polar(1.0, turn), std::complex<double>(middle.x(), middle.y()) - prior.middle, 0};
+  return {std::polar(1.0, turn), Complex(middle.x(), middle.y()) - recorded_middle};
 }
 
 }  // namespace
 
-double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<PhotoPair>& pairs) {
+double CommonQuarterTurn(const std::vector<PhotoGround>& recorded, const std::vector<PhotoPair>& pairs) {
   std::array<int, 4> votes{};
   int asked = 0;
   for (const PhotoPair& pair : pairs) {
@@ -99,16 +99,16 @@ double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::ve
   return 0.0;
 }
 
-CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
-                          const GroundCorrection& correction) {
+CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const PhotoGround& ground) {
+  const GroundSimilarity& correction = ground.correction;
   CorrectedPose corrected;
   corrected.start_cam_from_enu = corrected.prior_cam_from_enu = posed.cam_from_enu;
   corrected.yaw_is_course = posed.attitude_origin == poses::AttitudeOrigin::kCourse;
-  if (correction.component < 0 && correction.component != kInheritedComponent) return corrected;
+  if (ground.component < 0 && ground.component != kInheritedComponent) return corrected;
   const double turn = std::arg(correction.turn_and_scale);
   const double quarters = std::round(turn / (0.5 * std::numbers::pi));
   double rest = turn - quarters * 0.5 * std::numbers::pi;
-  const double believable = std::max(0.35, 4.0 * prior.sigma_turn_rad);
+  const double believable = std::max(0.35, 4.0 * ground.sigma_turn_rad);
   Eigen::Quaterniond rotation = posed.cam_from_enu.rotation;  // cam_from_enu
   Eigen::Vector3d center = posed.cam_from_enu.TargetOriginInSource();
   if (std::abs(turn) > believable) {
@@ -130,7 +130,7 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
   }
   const double shift_m = std::abs(correction.shift);
   const Eigen::Vector3d shift(correction.shift.real(), correction.shift.imag(), 0.0);
-  if (shift_m > kGrossShiftSigmas * prior.sigma_m) {
+  if (shift_m > kGrossShiftSigmas * ground.sigma_m) {
     corrected.position_was_wrong = true;
     center += shift;
     corrected.notes.push_back({RemarkCode::kPositionCorrected, {{"off_m", shift_m}}});
@@ -149,8 +149,8 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
   const double ground_z_m = center.z() - height;
   center.z() = ground_z_m + height * scale;
   // Turning and climbing move what a leaning camera looks at: what is still missing is asked for again.
-  const Eigen::Vector2d wanted(prior.middle.real() + correction.shift.real(),
-                               prior.middle.imag() + correction.shift.imag());
+  const Eigen::Vector2d wanted(ground.middle.real() + correction.shift.real(),
+                               ground.middle.imag() + correction.shift.imag());
   for (int step = 0; step < 3; ++step) {
     const Eigen::Vector2d missing = wanted - AxisOnGround(enu_from_cam, center, ground_z_m);
     const Eigen::Vector2d by_tilt = tilt_share * missing / (height * scale);
@@ -163,9 +163,11 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
   return corrected;
 }
 
-CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
+CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, PhotoGround ground,
                             const geo::Rigid3& cam_from_enu) {
-  CorrectedPose corrected = CorrectPose(posed, prior, GroundMotion(posed, prior, cam_from_enu));
+  ground.correction = GroundMotion(posed, ground.middle, cam_from_enu);
+  ground.component = 0;
+  CorrectedPose corrected = CorrectPose(posed, ground);
   corrected.start_cam_from_enu = cam_from_enu;
   return corrected;
 }

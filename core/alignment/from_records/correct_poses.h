@@ -18,13 +18,12 @@ namespace skyquilt::alignment {
 // where at least four of five pairs (and no fewer than eight) say so. Between themselves the photos of a
 // camera mounted sideways agree; what gives them away is the way from one to the next, which the pictures
 // show turned against the recorded positions. `pairs` of views as recorded.
-double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<PhotoPair>& pairs);
+double CommonQuarterTurn(const std::vector<PhotoGround>& recorded, const std::vector<PhotoPair>& pairs);
 
-CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
-                          const GroundCorrection& correction);
+CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const PhotoGround& ground);
 
 // For a pose found from the images alone: what it says of the record.
-CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
+CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, PhotoGround ground,
                             const geo::Rigid3& cam_from_enu);
 
 // Of a photo without a recorded yaw that lies across where the course bends: the course says little of it

@@ -14,35 +14,32 @@
 
 namespace skyquilt::alignment {
 
-// What is believed of a photo before the images are compared.
-struct GroundPrior {
+// A photo's ground: what is believed of it before the images are compared, and what they then correct of it.
+struct PhotoGround {
   std::complex<double> middle;  // where its optical axis meets the ground, E + iN
   double sigma_m = 2.0;         // of the middle
   double sigma_turn_rad = 0.05;
   // By which its pairs may contradict others by more than those of most photos: it was taken from above them.
   double coarseness = 1.0;
-};
+  GroundSimilarity correction = {};  // z -> turn_and_scale * (z - middle) + middle + shift
+  int component = -1;                // photos with the same number are connected; negative: no pair
 
-// z -> turn_and_scale * (z - middle) + middle + shift
-struct GroundCorrection {
-  std::complex<double> turn_and_scale{1.0, 0.0};
-  std::complex<double> shift{0.0, 0.0};
-  int component = -1;  // photos with the same number are connected; negative: no pair
+  // The correction as a motion of all the ground, z -> turn_and_scale * z + shift.
+  GroundSimilarity Motion() const;
+  void SetMotion(const GroundSimilarity& motion);
 };
 
 // The component of a photo without pairs that takes over what its flight line has in common.
 inline constexpr int kInheritedComponent = -2;
 
-GroundSimilarity AsSimilarity(const GroundCorrection& correction, std::complex<double> middle);
-GroundCorrection AsCorrection(const GroundSimilarity& similarity, std::complex<double> middle);
-
 struct GroundGraph {
-  std::vector<GroundCorrection> corrections;  // one per photo
-  std::vector<bool> is_inlier;                // one per pair: false = contradicted by the others
+  std::vector<PhotoGround> photos;
+  std::vector<bool> is_inlier;  // one per pair: false = contradicted by the others
 };
 
 // `pairs` whose turn is near zero are trusted as starting points; the others only connect further photos.
-GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<PhotoPair>& pairs,
+// Corrections that the photos came with do not count.
+GroundGraph SolveGroundGraph(std::vector<PhotoGround> believed, const std::vector<PhotoPair>& pairs,
                              const GroundKeypoints& projected, double tolerance_m);
 
 }  // namespace skyquilt::alignment

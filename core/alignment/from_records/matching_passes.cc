@@ -39,63 +39,64 @@ struct SharedError {
   double turn_scatter_rad = 0.0;
 };
 
-SharedError Learn(const std::vector<GroundCorrection>& corrections, const std::vector<int>& members) {
+SharedError Learn(const std::vector<PhotoGround>& grounds, const std::vector<int>& members) {
   SharedError shared;
   std::vector<double> east, north, turned;
   Complex mean_turn(0.0, 0.0);
   for (const int i : members) {
-    east.push_back(corrections[i].shift.real());
-    north.push_back(corrections[i].shift.imag());
-    mean_turn += std::polar(1.0, std::arg(corrections[i].turn_and_scale));
+    east.push_back(grounds[i].correction.shift.real());
+    north.push_back(grounds[i].correction.shift.imag());
+    mean_turn += std::polar(1.0, std::arg(grounds[i].correction.turn_and_scale));
   }
   shared.shift = {Median(east), Median(north)};
   // Turns are learnt around their mean direction, so that a line stored upside down is one too.
   const double around = std::arg(mean_turn);
   for (const int i : members) {
     turned.push_back(
-        std::remainder(std::arg(corrections[i].turn_and_scale) - around, 2.0 * std::numbers::pi));
+        std::remainder(std::arg(grounds[i].correction.turn_and_scale) - around, 2.0 * std::numbers::pi));
   }
   const double middle = Median(turned);
   shared.turn_rad = std::remainder(around + middle, 2.0 * std::numbers::pi);
   shared.turn_scatter_rad = 1.5 * MedianOf(turned, [&](double turn) { return std::abs(turn - middle); });
   // Of two dimensions: the median is 1.18 sigma.
   shared.shift_scatter_m =
-      1.2 * MedianOf(members, [&](int i) { return std::abs(corrections[i].shift - shared.shift); });
+      1.2 * MedianOf(members, [&](int i) { return std::abs(grounds[i].correction.shift - shared.shift); });
   return shared;
 }
 
 // Photos without a verified pair take over what their line has in common.
-void Inherit(const std::vector<int>& lines, std::vector<GroundCorrection>& corrections) {
+void Inherit(const std::vector<int>& lines, std::vector<PhotoGround>& grounds) {
   std::map<int, std::vector<int>> connected_of_line;
-  for (std::size_t i = 0; i < corrections.size(); ++i) {
-    if (corrections[i].component >= 0) connected_of_line[lines[i]].push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < grounds.size(); ++i) {
+    if (grounds[i].component >= 0) connected_of_line[lines[i]].push_back(static_cast<int>(i));
   }
-  for (std::size_t i = 0; i < corrections.size(); ++i) {
-    if (corrections[i].component >= 0) continue;
+  for (std::size_t i = 0; i < grounds.size(); ++i) {
+    if (grounds[i].component >= 0) continue;
     const auto members = connected_of_line.find(lines[i]);
     if (members == connected_of_line.end() || members->second.size() < 2) continue;
-    const SharedError of_line = Learn(corrections, members->second);
-    corrections[i] = {std::polar(1.0, of_line.turn_rad), of_line.shift, kInheritedComponent};
+    const SharedError of_line = Learn(grounds, members->second);
+    grounds[i].correction = {std::polar(1.0, of_line.turn_rad), of_line.shift};
+    grounds[i].component = kInheritedComponent;
   }
 }
 
 // How good the records are, where the pictures know better than what was assumed of them.
-void WidenPriors(const std::vector<GroundCorrection>& corrections, std::vector<GroundPrior>& priors) {
+void WidenSigmas(std::vector<PhotoGround>& grounds) {
   std::vector<int> connected;
-  for (std::size_t i = 0; i < corrections.size(); ++i) {
-    if (corrections[i].component >= 0) connected.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < grounds.size(); ++i) {
+    if (grounds[i].component >= 0) connected.push_back(static_cast<int>(i));
   }
   if (connected.size() < kMinConnected) return;
-  const SharedError of_flight = Learn(corrections, connected);
-  for (GroundPrior& prior : priors) {
-    prior.sigma_m = std::max(prior.sigma_m, of_flight.shift_scatter_m);
-    prior.sigma_turn_rad = std::max(prior.sigma_turn_rad, of_flight.turn_scatter_rad);
+  const SharedError of_flight = Learn(grounds, connected);
+  for (PhotoGround& one : grounds) {
+    one.sigma_m = std::max(one.sigma_m, of_flight.shift_scatter_m);
+    one.sigma_turn_rad = std::max(one.sigma_turn_rad, of_flight.turn_scatter_rad);
   }
 }
 
-std::size_t CountPlaced(const std::vector<GroundCorrection>& corrections) {
-  return std::count_if(corrections.begin(), corrections.end(),
-                       [](const GroundCorrection& one) { return one.component >= 0; });
+std::size_t CountPlaced(const std::vector<PhotoGround>& grounds) {
+  return std::count_if(grounds.begin(), grounds.end(),
+                       [](const PhotoGround& one) { return one.component >= 0; });
 }
 
 std::vector<PhotoPair> KeepInliers(const GroundGraph& graph, const std::vector<PhotoPair>& verified) {
@@ -125,22 +126,22 @@ std::vector<AlignPairReport> MatchInPasses(const poses::PosedFlight& posed, cons
   const std::size_t count = posed.photos.size();
   const Relief flat(posed.ground_z_in_enu_m);
   const double tolerance_m = kToleranceShare * MedianWidthM(matched.views);
-  std::vector<GroundPrior> recorded = MakeGroundPriors(posed, matched);
-  std::vector<GroundCorrection> total(count);  // against the records
+  std::vector<PhotoGround> recorded = MakeGrounds(posed, matched);  // corrected against the records
   std::vector<AlignPairReport> rejected;
   matched.corrected.resize(count);
   double mount_turn_rad = 0.0;
   const auto move_views = [&] {
-    WidenPriors(total, recorded);
-    Inherit(lines, total);
-    for (GroundCorrection& one : total) {
-      if (one.component < 0 && one.component != kInheritedComponent && mount_turn_rad != 0.0)
-        one = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, kInheritedComponent};
+    WidenSigmas(recorded);
+    Inherit(lines, recorded);
+    for (PhotoGround& one : recorded) {
+      if (one.component >= 0 || one.component == kInheritedComponent || mount_turn_rad == 0.0) continue;
+      one.correction = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}};
+      one.component = kInheritedComponent;
     }
     for (std::size_t i = 0; i < count; ++i) {
-      matched.corrected[i] = CorrectPose(posed.photos[i], recorded[i], total[i]);
+      matched.corrected[i] = CorrectPose(posed.photos[i], recorded[i]);
       matched.views[i].cam_from_enu = matched.corrected[i].start_cam_from_enu;
-      const bool is_placed = total[i].component >= 0;
+      const bool is_placed = recorded[i].component >= 0;
       matched.ground_sigma_m[i] = is_placed ? 0.0 : recorded[i].sigma_m;
       matched.sigma_turn_rad[i] = is_placed ? 0.0 : recorded[i].sigma_turn_rad;
     }
@@ -163,38 +164,37 @@ std::vector<AlignPairReport> MatchInPasses(const poses::PosedFlight& posed, cons
   mount_turn_rad = CommonQuarterTurn(recorded, verified);
   if (mount_turn_rad != 0.0) {
     for (std::size_t i = 0; i < count; ++i) {
-      total[i] = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, 0};
-      matched.views[i].cam_from_enu = CorrectPose(posed.photos[i], recorded[i], total[i]).start_cam_from_enu;
+      recorded[i].correction = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}};
+      recorded[i].component = 0;
+      matched.views[i].cam_from_enu = CorrectPose(posed.photos[i], recorded[i]).start_cam_from_enu;
     }
     match_first_pass();
   }
   GroundGraph graph = SolveGroundGraph(recorded, verified, projected, kFirstToleranceFactor * tolerance_m);
   ReportRejected(graph, verified, posed, rejected);
   matched.links = KeepInliers(graph, verified);
-  total = graph.corrections;
-  for (GroundCorrection& one : total) {
-    if (one.component >= 0) one.turn_and_scale *= std::polar(1.0, mount_turn_rad);
+  recorded = graph.photos;
+  for (PhotoGround& one : recorded) {
+    if (one.component >= 0) one.correction.turn_and_scale *= std::polar(1.0, mount_turn_rad);
   }
-  std::size_t placed = CountPlaced(total);
+  std::size_t placed = CountPlaced(recorded);
   for (int round = 0; round < kMaxRounds && !progress.IsCancelled(); ++round) {
     move_views();
     match(kNextPass);
     // From here a photo is expected where it now lies.
-    std::vector<GroundPrior> expected = MakeGroundPriors(posed, matched);
+    std::vector<PhotoGround> expected = MakeGrounds(posed, matched);
     for (std::size_t i = 0; i < count; ++i) {
       expected[i].sigma_m = recorded[i].sigma_m;
       expected[i].sigma_turn_rad = recorded[i].sigma_turn_rad;
     }
-    graph = SolveGroundGraph(expected, verified, projected, tolerance_m);
+    graph = SolveGroundGraph(std::move(expected), verified, projected, tolerance_m);
     matched.links = KeepInliers(graph, verified);
     for (std::size_t i = 0; i < count; ++i) {
-      if (graph.corrections[i].component < 0 && total[i].component >= 0) continue;
-      const GroundSimilarity before = AsSimilarity(total[i], recorded[i].middle);
-      const GroundSimilarity step = AsSimilarity(graph.corrections[i], expected[i].middle);
-      total[i] = AsCorrection(step.After(before), recorded[i].middle);
-      total[i].component = graph.corrections[i].component;
+      if (graph.photos[i].component < 0 && recorded[i].component >= 0) continue;
+      recorded[i].SetMotion(graph.photos[i].Motion().After(recorded[i].Motion()));
+      recorded[i].component = graph.photos[i].component;
     }
-    const std::size_t now_placed = CountPlaced(total);
+    const std::size_t now_placed = CountPlaced(recorded);
     if (now_placed <= placed) break;
     placed = now_placed;
   }

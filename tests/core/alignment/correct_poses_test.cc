@@ -35,14 +35,20 @@ std::complex<double> MiddleOf(const poses::PosedPhoto& posed, const geo::Rigid3&
   return {middle.x(), middle.y()};
 }
 
+PhotoGround GroundWith(double sigma_m, std::complex<double> turn, std::complex<double> shift,
+                       int component = 0) {
+  return {{0.0, 0.0}, sigma_m, 0.1, 1.0, {turn, shift}, component};
+}
+
 TEST(CorrectPose, LaysTheMiddleOfALeaningPhotoWhereTheGraphWantsIt) {
   for (const double lean_rad : {0.0, 0.1, 0.3}) {
     const poses::PosedPhoto posed = Leaning(lean_rad);
-    const GroundPrior prior{MiddleOf(posed, posed.cam_from_enu), 5.0, 0.1};
-    const GroundCorrection wanted{std::polar(1.05, 0.3), {8.0, -6.0}, 0};
-    const CorrectedPose corrected = CorrectPose(posed, prior, wanted);
+    PhotoGround wanted{MiddleOf(posed, posed.cam_from_enu), 5.0, 0.1};
+    wanted.correction = {std::polar(1.05, 0.3), {8.0, -6.0}};
+    wanted.component = 0;
+    const CorrectedPose corrected = CorrectPose(posed, wanted);
     const std::complex<double> error =
-        MiddleOf(posed, corrected.start_cam_from_enu) - (prior.middle + wanted.shift);
+        MiddleOf(posed, corrected.start_cam_from_enu) - (wanted.middle + wanted.correction.shift);
     EXPECT_LT(std::abs(error), 0.1) << "leaning " << lean_rad;
     EXPECT_FALSE(corrected.position_was_wrong);
   }
@@ -50,14 +56,13 @@ TEST(CorrectPose, LaysTheMiddleOfALeaningPhotoWhereTheGraphWantsIt) {
 
 TEST(CorrectPose, CallsAPositionWrongOnlyBeyondWhatTheFlightsRecordsAreWorth) {
   const poses::PosedPhoto posed = Leaning(0.0);
-  const GroundCorrection far{{1.0, 0.0}, {20.0, 0.0}, 0};
-  EXPECT_TRUE(CorrectPose(posed, {{0.0, 0.0}, 2.0, 0.1}, far).position_was_wrong);
-  EXPECT_FALSE(CorrectPose(posed, {{0.0, 0.0}, 8.0, 0.1}, far).position_was_wrong);
+  EXPECT_TRUE(CorrectPose(posed, GroundWith(2.0, 1.0, 20.0)).position_was_wrong);
+  EXPECT_FALSE(CorrectPose(posed, GroundWith(8.0, 1.0, 20.0)).position_was_wrong);
 }
 
 TEST(CorrectPose, LeavesAPhotoWithoutVerifiedPairsAsItWasRecorded) {
   const poses::PosedPhoto posed = Leaning(0.1);
-  const CorrectedPose corrected = CorrectPose(posed, {{0.0, 0.0}, 2.0, 0.1}, {{0.0, 1.0}, {9.0, 9.0}, -1});
+  const CorrectedPose corrected = CorrectPose(posed, GroundWith(2.0, {0.0, 1.0}, {9.0, 9.0}, -1));
   EXPECT_TRUE(corrected.start_cam_from_enu.rotation.isApprox(posed.cam_from_enu.rotation));
   EXPECT_TRUE(corrected.notes.empty());
 }
@@ -65,14 +70,12 @@ TEST(CorrectPose, LeavesAPhotoWithoutVerifiedPairsAsItWasRecorded) {
 // Nothing was recorded that a photo could contradict where the course of the flight stood for its yaw.
 TEST(CorrectPose, SaysAgainstWhatPhotosLieTurned) {
   poses::PosedPhoto posed = Leaning(0.0);
-  const GroundPrior prior{{0.0, 0.0}, 5.0, 0.1};
-  const GroundCorrection half_turn{{-1.0, 0.0}, {0.0, 0.0}, 0}, kept{{1.0, 0.0}, {0.0, 0.0}, 0};
+  const PhotoGround half_turn = GroundWith(5.0, -1.0, 0.0), kept = GroundWith(5.0, 1.0, 0.0);
   for (const auto& [origin, words] : {std::pair{poses::AttitudeOrigin::kRecorded, "their recorded yaw"},
                                       std::pair{poses::AttitudeOrigin::kCourse, "the flight's course"}}) {
     posed.attitude_origin = origin;
-    const CorrectedPose turned = CorrectPose(posed, prior, half_turn);
-    const auto sentences = InWords(
-        DescribeCorrections({turned, turned, CorrectPose(posed, prior, kept)}, {"a", "b", "c"}, {0, 0, 0}));
+    const CorrectedPose turned = CorrectPose(posed, half_turn), as_is = CorrectPose(posed, kept);
+    const auto sentences = InWords(DescribeCorrections({turned, turned, as_is}, {"a", "b", "c"}, {0, 0, 0}));
     ASSERT_EQ(sentences.size(), 1u);
     EXPECT_NE(sentences[0].find(std::string("turned by 180 degrees against ") + words), std::string::npos)
         << sentences[0];
@@ -81,15 +84,14 @@ TEST(CorrectPose, SaysAgainstWhatPhotosLieTurned) {
 
 // A row of photos by the course alone, east and then north; one lies across.
 TEST(CorrectPose, BlamesNoPictureForTheBendOfACourse) {
-  const GroundPrior prior{{0.0, 0.0}, 5.0, 0.1};
-  const GroundCorrection across{{0.0, 1.0}, {0.0, 0.0}, 0}, kept{{1.0, 0.0}, {0.0, 0.0}, 0};
+  const PhotoGround across = GroundWith(5.0, {0.0, 1.0}, 0.0), kept = GroundWith(5.0, 1.0, 0.0);
   const auto said_of = [&](std::size_t turned, poses::AttitudeOrigin origin) {
     std::vector<poses::PosedPhoto> recorded;
     std::vector<CorrectedPose> corrected;
     for (std::size_t i = 0; i < 9; ++i) {
       poses::PosedPhoto posed = Leaning(0.0);
       posed.attitude_origin = origin;
-      corrected.push_back(CorrectPose(posed, prior, i == turned ? across : kept));
+      corrected.push_back(CorrectPose(posed, i == turned ? across : kept));
       const double east_m = 20.0 * static_cast<double>(std::min<std::size_t>(i, 4));
       const double north_m = i > 4 ? 20.0 * static_cast<double>(i - 4) : 0.0;
       posed.cam_from_enu =

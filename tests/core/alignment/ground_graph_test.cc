@@ -20,17 +20,17 @@ constexpr double kHalfWidthM = 20.0;
 // A block of 3 x 4 photos over level ground with a point on every metre. Each photo's record is off by
 // `recorded_turn_rad`; its position is exact.
 struct Block {
-  std::vector<GroundPrior> priors;
+  std::vector<PhotoGround> photos;
   GroundKeypoints projected;
   std::vector<PhotoPair> links;
 };
 
 Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& recorded_turn_rad) {
   Block block;
-  for (int i = 0; i < 12; ++i) block.priors.push_back({step_m * Complex(i % 3, i / 3), sigma_m, 0.05});
+  for (int i = 0; i < 12; ++i) block.photos.push_back({step_m * Complex(i % 3, i / 3), sigma_m, 0.05});
   std::vector<std::vector<Complex>> seen(12);
   for (int i = 0; i < 12; ++i) {
-    const Complex middle = block.priors[i].middle;
+    const Complex middle = block.photos[i].middle;
     std::vector<GroundKeypoint>& projected = block.projected.emplace_back();
     for (int east = -60; east <= 90; east += 4) {
       for (int north = -60; north <= 90; north += 4) {
@@ -63,11 +63,11 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
 }
 
 void ExpectTurnedBack(const Block& block, const std::vector<double>& recorded_turn_rad) {
-  const GroundGraph graph = SolveGroundGraph(block.priors, block.links, block.projected, 1.0);
-  for (std::size_t i = 0; i < block.priors.size(); ++i) {
-    const Complex turned = graph.corrections[i].turn_and_scale * std::polar(1.0, recorded_turn_rad[i]);
+  const GroundGraph graph = SolveGroundGraph(block.photos, block.links, block.projected, 1.0);
+  for (std::size_t i = 0; i < block.photos.size(); ++i) {
+    const Complex turned = graph.photos[i].correction.turn_and_scale * std::polar(1.0, recorded_turn_rad[i]);
     EXPECT_LT(std::abs(turned - 1.0), 0.02) << i;
-    EXPECT_LT(std::abs(graph.corrections[i].shift), 0.2) << i;
+    EXPECT_LT(std::abs(graph.photos[i].correction.shift), 0.2) << i;
   }
   EXPECT_EQ(std::count(graph.is_inlier.begin(), graph.is_inlier.end(), false), 0);
 }
@@ -98,7 +98,7 @@ TEST(SolveGroundGraph, DoesNotShrinkAPhotoIntoTheMiddleOfFalsePairs) {
   Block block = MakeBlock(10.0, 2.0, std::vector<double>(12, 0.0));
   std::erase_if(block.links, [](const PhotoPair& link) { return link.first == 0; });
   const std::size_t true_links = block.links.size();
-  block.priors[0].sigma_m = 20.0;
+  block.photos[0].sigma_m = 20.0;
   for (int other = 4; other < 10; ++other) {
     PhotoPair link{0, other, {}, {}, 0.0};
     const auto middle =
@@ -107,11 +107,11 @@ TEST(SolveGroundGraph, DoesNotShrinkAPhotoIntoTheMiddleOfFalsePairs) {
       link.matches.push_back({static_cast<std::uint16_t>(5 * k), middle});
     block.links.push_back(std::move(link));
   }
-  const GroundGraph graph = SolveGroundGraph(block.priors, block.links, block.projected, 1.0);
-  EXPECT_EQ(graph.corrections[0].component, -1);
-  EXPECT_EQ(graph.corrections[0].shift, Complex(0.0, 0.0));
+  const GroundGraph graph = SolveGroundGraph(block.photos, block.links, block.projected, 1.0);
+  EXPECT_EQ(graph.photos[0].component, -1);
+  EXPECT_EQ(graph.photos[0].correction.shift, Complex(0.0, 0.0));
   for (std::size_t l = true_links; l < block.links.size(); ++l) EXPECT_FALSE(graph.is_inlier[l]) << l;
-  for (std::size_t i = 1; i < 12; ++i) EXPECT_GE(graph.corrections[i].component, 0) << i;
+  for (std::size_t i = 1; i < 12; ++i) EXPECT_GE(graph.photos[i].component, 0) << i;
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ using Complex = std::complex<double>;
 // A line of photos 12 m apart whose pictures lie turned by `turn` against their records, linked with the next
 // two.
 struct Line {
-  std::vector<GroundPrior> priors;
+  std::vector<PhotoGround> priors;
   std::vector<PhotoPair> pairs;
 
   explicit Line(double turn, int photos = 8) {
