@@ -11,10 +11,10 @@ FLAGS = re.compile(r"\bvector<\s*char\s*>")
 CAST = re.compile(r"\bstatic_cast<(?:std::)?size_t>")
 TYPE = re.compile(r"^(?:struct|class) (\w+)[^;\n]*$", re.M)  # of a header, not within another type
 
-MOST_TYPES = 29
+MOST_TYPES = 28
 STANDS_FOR = {
-    "photo": """AlignPhotoReport AlignedPhoto BundlePhoto CorrectedPose FoundPose PhotoGround
-        PhotoDoubt PhotoFeatures PhotoRecord RegistrationPhoto View""",
+    "photo": """AlignPhotoReport AlignedPhoto BundlePhoto FoundPose PhotoFeatures PhotoFindings
+        PhotoGround PhotoRecord RegistrationPhoto View""",
     "point": "GroundKeypoint Keypoint Observation PointObservation Track TrackElement",
     "pair": "AlignPairReport KeypointMatch PhotoPair PlacePair RayPair",
     "flight": "AlignedFlight Attempt BundleProblem ExtractedFlight MatchedFlight Registration SceneTracks",

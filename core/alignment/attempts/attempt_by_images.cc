@@ -176,7 +176,7 @@ bool MergePhoto(const Registration& registration, const BlockPlace& place, const
   photo.height_above_ground_m = std::max(0.5, center.z() - second.posed.ground_z_in_enu_m);
   const double unknown_m = kUnknownShare * photo.height_above_ground_m;
   Eigen::Vector3d expected = center, sigma = Eigen::Vector3d::Constant(unknown_m);
-  CorrectedPose& corrected = second.matched.corrected[i];
+  PhotoFindings& corrected = second.matched.findings[i];
   // Positions that contradict the pictures say where the block is, not how its photos lie to each other.
   const bool is_contradicted = place.spread_sigmas > kContradictedSigmas;
   const bool has_record = place.holding.Has(i) && !is_contradicted;
@@ -304,7 +304,7 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
   Attempt second;
   second.posed = posed;
   for (const poses::PosedPhoto& photo : posed.photos) {
-    CorrectedPose& corrected = second.matched.corrected.emplace_back();
+    PhotoFindings& corrected = second.matched.findings.emplace_back();
     corrected.start_cam_from_enu = corrected.prior_cam_from_enu = photo.cam_from_enu;
   }
   const std::vector<std::string> names = extracted.Names();
@@ -367,16 +367,16 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
         without_record.Add(i);
     }
   }
-  std::vector<CorrectedPose> corrected = std::move(second.matched.corrected);
+  std::vector<PhotoFindings> corrected = std::move(second.matched.findings);
   second.matched = MakeMatchedFlight(second.posed);
-  second.matched.corrected = std::move(corrected);
+  second.matched.findings = std::move(corrected);
   for (const PhotoPair& link : registration.links) {
     if (!placed.Has(link.first)) continue;
     second.matched.links.push_back(link);
     second.matched.pairs.push_back({.first = link.first, .second = link.second});
   }
   second.compared = second.matched.pairs;
-  second.problem = MakeBundle(second.posed, second.matched.corrected, extracted.lines);
+  second.problem = MakeBundle(second.posed, second.matched.findings, extracted.lines);
   for (std::size_t c = 0; c < second.problem.lenses.size(); ++c) {
     BundleLens& lens = second.problem.lenses[c];
     lens.intrinsics = registration.lenses[c].intrinsics;

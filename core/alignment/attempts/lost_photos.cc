@@ -162,13 +162,13 @@ bool IsSaidToBeFar(const flight::Photo& photo, const Eigen::Vector3d& center, co
 }
 
 // A photo without record: its pose is where it was found, give or take much.
-CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m,
+PhotoFindings PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m,
                               const geo::LocalFrame& frame, poses::PosedPhoto& photo) {
   photo.height_above_ground_m = std::max(0.5, cam_from_enu.TargetOriginInSource().z() - ground_z_m);
   const double unknown_m = kUnknownShare * photo.height_above_ground_m;
   HoldLoosely(cam_from_enu, Eigen::Vector3d::Constant(unknown_m), photo);
   photo.error_radius_m = unknown_m;
-  CorrectedPose corrected;
+  PhotoFindings corrected;
   corrected.start_cam_from_enu = corrected.prior_cam_from_enu = cam_from_enu;
   corrected.notes = {flight::RemarkCode::kPlacedWithoutRecord};
   corrected.position_was_wrong = IsSaidToBeFar(photo.photo, cam_from_enu.TargetOriginInSource(), frame);
@@ -241,12 +241,12 @@ int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& track
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
                   posed.photos[i].photo.name);
     const bool is_unrecorded = is_common || extracted.records[i].is_unplaced;
-    linked.corrected[i] =
+    linked.findings[i] =
         is_unrecorded ? PlaceUnrecorded(cam_from_enu, posed.ground_z_in_enu_m, posed.frame, posed.photos[i])
                       : CorrectToPose(posed.photos[i], recorded[i], cam_from_enu);
-    if (is_common) linked.corrected[i].notes.clear();
+    if (is_common) linked.findings[i].notes.clear();
     problem.photos[i] =
-        MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens, problem.photos[i].line);
+        MakeBundlePhoto(posed.photos[i], linked.findings[i], problem.photos[i].lens, problem.photos[i].line);
     problem.photos[i].has_record = !is_unrecorded;
     problem.photos[i].is_by_images = true;
     // Points are looked for about as deep as the photo was high: by what it shows, whatever was recorded.

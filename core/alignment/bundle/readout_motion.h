@@ -34,7 +34,7 @@ camera::RowMotion Corrected(const camera::RowMotion& motion, const ReadoutDoubt&
 
 // From the first row of the picture, as it is stored, to the last. Still where neither speed nor turning is
 // known, or not the readout. quarter_turns: by which the picture was found to be stored turned
-// (CorrectedPose).
+// (PhotoFindings).
 camera::RowMotion ReadoutMotion(const poses::PosedPhoto& posed, int quarter_turns);
 
 // What of that the images may correct, for a photo whose turning is recorded.

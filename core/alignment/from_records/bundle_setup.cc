@@ -191,7 +191,7 @@ std::vector<PhotoPair> OnlyWithinComponents(const std::vector<PhotoPair>& pairs,
   return sorted;
 }
 
-BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose& corrected, int lens,
+BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const PhotoFindings& corrected, int lens,
                             int line) {
   BundlePhoto bundled;
   bundled.cam_from_enu = corrected.start_cam_from_enu;
@@ -219,7 +219,7 @@ BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose&
   return bundled;
 }
 
-BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
+BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<PhotoFindings>& corrected,
                          const std::vector<int>& lines) {
   BundleProblem problem;
   problem.ground_z_in_enu_m = posed.ground_z_in_enu_m;

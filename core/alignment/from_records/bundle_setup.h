@@ -29,9 +29,9 @@ double MedianWidthM(const std::vector<View>& views);
 std::vector<PhotoPair> OnlyWithinComponents(const std::vector<PhotoPair>& pairs,
                                             const std::vector<PhotoPair>& verified, std::size_t photos);
 
-BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
+BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<PhotoFindings>& corrected,
                          const std::vector<int>& lines);
-BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose& corrected, int lens,
+BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const PhotoFindings& corrected, int lens,
                             int line);
 // After a first adjustment the records show how good they are relative to each other: sigmas shrink to that.
 // True: those of positions grew to a plain receiver's, for they claim far more than they hold. Adjusted

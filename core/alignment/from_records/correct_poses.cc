@@ -37,10 +37,10 @@ Eigen::Quaterniond AboutUp(double angle_rad) {
 int Degrees(int quarter_turns) { return quarter_turns == 3 ? -90 : 90 * quarter_turns; }
 
 // Do photos from one up to the next lie turned against the course, and not against a recorded yaw?
-bool IsCourseOfAll(const std::vector<CorrectedPose>& corrected, std::size_t first, std::size_t end) {
+bool IsCourseOfAll(const std::vector<PhotoFindings>& corrected, std::size_t first, std::size_t end) {
   return std::all_of(corrected.begin() + static_cast<std::ptrdiff_t>(first),
                      corrected.begin() + static_cast<std::ptrdiff_t>(end),
-                     [](const CorrectedPose& one) { return one.yaw_is_course; });
+                     [](const PhotoFindings& one) { return one.yaw_is_course; });
 }
 
 // Where the course was one of two that the photo stands between, or none. `photos`: of one camera.
@@ -99,9 +99,9 @@ double CommonQuarterTurn(const std::vector<PhotoGround>& recorded, const std::ve
   return 0.0;
 }
 
-CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const PhotoGround& ground) {
+PhotoFindings CorrectPose(const poses::PosedPhoto& posed, const PhotoGround& ground) {
   const GroundSimilarity& correction = ground.correction;
-  CorrectedPose corrected;
+  PhotoFindings corrected;
   corrected.start_cam_from_enu = corrected.prior_cam_from_enu = posed.cam_from_enu;
   corrected.yaw_is_course = posed.attitude_origin == poses::AttitudeOrigin::kCourse;
   if (ground.component < 0 && ground.component != kInheritedComponent) return corrected;
@@ -163,17 +163,17 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const PhotoGround& gro
   return corrected;
 }
 
-CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, PhotoGround ground,
+PhotoFindings CorrectToPose(const poses::PosedPhoto& posed, PhotoGround ground,
                             const geo::Rigid3& cam_from_enu) {
   ground.correction = GroundMotion(posed, ground.middle, cam_from_enu);
   ground.component = 0;
-  CorrectedPose corrected = CorrectPose(posed, ground);
+  PhotoFindings corrected = CorrectPose(posed, ground);
   corrected.start_cam_from_enu = cam_from_enu;
   return corrected;
 }
 
 void ForgiveTurnsAtBends(const std::vector<poses::PosedPhoto>& recorded,
-                         std::vector<CorrectedPose>& corrected) {
+                         std::vector<PhotoFindings>& corrected) {
   std::map<std::string, std::vector<std::size_t>> photos_of_camera;
   for (std::size_t i = 0; i < corrected.size(); ++i)
     photos_of_camera[recorded[i].photo.camera_key].push_back(i);
@@ -182,7 +182,7 @@ void ForgiveTurnsAtBends(const std::vector<poses::PosedPhoto>& recorded,
     std::array<std::size_t, 4> lie_so{};
     for (const std::size_t i : photos) ++lie_so[corrected[i].quarter_turns];
     for (std::size_t k = 0; k < photos.size(); ++k) {
-      CorrectedPose& one = corrected[photos[k]];
+      PhotoFindings& one = corrected[photos[k]];
       const int quarters = one.quarter_turns;
       if (!one.yaw_is_course || quarters == 0 || !BendsAt(recorded, photos, k)) continue;
       const auto says_the_same = [&](std::size_t at) {
@@ -196,13 +196,13 @@ void ForgiveTurnsAtBends(const std::vector<poses::PosedPhoto>& recorded,
   }
 }
 
-std::vector<Remark> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
+std::vector<Remark> DescribeCorrections(const std::vector<PhotoFindings>& corrected,
                                         const std::vector<std::string>& names,
                                         const std::vector<int>& lines) {
   std::vector<Remark> remarks;
   const std::size_t count = corrected.size();
   const bool is_mount = count > 1 && corrected.front().quarter_turns != 0 &&
-                        std::all_of(corrected.begin(), corrected.end(), [&](const CorrectedPose& one) {
+                        std::all_of(corrected.begin(), corrected.end(), [&](const PhotoFindings& one) {
                           return one.quarter_turns == corrected.front().quarter_turns;
                         });
   if (is_mount) {

@@ -20,20 +20,20 @@ namespace skyquilt::alignment {
 // show turned against the recorded positions. `pairs` of views as recorded.
 double CommonQuarterTurn(const std::vector<PhotoGround>& recorded, const std::vector<PhotoPair>& pairs);
 
-CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const PhotoGround& ground);
+PhotoFindings CorrectPose(const poses::PosedPhoto& posed, const PhotoGround& ground);
 
 // For a pose found from the images alone: what it says of the record.
-CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, PhotoGround ground,
+PhotoFindings CorrectToPose(const poses::PosedPhoto& posed, PhotoGround ground,
                             const geo::Rigid3& cam_from_enu);
 
 // Of a photo without a recorded yaw that lies across where the course bends: the course says little of it
 // there, and the picture is no worse for that, unless its neighbours of the same camera, or most of its
 // photos, lie the same way. `recorded`: as many as are corrected, in the order of capture.
 void ForgiveTurnsAtBends(const std::vector<poses::PosedPhoto>& recorded,
-                         std::vector<CorrectedPose>& corrected);
+                         std::vector<PhotoFindings>& corrected);
 
 // For whole lines and single photos.
-std::vector<flight::Remark> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
+std::vector<flight::Remark> DescribeCorrections(const std::vector<PhotoFindings>& corrected,
                                                 const std::vector<std::string>& names,
                                                 const std::vector<int>& lines);
 

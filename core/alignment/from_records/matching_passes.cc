@@ -128,7 +128,7 @@ std::vector<AlignPairReport> MatchInPasses(const poses::PosedFlight& posed, cons
   const double tolerance_m = kToleranceShare * MedianWidthM(matched.views);
   std::vector<PhotoGround> recorded = MakeGrounds(posed, matched);  // corrected against the records
   std::vector<AlignPairReport> rejected;
-  matched.corrected.resize(count);
+  matched.findings.resize(count);
   double mount_turn_rad = 0.0;
   const auto move_views = [&] {
     WidenSigmas(recorded);
@@ -139,8 +139,8 @@ std::vector<AlignPairReport> MatchInPasses(const poses::PosedFlight& posed, cons
       one.component = kInheritedComponent;
     }
     for (std::size_t i = 0; i < count; ++i) {
-      matched.corrected[i] = CorrectPose(posed.photos[i], recorded[i]);
-      matched.views[i].cam_from_enu = matched.corrected[i].start_cam_from_enu;
+      matched.findings[i] = CorrectPose(posed.photos[i], recorded[i]);
+      matched.views[i].cam_from_enu = matched.findings[i].start_cam_from_enu;
       const bool is_placed = recorded[i].component >= 0;
       matched.ground_sigma_m[i] = is_placed ? 0.0 : recorded[i].sigma_m;
       matched.sigma_turn_rad[i] = is_placed ? 0.0 : recorded[i].sigma_turn_rad;

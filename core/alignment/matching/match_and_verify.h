@@ -30,7 +30,7 @@ struct MatchedFlight {
   std::vector<View> views;
   std::vector<double> ground_sigma_m;
   std::vector<double> sigma_turn_rad;
-  std::vector<CorrectedPose> corrected;
+  std::vector<PhotoFindings> findings;
   std::vector<PhotoPair> pairs;  // candidates of the last pass
   std::vector<PhotoPair> links;  // verified, and not contradicted by the others
 };

@@ -22,7 +22,8 @@ struct PhotoRecord {
   bool is_unplaced = false;  // nothing recorded places it: its pose in the flight stands for none
 };
 
-struct CorrectedPose {
+// What comparing a photo with the others showed, of its record and of its picture.
+struct PhotoFindings {
   geo::Rigid3 start_cam_from_enu;
   geo::Rigid3 prior_cam_from_enu;  // the record, freed of what was proved wrong
   int quarter_turns = 0;           // counter-clockwise on the ground, 0..3
@@ -30,6 +31,12 @@ struct CorrectedPose {
   bool position_was_wrong = false;
   std::vector<flight::Remark> notes;  // what was corrected, for the user, each going on from the photo's name
   bool yaw_is_course = false;         // no yaw was recorded: the flight's course stood for it
+  std::optional<int> copy_of;         // an earlier photo with the same picture
+  // The fine detail that it shows, as a share of what others show of the same ground; nothing where too few
+  // others do.
+  std::optional<double> sharpness;
+  bool is_blurred = false;         // far less sharp than others of the same ground
+  bool shows_other_place = false;  // rich in detail, yet nothing in common with photos that overlap and agree
 };
 
 // A lens as recorded and as adjusted, and how far the record holds it. A value; any thread.

@@ -217,7 +217,7 @@ Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOpti
                                         {"verified", attempt.matched.links.size()},
                                         {"refused", attempt.report.rejected_pairs.size()}});
   attempt.compared = attempt.matched.pairs;
-  attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
+  attempt.problem = MakeBundle(attempt.posed, attempt.matched.findings, extracted.lines);
   for (std::size_t i = 0; i < count; ++i) {
     // A guessed place says nothing of how good the recorded ones are, and is no better for those that are.
     const PhotoRecord& record = extracted.records[i];

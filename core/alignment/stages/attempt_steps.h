@@ -8,7 +8,6 @@
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/alignment/stages/align_options.h"
-#include "core/alignment/stages/doubt_photos.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"
@@ -53,8 +52,7 @@ Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& pr
 // modelling the ground from. ground_tracks: with points that agree with the adjusted poses. Fills the
 // report's photos, components and residuals. Pure; any thread.
 AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attempt,
-                          const std::vector<Track>& ground_tracks, const std::vector<PhotoDoubt>& doubts,
-                          AlignReport& report);
+                          const std::vector<Track>& ground_tracks, AlignReport& report);
 
 // From an adjusted attempt to the flight that the map is made of, and what is told of it: fills the whole
 // report but its total time. Errors: kUnprocessable where no photo is left to place.

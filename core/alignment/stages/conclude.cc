@@ -156,7 +156,7 @@ void ReportAttempt(const ExtractedFlight& extracted, const Attempt& attempt, Ali
   report.pairs_tried = static_cast<int>(attempt.matched.pairs.size());
   report.pairs_linked = static_cast<int>(attempt.matched.links.size());
   report.pairs_rejected = static_cast<int>(report.rejected_pairs.size());
-  for (Remark& remark : DescribeCorrections(attempt.matched.corrected, names, extracted.lines))
+  for (Remark& remark : DescribeCorrections(attempt.matched.findings, names, extracted.lines))
     report.corrections.push_back(std::move(remark));
   if (auto remark = RemarkOfClock(attempt.problem))
     report.corrections.insert(report.corrections.begin(), *std::move(remark));
@@ -196,18 +196,18 @@ void Warn(const AlignReport& report, const AttemptEvidence& evidence, AlignedFli
 
 Result<AlignedFlight> Conclude(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options,
                                AlignReport& report) {
-  ForgiveTurnsAtBends(extracted.posed.photos, attempt.matched.corrected);
+  ForgiveTurnsAtBends(extracted.posed.photos, attempt.matched.findings);
   const AttemptEvidence evidence = Weigh(extracted, attempt);
   report = std::move(attempt.report);
   if (!report.by_images.why) {
     report.by_images.outcome = flight::Remark{flight::RemarkCode::kRecordsHold,
                                               {{"photos", evidence.tied}, {"total", evidence.readable}}};
   }
-  const std::vector<PhotoDoubt> doubts = DoubtPhotos(attempt.matched, attempt.compared, attempt.relief);
+  DoubtPhotos(attempt.compared, attempt.relief, attempt.matched);
   ReportAttempt(extracted, attempt, report);
   attempt.matched.views = ViewsOf(attempt.problem);
   const std::vector<Track> ground_tracks = GroundTracks(attempt, options);
-  AlignedFlight flight = PlacePhotos(extracted, attempt, ground_tracks, doubts, report);
+  AlignedFlight flight = PlacePhotos(extracted, attempt, ground_tracks, report);
   SKYQUILT_TRY(SettleUnplaced(extracted, flight, report));
   for (const AlignPhotoReport& photo : report.photo_reports) {
     const bool is_far =

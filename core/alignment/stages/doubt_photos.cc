@@ -38,8 +38,7 @@ bool ShowsTheSamePixels(const PhotoPair& verified_pair, const MatchedFlight& inp
 
 // Against those that are linked, and so surely show the same ground; a photo without verified pairs, which
 // may show any, must besides be of little sharpness by itself, whatever it shows.
-void FindBlurred(const MatchedFlight& input, const std::vector<PhotoPair>& pairs, const Relief& relief,
-                 std::vector<PhotoDoubt>& doubts) {
+void FindBlurred(const std::vector<PhotoPair>& pairs, const Relief& relief, MatchedFlight& input) {
   const std::size_t count = input.views.size();
   std::vector<std::vector<double>> linked(count), overlapping(count), by_itself(count);
   const auto against = [&](int own, int other, std::vector<std::vector<double>>& shares) {
@@ -70,69 +69,67 @@ void FindBlurred(const MatchedFlight& input, const std::vector<PhotoPair>& pairs
   };
   for (std::size_t i = 0; i < count; ++i) {
     const bool is_linked = linked[i].size() >= kEnoughToCompare;
-    doubts[i].is_blurred =
+    input.findings[i].is_blurred =
         is_linked ? is_less_sharp(linked[i]) : is_less_sharp(overlapping[i]) && is_less_sharp(by_itself[i]);
     const std::vector<double>& shares = is_linked ? linked[i] : overlapping[i];
-    if (shares.size() >= kEnoughToCompare) doubts[i].sharpness = Median(shares);
+    if (shares.size() >= kEnoughToCompare) input.findings[i].sharpness = Median(shares);
   }
 }
 
 }  // namespace
 
-std::vector<PhotoDoubt> DoubtPhotos(const MatchedFlight& input, const std::vector<PhotoPair>& pairs,
-                                    const Relief& relief) {
-  const std::size_t count = input.views.size();
-  std::vector<PhotoDoubt> doubts(count);
-  const std::vector<int> linked = CountPairs(count, input.links);
+void DoubtPhotos(const std::vector<PhotoPair>& pairs, const Relief& relief, MatchedFlight& flight) {
+  const std::size_t count = flight.views.size();
+  const std::vector<int> linked = CountPairs(count, flight.links);
   std::vector<int> witnesses(count, 0);
-  for (const PhotoPair& verified_pair : input.links) {
-    PhotoDoubt& later = doubts[verified_pair.second];
-    if (!later.copy_of && ShowsTheSamePixels(verified_pair, input)) later.copy_of = verified_pair.first;
+  for (const PhotoPair& verified_pair : flight.links) {
+    PhotoFindings& later = flight.findings[verified_pair.second];
+    if (!later.copy_of && ShowsTheSamePixels(verified_pair, flight)) later.copy_of = verified_pair.first;
   }
-  FindBlurred(input, pairs, relief, doubts);
+  FindBlurred(pairs, relief, flight);
   for (const PhotoPair& pair : pairs) {
     if (pair.overlap < kSurelySharedOverlap) continue;
     if (linked[pair.second] > 1) ++witnesses[pair.first];
     if (linked[pair.first] > 1) ++witnesses[pair.second];
   }
   for (std::size_t i = 0; i < count; ++i) {
-    doubts[i].shows_other_place = linked[i] == 0 && witnesses[i] >= kWitnesses && input.features[i] &&
-                                  input.features[i]->keypoints.size() >= kRichInFeatures &&
-                                  !doubts[i].is_blurred;
+    PhotoFindings& own = flight.findings[i];
+    own.shows_other_place = linked[i] == 0 && witnesses[i] >= kWitnesses && flight.features[i] &&
+                            flight.features[i]->keypoints.size() >= kRichInFeatures && !own.is_blurred;
   }
-  return doubts;
 }
 
-std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names) {
+std::vector<flight::Remark> DoubtsInRemarks(const PhotoFindings& findings,
+                                            const std::vector<std::string>& names) {
   using flight::RemarkCode;
   std::vector<flight::Remark> remarks;
-  if (doubt.copy_of) remarks.push_back({RemarkCode::kDoubtCopy, {{"other", names[*doubt.copy_of]}}});
-  if (doubt.is_blurred) remarks.push_back(RemarkCode::kDoubtBlurred);
-  if (doubt.shows_other_place) remarks.push_back(RemarkCode::kDoubtOtherPlace);
+  if (findings.copy_of) remarks.push_back({RemarkCode::kDoubtCopy, {{"other", names[*findings.copy_of]}}});
+  if (findings.is_blurred) remarks.push_back(RemarkCode::kDoubtBlurred);
+  if (findings.shows_other_place) remarks.push_back(RemarkCode::kDoubtOtherPlace);
   return remarks;
 }
 
-std::vector<flight::Remark> DoubtsInRemarks(const std::vector<PhotoDoubt>& doubts,
+std::vector<flight::Remark> DoubtsInRemarks(const std::vector<PhotoFindings>& findings,
                                             const std::vector<std::string>& names) {
   using flight::RemarkCode;
   constexpr int kNamedApart = 3;  // more of them is one thing to know: the aircraft hovered
-  const PhotoDoubt* first = nullptr;
+  const PhotoFindings* first = nullptr;
   std::string photo;
   int copies = 0;
-  for (std::size_t i = 0; i < doubts.size(); ++i) {
-    if (!doubts[i].copy_of) continue;
-    if (copies++ == 0) first = &doubts[i], photo = names[i];
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    if (!findings[i].copy_of) continue;
+    if (copies++ == 0) first = &findings[i], photo = names[i];
   }
   std::vector<flight::Remark> remarks;
   if (copies > kNamedApart) {
     remarks.push_back({RemarkCode::kSamePictures,
                        {{"photos", copies}, {"photo", photo}, {"other", names[*first->copy_of]}}});
   }
-  for (std::size_t i = 0; i < doubts.size(); ++i) {
-    PhotoDoubt doubt = doubts[i];
-    if (copies > kNamedApart) doubt.copy_of.reset();
-    for (flight::Remark& remark : DoubtsInRemarks(doubt, names))
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    for (flight::Remark& remark : DoubtsInRemarks(findings[i], names)) {
+      if (copies > kNamedApart && remark.code == RemarkCode::kDoubtCopy) continue;
       remarks.push_back({RemarkCode::kOfPhoto, {{"photo", names[i]}, {"said", std::move(remark)}}});
+    }
   }
   return remarks;
 }

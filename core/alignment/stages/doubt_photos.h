@@ -3,35 +3,26 @@
 // prefers other photos where it can. Pure; any thread.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/alignment/matching/match_and_verify.h"
 #include "core/alignment/scene/aligned_flight.h"
-#include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/photo_set.h"
+#include "core/alignment/scene/priors.h"
 
 namespace skyquilt::alignment {
 
-struct PhotoDoubt {
-  std::optional<int> copy_of;  // an earlier photo with the same picture
-  // The fine detail that it shows, as a share of what others show of the same ground; nothing where too few
-  // others do.
-  std::optional<double> sharpness;
-  bool is_blurred = false;         // far less sharp than others of the same ground
-  bool shows_other_place = false;  // rich in detail, yet nothing in common with photos that overlap and agree
-};
-
-// `pairs` were compared; the links of the flight are those verified in the end, over `relief`.
-std::vector<PhotoDoubt> DoubtPhotos(const MatchedFlight& input, const std::vector<PhotoPair>& pairs,
-                                    const Relief& relief);
+// Into the findings of the flight, one for each photo. `pairs` were compared; its links are those verified in
+// the end, over `relief`.
+void DoubtPhotos(const std::vector<PhotoPair>& pairs, const Relief& relief, MatchedFlight& flight);
 
 // What the user is to know of it, each going on from the photo's name.
-std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names);
+std::vector<flight::Remark> DoubtsInRemarks(const PhotoFindings& findings,
+                                            const std::vector<std::string>& names);
 // Of the whole flight, with the photos' names; more than three copies are one thing to know: the aircraft
 // hovered.
-std::vector<flight::Remark> DoubtsInRemarks(const std::vector<PhotoDoubt>& doubts,
+std::vector<flight::Remark> DoubtsInRemarks(const std::vector<PhotoFindings>& findings,
                                             const std::vector<std::string>& names);
 
 // Takes photos out that no verified pair ties to the others and that lie so far away that the map would be

@@ -46,7 +46,7 @@ BundleOptions FirstAdjustment() { return {.cuts_px = {30.0, 10.0}, .max_iteratio
 BundleOptions SettledAdjustment() { return {.cuts_px = {10.0}, .max_iterations = 8}; }
 
 // How far the adjustment swung the photos' axes over the ground, in photo widths: half of them further.
-double LeanedShare(const std::vector<CorrectedPose>& corrected, const BundleProblem& problem) {
+double LeanedShare(const std::vector<PhotoFindings>& corrected, const BundleProblem& problem) {
   const std::vector<View> views = ViewsOf(problem);
   std::vector<double> shares{0.0};
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -276,7 +276,7 @@ Result<Attempt> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_rec
     attempt = WithoutPositionLag(extracted, Levelled(extracted, std::move(attempt)));
   }
   if (!attempt.report.by_images.is_taken &&
-      LeanedShare(attempt.matched.corrected, attempt.problem) > kMuchLeanedShare) {
+      LeanedShare(attempt.matched.findings, attempt.problem) > kMuchLeanedShare) {
     attempt = Adjusted(Rematched(std::move(attempt), kMiddlePass, options), FirstAdjustment());
   }
   std::vector<ControlPoint> control = options.control;

@@ -7,6 +7,7 @@
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/stages/attempt_steps.h"
+#include "core/alignment/stages/doubt_photos.h"
 #include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 
@@ -79,14 +80,14 @@ Learnt Learn(const std::vector<Eigen::Vector3d>& turns, const std::vector<Eigen:
   return learnt;
 }
 
-std::vector<PhotoFault> Faults(const CorrectedPose& corrected, const PhotoDoubt& doubt) {
+std::vector<PhotoFault> Faults(const PhotoFindings& findings) {
   std::vector<PhotoFault> faults;
-  if (corrected.position_was_wrong) faults.push_back(PhotoFault::kPositionWrong);
-  if (corrected.yaw_was_wrong) faults.push_back(PhotoFault::kYawWrong);
-  if (corrected.quarter_turns != 0) faults.push_back(PhotoFault::kStoredTurned);
-  if (doubt.copy_of) faults.push_back(PhotoFault::kCopy);
-  if (doubt.is_blurred) faults.push_back(PhotoFault::kBlurred);
-  if (doubt.shows_other_place) faults.push_back(PhotoFault::kOtherPlace);
+  if (findings.position_was_wrong) faults.push_back(PhotoFault::kPositionWrong);
+  if (findings.yaw_was_wrong) faults.push_back(PhotoFault::kYawWrong);
+  if (findings.quarter_turns != 0) faults.push_back(PhotoFault::kStoredTurned);
+  if (findings.copy_of) faults.push_back(PhotoFault::kCopy);
+  if (findings.is_blurred) faults.push_back(PhotoFault::kBlurred);
+  if (findings.shows_other_place) faults.push_back(PhotoFault::kOtherPlace);
   return faults;
 }
 
@@ -172,11 +173,10 @@ void HangOnCameras(const ExtractedFlight& extracted, const poses::PosedFlight& p
 }  // namespace
 
 AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attempt,
-                          const std::vector<Track>& ground_tracks, const std::vector<PhotoDoubt>& doubts,
-                          AlignReport& report) {
+                          const std::vector<Track>& ground_tracks, AlignReport& report) {
   const poses::PosedFlight& posed = attempt.posed;
   const BundleProblem& problem = attempt.problem;
-  const std::vector<CorrectedPose>& corrected = attempt.matched.corrected;
+  const std::vector<PhotoFindings>& findings = attempt.matched.findings;
   AlignedFlight flight = WithoutPhotos(posed);
 
   const std::optional<double> shared_error_m = ControlErrorM(report);
@@ -195,8 +195,8 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
     if (component[i] < 0) continue;
     ++component_sizes[component[i]];
     const auto& own = posed.photos[i].photo.position;
-    if (corrected[i].position_was_wrong || corrected[i].yaw_was_wrong || (own && own->is_repeated)) continue;
-    const geo::Rigid3& prior = corrected[i].prior_cam_from_enu;
+    if (findings[i].position_was_wrong || findings[i].yaw_was_wrong || (own && own->is_repeated)) continue;
+    const geo::Rigid3& prior = findings[i].prior_cam_from_enu;
     const geo::Rigid3& now = problem.photos[i].cam_from_enu;
     all_turns.push_back(geo::TurnAgainst(now, prior));
     all_shifts.push_back(now.TargetOriginInSource() - prior.TargetOriginInSource() - by_clock_m(i));
@@ -239,7 +239,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
       const bool line_known = of_line != turns.end() && of_line->second.size() >= 2;
       const Learnt learnt = line_known ? Learn(of_line->second, shifts[problem.photos[i].line]) : of_flight;
       const bool learnt_enough = line_known || of_flight.photos >= 5;
-      const geo::Rigid3& prior = corrected[i].prior_cam_from_enu;
+      const geo::Rigid3& prior = findings[i].prior_cam_from_enu;
       photo.cam_from_enu = prior;
       if (learnt_enough) {
         photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
@@ -257,12 +257,11 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
                        {{"points", support[i].observations}}}};
     }
     std::vector<Remark>& said = photo.placement_remarks;
-    said.insert(said.end(), corrected[i].notes.begin(), corrected[i].notes.end());
-    const PhotoDoubt& doubt = doubts[i];
-    photo.sharpness = doubt.sharpness;
-    for (Remark& remark : DoubtsInRemarks(doubt, names)) said.push_back(std::move(remark));
+    said.insert(said.end(), findings[i].notes.begin(), findings[i].notes.end());
+    photo.sharpness = findings[i].sharpness;
+    for (Remark& remark : DoubtsInRemarks(findings[i], names)) said.push_back(std::move(remark));
     // As good as nowhere: the map takes it only where it has nothing else.
-    if (doubt.shows_other_place)
+    if (findings[i].shows_other_place)
       photo.error_radius_m = std::max(photo.error_radius_m, before.height_above_ground_m);
     AlignPhotoReport& told = report.photo_reports[i];
     told.placement = photo.placement;
@@ -276,11 +275,11 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
     };
     told.moved_m = (axis_on_ground(photo.cam_from_enu) - axis_on_ground(before.cam_from_enu)).norm();
     told.turned_deg = geo::RadToDeg(geo::TurnAgainst(photo.cam_from_enu, before.cam_from_enu).norm());
-    told.faults = Faults(corrected[i], doubt);
+    told.faults = Faults(findings[i]);
     report.aligned += photo.placement == Placement::kAligned ? 1 : 0;
     flight.photos.push_back(std::move(photo));
   }
-  for (Remark& remark : DoubtsInRemarks(doubts, names)) report.corrections.push_back(std::move(remark));
+  for (Remark& remark : DoubtsInRemarks(findings, names)) report.corrections.push_back(std::move(remark));
   report.components = static_cast<int>(component_sizes.size());
   if (report.components == 0 && flight.photos.size() > 1) {
     flight.warnings.push_back(RemarkCode::kNoTies);

@@ -191,7 +191,7 @@ TEST(MakeBundlePhoto, HoldsPhotosOfALogApartFromTheirClock) {
   posed.covariance.setIdentity();
   posed.covariance(3, 3) += 100.0;  // 2 s at 5 m/s
   posed.velocity_in_enu_mps = Eigen::Vector3d(5.0, 0.0, 0.0);
-  CorrectedPose corrected;
+  PhotoFindings corrected;
   corrected.start_cam_from_enu = corrected.prior_cam_from_enu = posed.cam_from_enu;
 
   BundlePhoto photo = MakeBundlePhoto(posed, corrected, 0, 0);

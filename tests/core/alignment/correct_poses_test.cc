@@ -46,7 +46,7 @@ TEST(CorrectPose, LaysTheMiddleOfALeaningPhotoWhereTheGraphWantsIt) {
     PhotoGround wanted{MiddleOf(posed, posed.cam_from_enu), 5.0, 0.1};
     wanted.correction = {std::polar(1.05, 0.3), {8.0, -6.0}};
     wanted.component = 0;
-    const CorrectedPose corrected = CorrectPose(posed, wanted);
+    const PhotoFindings corrected = CorrectPose(posed, wanted);
     const std::complex<double> error =
         MiddleOf(posed, corrected.start_cam_from_enu) - (wanted.middle + wanted.correction.shift);
     EXPECT_LT(std::abs(error), 0.1) << "leaning " << lean_rad;
@@ -62,7 +62,7 @@ TEST(CorrectPose, CallsAPositionWrongOnlyBeyondWhatTheFlightsRecordsAreWorth) {
 
 TEST(CorrectPose, LeavesAPhotoWithoutVerifiedPairsAsItWasRecorded) {
   const poses::PosedPhoto posed = Leaning(0.1);
-  const CorrectedPose corrected = CorrectPose(posed, GroundWith(2.0, {0.0, 1.0}, {9.0, 9.0}, -1));
+  const PhotoFindings corrected = CorrectPose(posed, GroundWith(2.0, {0.0, 1.0}, {9.0, 9.0}, -1));
   EXPECT_TRUE(corrected.start_cam_from_enu.rotation.isApprox(posed.cam_from_enu.rotation));
   EXPECT_TRUE(corrected.notes.empty());
 }
@@ -74,7 +74,7 @@ TEST(CorrectPose, SaysAgainstWhatPhotosLieTurned) {
   for (const auto& [origin, words] : {std::pair{poses::AttitudeOrigin::kRecorded, "their recorded yaw"},
                                       std::pair{poses::AttitudeOrigin::kCourse, "the flight's course"}}) {
     posed.attitude_origin = origin;
-    const CorrectedPose turned = CorrectPose(posed, half_turn), as_is = CorrectPose(posed, kept);
+    const PhotoFindings turned = CorrectPose(posed, half_turn), as_is = CorrectPose(posed, kept);
     const auto sentences = InWords(DescribeCorrections({turned, turned, as_is}, {"a", "b", "c"}, {0, 0, 0}));
     ASSERT_EQ(sentences.size(), 1u);
     EXPECT_NE(sentences[0].find(std::string("turned by 180 degrees against ") + words), std::string::npos)
@@ -87,7 +87,7 @@ TEST(CorrectPose, BlamesNoPictureForTheBendOfACourse) {
   const PhotoGround across = GroundWith(5.0, {0.0, 1.0}, 0.0), kept = GroundWith(5.0, 1.0, 0.0);
   const auto said_of = [&](std::size_t turned, poses::AttitudeOrigin origin) {
     std::vector<poses::PosedPhoto> recorded;
-    std::vector<CorrectedPose> corrected;
+    std::vector<PhotoFindings> corrected;
     for (std::size_t i = 0; i < 9; ++i) {
       poses::PosedPhoto posed = Leaning(0.0);
       posed.attitude_origin = origin;

@@ -25,9 +25,9 @@ TEST(DirectTracks, MovePhotosTogetherThatPosesLeaveApart) {
       ExtractAll(posed, test::PhotosOf(truth), {.max_features = 0}, {}, 2, 1.0, progress);
   MatchedFlight input = MakeMatchedFlight(posed);
   for (std::size_t i = 0; i < features.size(); ++i) input.features[i] = &features[i];
-  std::vector<CorrectedPose> as_recorded;
+  std::vector<PhotoFindings> as_recorded;
   for (const poses::PosedPhoto& photo : posed.photos) {
-    CorrectedPose& uncorrected = as_recorded.emplace_back();
+    PhotoFindings& uncorrected = as_recorded.emplace_back();
     uncorrected.start_cam_from_enu = uncorrected.prior_cam_from_enu = photo.cam_from_enu;
   }
   const Relief flat(posed.ground_z_in_enu_m);

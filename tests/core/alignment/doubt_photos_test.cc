@@ -57,7 +57,7 @@ TEST(LeaveOutFarAway, KeepsASecondBlockOfSomeSize) {
 
 TEST(DoubtsInRemarks, SayOnceThatTheAircraftHovered) {
   const std::vector<std::string> names = {"a", "b", "c", "d", "e", "f"};
-  std::vector<PhotoDoubt> doubts(6);
+  std::vector<PhotoFindings> doubts(6);
   doubts[5].is_blurred = true;
   for (const std::size_t copy : {1U, 2U, 3U}) doubts[copy].copy_of = 0;
   EXPECT_EQ(InWords(DoubtsInRemarks(doubts, names)),
@@ -80,7 +80,7 @@ PictureDetail EvenDetail(float fine) {
       DetailCell{{fine, 0.0F, 2.0F * fine, 0.0F, fine}, {100.0F, 0.0F, 200.0F, 0.0F, 100.0F}, 128.0F});
 }
 
-bool IsDoubted(const PhotoDoubt& doubt) {
+bool IsDoubted(const PhotoFindings& doubt) {
   return doubt.copy_of || doubt.is_blurred || doubt.shows_other_place;
 }
 
@@ -90,6 +90,7 @@ struct Overlapping {
   MatchedFlight input;
 
   explicit Overlapping(int count) : features(count) {
+    input.findings.resize(count);
     for (int i = 0; i < count; ++i) {
       for (int k = 0; k < 400; ++k) {
         features[i].keypoints.push_back({static_cast<float>(10 * k + 37 * i), 5.0F, 0.0F, 8.0F, 1.0F});
@@ -116,7 +117,10 @@ struct Overlapping {
       for (int j = i + 1; j < 4; ++j) Verify(i, j);
     }
   }
-  std::vector<PhotoDoubt> Doubts() const { return DoubtPhotos(input, input.pairs, Relief(0.0)); }
+  std::vector<PhotoFindings> Doubts() {
+    DoubtPhotos(input.pairs, Relief(0.0), input);
+    return input.findings;
+  }
 };
 
 TEST(DoubtPhotos, KnowsACopyByItsPixels) {
