@@ -86,7 +86,7 @@ namespace {
 using Cbor = nlohmann::json;
 
 // Raised whenever the meaning, a name or what is found changes.
-constexpr int kFoundVersion = 1;
+constexpr int kFoundVersion = 2;
 
 [[noreturn]] void ThrowOfFound(const char* what) { throw Cbor::other_error::create(500, what, nullptr); }
 

@@ -117,8 +117,7 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
       features.keypoints.push_back({.x_px = static_cast<float>((point.x_px * step + 0.5) * full_per_x - 0.5),
                                     .y_px = static_cast<float>((point.y_px * step + 0.5) * full_per_y - 0.5),
                                     .angle_rad = direction_rad,
-                                    .scale_px = static_cast<float>(2.0 * point.blur_px * step * full_per_x),
-                                    .response = point.contrast});
+                                    .scale_px = static_cast<float>(2.0 * point.blur_px * step * full_per_x)});
       features.descriptors.push_back(Describe(layer, point, direction_rad));
     }
   }

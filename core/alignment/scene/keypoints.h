@@ -19,7 +19,6 @@ struct Keypoint {
   float y_px = 0.0F;
   float angle_rad = 0.0F;  // from the image's x axis towards its y axis (down)
   float scale_px = 0.0F;   // diameter of the described patch
-  float response = 0.0F;
 };
 
 // Grey, rows without padding; covers the whole photo.

@@ -125,8 +125,7 @@ PhotoFeatures Sift(const cv::Mat& whole, bool halved) {
     features.keypoints.push_back({.x_px = static_cast<float>((point.pt.x - 0.25 + 0.5) * scale - 0.5),
                                   .y_px = static_cast<float>((point.pt.y - 0.25 + 0.5) * scale - 0.5),
                                   .angle_rad = static_cast<float>(point.angle * std::numbers::pi / 180.0),
-                                  .scale_px = static_cast<float>(point.size * scale),
-                                  .response = point.response});
+                                  .scale_px = static_cast<float>(point.size * scale)});
     const float* bins = described.ptr<float>(k);
     float sum = 1e-9F;
     for (int b = 0; b < kDescriptorSize; ++b) sum += bins[b];

@@ -88,9 +88,9 @@ Problem MakeProblem(double right_share, double relief_m, std::uint64_t seed) {
         is_right ? angle + turn + 0.1 * Gaussian(sampler) : between(-std::numbers::pi, std::numbers::pi);
     const double grown = std::exp2(is_right ? 0.1 * Gaussian(sampler) : Gaussian(sampler));
     problem.first.keypoints.push_back(
-        {static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(angle), 10.0F, 1.0F});
+        {static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(angle), 10.0F});
     problem.second.keypoints.push_back({static_cast<float>(there.x()), static_cast<float>(there.y()),
-                                        static_cast<float>(turned), static_cast<float>(10.0 * grown), 1.0F});
+                                        static_cast<float>(turned), static_cast<float>(10.0 * grown)});
     problem.from.emplace_back(problem.first.keypoints.back().x_px, problem.first.keypoints.back().y_px);
     problem.to.emplace_back(problem.second.keypoints.back().x_px, problem.second.keypoints.back().y_px);
   }

@@ -93,7 +93,7 @@ struct Overlapping {
     input.findings.resize(count);
     for (int i = 0; i < count; ++i) {
       for (int k = 0; k < 400; ++k) {
-        features[i].keypoints.push_back({static_cast<float>(10 * k + 37 * i), 5.0F, 0.0F, 8.0F, 1.0F});
+        features[i].keypoints.push_back({static_cast<float>(10 * k + 37 * i), 5.0F, 0.0F, 8.0F});
       }
       features[i].detail = EvenDetail(100.0F);
       input.features.push_back(&features[i]);

@@ -17,7 +17,7 @@ PhotoFeatures Features(int count, std::uint64_t seed) {
   Sampler sampler(seed);
   PhotoFeatures features;
   for (int k = 0; k < count; ++k) {
-    features.keypoints.push_back({static_cast<float>(20 * k), 10.0F, 0.0F, 5.0F, 1.0F});
+    features.keypoints.push_back({static_cast<float>(20 * k), 10.0F, 0.0F, 5.0F});
     features.descriptors.push_back(UniformDescriptor(sampler));
   }
   return features;
