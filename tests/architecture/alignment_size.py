@@ -11,13 +11,13 @@ FLAGS = re.compile(r"\bvector<\s*char\s*>")
 CAST = re.compile(r"\bstatic_cast<(?:std::)?size_t>")
 TYPE = re.compile(r"^(?:struct|class) (\w+)[^;\n]*$", re.M)  # of a header, not within another type
 
-MOST_TYPES = 28
+MOST_TYPES = 27
 STANDS_FOR = {
     "photo": """AlignPhotoReport AlignedPhoto BundlePhoto FoundPose PhotoFeatures PhotoFindings
         PhotoGround PhotoRecord RegistrationPhoto View""",
     "point": "GroundKeypoint Keypoint Observation PointObservation Track TrackElement",
     "pair": "AlignPairReport KeypointMatch PhotoPair PlacePair RayPair",
-    "flight": "AlignedFlight Attempt BundleProblem ExtractedFlight MatchedFlight Registration SceneTracks",
+    "flight": "AlignedFlight Attempt BundleProblem ExtractedFlight MatchedFlight Registration",
 }
 # Options and questions, verdicts and reports, surveyed points, lenses, pictures, and what is computed with.
 OTHERS = """AlignLensReport AlignOptions AlignReport Appearance AttemptChoice AttemptEvidence AveragedRotations Block BlockPlace

@@ -25,8 +25,8 @@ Block::Block(const Registration& input, std::vector<BundleLens> lenses)
       placed_(input.photos.size()),
       cam_from_world_(input.photos.size()),
       rays_(input.photos.size()),
-      point_(input.scene.tracks.size(), Eigen::Vector3d::Zero()),
-      seen_by_(input.scene.tracks.size()) {}
+      point_(input.scene.size(), Eigen::Vector3d::Zero()),
+      seen_by_(input.scene.size()) {}
 
 const camera::Intrinsics& Block::Lens(int photo) const {
   return lenses_[input_->photos[photo].lens].intrinsics;
@@ -41,8 +41,8 @@ void Block::FindRays(int photo) {
   const PhotoFeatures& features = *input_->photos[photo].features;
   std::vector<Eigen::Vector3d>& rays = rays_[photo];
   rays.assign(features.keypoints.size(), Eigen::Vector3d::Zero());
-  for (const int t : scene().of_photo[photo]) {
-    for (const TrackElement& element : scene().tracks[t]) {
+  for (const int t : input_->photos[photo].tracks) {
+    for (const TrackElement& element : scene()[t]) {
       if (element.photo == photo) {
         rays[element.keypoint] = lens.Unproject(ObservationOf(element).pixel_in_image).normalized();
       }
@@ -65,7 +65,7 @@ double Block::ResidualSigmas(const TrackElement& element, const Eigen::Vector3d&
 
 // Where the rays come nearest; the observation with the largest residual goes until all agree.
 void Block::Triangulate(int track) {
-  const std::vector<TrackElement>& elements = scene().tracks[track];
+  const KeypointTrack& elements = scene()[track];
   std::vector<int>& kept = seen_by_[track];
   kept.clear();
   for (std::size_t s = 0; s < elements.size(); ++s) {
@@ -113,7 +113,7 @@ void Block::TriangulateEach(const std::vector<int>& tracks, int threads) {
 }
 
 void Block::TriangulateAll(int threads) {
-  std::vector<int> tracks(scene().tracks.size());
+  std::vector<int> tracks(scene().size());
   std::iota(tracks.begin(), tracks.end(), 0);
   TriangulateEach(tracks, threads);
 }
@@ -121,7 +121,7 @@ void Block::TriangulateAll(int threads) {
 void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
   std::vector<int> tracks;
   for (const int photo : photos) {
-    const std::vector<int>& seen = scene().of_photo[photo];
+    const std::vector<int>& seen = input_->photos[photo].tracks;
     tracks.insert(tracks.end(), seen.begin(), seen.end());
   }
   std::sort(tracks.begin(), tracks.end());
@@ -132,16 +132,15 @@ void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
 Track Block::TrackOf(int track) const {
   Track observed;
   observed.point_in_enu = point_[track];
-  for (const int s : seen_by_[track])
-    observed.observations.push_back(ObservationOf(scene().tracks[track][s]));
+  for (const int s : seen_by_[track]) observed.observations.push_back(ObservationOf(scene()[track][s]));
   return observed;
 }
 
 // Points that many photos see first, and of each photo only as many as it needs, spread over its picture.
 std::vector<int> Block::ChooseTracks(const PhotoSet& adjusted, int observations_per_photo) const {
   std::vector<int> order;
-  for (std::size_t t = 0; t < scene().tracks.size(); ++t) {
-    const std::vector<TrackElement>& elements = scene().tracks[t];
+  for (std::size_t t = 0; t < scene().size(); ++t) {
+    const KeypointTrack& elements = scene()[t];
     const bool counts = std::any_of(seen_by_[t].begin(), seen_by_[t].end(),
                                     [&](int s) { return adjusted.Has(elements[s].photo); });
     if (counts) order.push_back(static_cast<int>(t));
@@ -152,7 +151,7 @@ std::vector<int> Block::ChooseTracks(const PhotoSet& adjusted, int observations_
   for (const int t : order) {
     spread.BeginTrack();
     for (const int s : SeenBy(t)) {
-      const TrackElement& element = scene().tracks[t][s];
+      const TrackElement& element = scene()[t][s];
       if (adjusted.Has(element.photo))
         spread.SeenBy(element.photo, ObservationOf(element).pixel_in_image, Lens(element.photo));
     }
@@ -219,7 +218,7 @@ void Block::Normalise() {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (std::size_t t = 0; t < point_.size(); ++t) {
     for (const int s : seen_by_[t]) {
-      depths.push_back((Pose(scene().tracks[t][s].photo) * point_[t]).z());
+      depths.push_back((Pose(scene()[t][s].photo) * point_[t]).z());
     }
   }
   const int placed = size();
@@ -243,7 +242,7 @@ std::vector<int> Block::PointsSeen() const {
   std::vector<int> seen(placed_.Photos(), 0);
   for (std::size_t t = 0; t < seen_by_.size(); ++t) {
     for (const int s : seen_by_[t]) {
-      ++seen[scene().tracks[t][s].photo];
+      ++seen[scene()[t][s].photo];
     }
   }
   return seen;
@@ -254,7 +253,7 @@ std::vector<double> Block::ResidualsPx() const {
   const std::vector<int> seen = PointsSeen();
   for (std::size_t t = 0; t < seen_by_.size(); ++t) {
     for (const int s : seen_by_[t]) {
-      const TrackElement& element = scene().tracks[t][s];
+      const TrackElement& element = scene()[t][s];
       const double residual = ResidualSigmas(element, point_[t]) * ObservationOf(element).sigma_px;
       square[element.photo] += residual * residual;
     }

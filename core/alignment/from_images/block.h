@@ -29,7 +29,7 @@ class Block {
   const camera::Intrinsics& Lens(int photo) const;
   const std::vector<BundleLens>& lenses() const { return lenses_; }
   const Registration& input() const { return *input_; }
-  const SceneTracks& scene() const { return input_->scene; }
+  const std::vector<KeypointTrack>& scene() const { return input_->scene; }
 
   void Place(int photo, const geo::Rigid3& cam_from_world);
   void Remove(std::integral auto photo) { placed_.Remove(photo); }

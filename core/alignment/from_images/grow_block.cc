@@ -66,7 +66,7 @@ std::vector<NextPhoto> PhotosThatSee(const Block& block, const PhotoSet& used) {
   for (std::size_t i = 0; i < used.Photos(); ++i) {
     if (used.Has(i) || block.Has(i)) continue;
     NextPhoto one{static_cast<int>(i), {}};
-    for (const int t : block.scene().of_photo[i]) {
+    for (const int t : block.input().photos[i].tracks) {
       if (block.HasPoint(t)) one.tracks.push_back(t);
     }
     if (one.tracks.size() >= kMinAgreeing) candidates.push_back(std::move(one));
@@ -79,7 +79,7 @@ std::vector<NextPhoto> PhotosThatSee(const Block& block, const PhotoSet& used) {
 std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidate) {
   std::vector<PointObservation> observations;
   for (const int t : candidate.tracks) {
-    for (const TrackElement& element : block.scene().tracks[t]) {
+    for (const TrackElement& element : block.scene()[t]) {
       if (element.photo != candidate.photo) continue;
       const Observation seen = block.ObservationOf(element);
       observations.push_back({seen.pixel_in_image, block.Point(t), seen.sigma_px});
@@ -95,9 +95,9 @@ std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidate) 
 std::vector<int> WithNeighbours(const Block& block, const std::vector<int>& photos) {
   std::vector<int> shared(block.input().photos.size(), 0);
   for (const int photo : photos) {
-    for (const int t : block.scene().of_photo[photo]) {
+    for (const int t : block.input().photos[photo].tracks) {
       for (const int s : block.SeenBy(t)) {
-        ++shared[block.scene().tracks[t][s].photo];
+        ++shared[block.scene()[t][s].photo];
       }
     }
   }
@@ -216,7 +216,7 @@ std::optional<Tried> Try(const Registration& input, const std::vector<BundleLens
   if (block.size() < 3) return std::nullopt;
   Tried tried{std::move(block), 0};
   // Points of three and more photos: two agree on anything.
-  for (std::size_t t = 0; t < input.scene.tracks.size(); ++t) {
+  for (std::size_t t = 0; t < input.scene.size(); ++t) {
     const auto seen = static_cast<int>(tried.block.SeenBy(t).size());
     if (seen >= 3) tried.observations += seen;
   }

@@ -26,7 +26,7 @@ constexpr double kMinShareHeld = 0.3;
 // larger_from_smaller, by the points that both see; nothing where too few agree on one similarity.
 std::optional<Similarity3> FindJoint(const Block& larger, const Block& smaller) {
   std::vector<PlacePair> shared;
-  for (std::size_t t = 0; t < larger.scene().tracks.size(); ++t) {
+  for (std::size_t t = 0; t < larger.scene().size(); ++t) {
     if (larger.HasPoint(t) && smaller.HasPoint(t)) {
       shared.push_back({smaller.Point(t), larger.Point(t), Eigen::Vector3d::Ones()});
     }
@@ -124,6 +124,17 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
   }
 }
 
+// The scene of the links, and what each photo shows of it.
+void JoinLinks(Registration& input) {
+  input.scene = {};  // not both at a time
+  for (RegistrationPhoto& photo : input.photos) photo.tracks = {};
+  input.scene = JoinMatches(input.Features(), input.links);
+  for (std::size_t t = 0; t < input.scene.size(); ++t) {
+    for (const TrackElement& element : input.scene[t])
+      input.photos[element.photo].tracks.push_back(static_cast<int>(t));
+  }
+}
+
 std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& progress) {
   PhotoSet used(input.photos.size());
   std::vector<Block> blocks;
@@ -167,8 +178,7 @@ Registration RegisterPhotos(const Registration& given, int threads, Progress& pr
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
   BuildViewGraph(threads, progress, input);
   for (int pass = 0;; ++pass) {
-    input.scene = {};  // not both at a time
-    input.scene = JoinMatches(input.Features(), input.links);
+    JoinLinks(input);
     const std::vector<Block> blocks = GrowBlocks(input, threads, progress);
     Registration grown = given;
     if (!blocks.empty()) grown.lenses = blocks.front().lenses();

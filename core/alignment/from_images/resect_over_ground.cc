@@ -25,7 +25,7 @@ class BlockGround {
  public:
   explicit BlockGround(const Block& block) : block_(&block), level_(block.input().photos.size(), 0.0) {
     std::vector<int> points;
-    for (std::size_t t = 0; t < block.scene().tracks.size(); ++t) {
+    for (std::size_t t = 0; t < block.scene().size(); ++t) {
       if (!block.HasPoint(t)) continue;
       points.push_back(static_cast<int>(t));
       middle_ += block.Point(t);
@@ -43,7 +43,7 @@ class BlockGround {
     ground_from_world_ = geo::RotationToZ(up);
     std::vector<std::vector<double>> seen(level_.size());
     for (const int t : points) {
-      const auto& track = block.scene().tracks[t];
+      const auto& track = block.scene()[t];
       for (const int s : block.SeenBy(t)) {
         const int photo = track[s].photo;
         seen[photo].push_back(OnGround(block.Point(t)).z());

@@ -20,7 +20,8 @@ struct RegistrationPhoto {
   std::optional<Eigen::Vector3d> position_in_enu;  // only says which photos may show the same
   // As registered, not before.
   geo::Rigid3 cam_from_world;
-  int block = -1;  // 0 is the largest; negative: not registered
+  int block = -1;                // 0 is the largest; negative: not registered
+  std::vector<int> tracks = {};  // before: those of the scene that it shows
 };
 
 struct Registration {
@@ -30,7 +31,7 @@ struct Registration {
   // others, sorted by photos. As registered, those within one block.
   std::vector<PhotoPair> compared, links;
   int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
-  SceneTracks scene;  // of the links, as a block is grown from them
+  std::vector<KeypointTrack> scene;  // of the links, as a block is grown from them
   // As registered, not before.
   std::vector<int> block_sizes;  // the largest first
   std::vector<Track> tracks;     // point_in_enu is in the world of the photos' block

@@ -179,8 +179,8 @@ std::vector<Track> BuildTracks(const std::vector<PhotoPair>& pairs,
   return Thin(std::move(tracks), views, options.observations_per_photo);
 }
 
-SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
-                        const std::vector<PhotoPair>& pairs) {
+std::vector<KeypointTrack> JoinMatches(const std::vector<const PhotoFeatures*>& features,
+                                       const std::vector<PhotoPair>& pairs) {
   std::vector<std::size_t> order(pairs.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -189,7 +189,7 @@ SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
   const std::vector<int> first_of = FirstKeypoints(features);
   DisjointSets sets(first_of.back());
   const auto set_of = [&](const TrackElement& one) { return sets.SetOf(first_of[one.photo] + one.keypoint); };
-  std::vector<std::vector<TrackElement>> members(sets.size());  // by set, each photo at most once
+  std::vector<KeypointTrack> members(sets.size());  // by set, each photo at most once
   for (std::size_t i = 0; i < features.size(); ++i) {
     if (!features[i]) continue;
     for (int k = 0; k < static_cast<int>(features[i]->keypoints.size()); ++k)
@@ -198,9 +198,9 @@ SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
   const auto join = [&](const TrackElement& first, const TrackElement& second) {
     const int a = set_of(first), b = set_of(second);
     if (a == b) return;
-    std::vector<TrackElement>& of_a = members[a];
-    std::vector<TrackElement>& of_b = members[b];
-    std::vector<TrackElement> merged;
+    KeypointTrack& of_a = members[a];
+    KeypointTrack& of_b = members[b];
+    KeypointTrack merged;
     merged.reserve(of_a.size() + of_b.size());
     auto next_a = of_a.begin();
     auto next_b = of_b.begin();
@@ -225,16 +225,9 @@ SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
       join({pair.first, match.first}, {pair.second, match.second});
     }
   }
-  SceneTracks scene;
-  scene.of_photo.resize(features.size());
-  for (std::vector<TrackElement>& track : members) {
-    if (track.size() < 2) continue;
-    for (const TrackElement& element : track) {
-      scene.of_photo[element.photo].push_back(static_cast<int>(scene.tracks.size()));
-    }
-    scene.tracks.push_back(std::move(track));
-  }
-  return scene;
+  std::erase_if(members, [](const KeypointTrack& track) { return track.size() < 2; });
+  members.shrink_to_fit();  // most keypoints are in no track
+  return members;
 }
 
 TrackSpread::TrackSpread(std::size_t photos, int observations_per_photo, int cells_across)

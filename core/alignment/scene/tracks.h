@@ -69,18 +69,15 @@ bool Triangulate(const std::vector<View>& views, Track& track);
 double ReprojectionErrorPx(const View& view, const Observation& observation,
                            const Eigen::Vector3d& point_in_enu);
 
-// Tracks while photos are being placed. By keypoints, a sixth of an observation's size: all of a flight's are
-// kept.
-struct SceneTracks {
-  std::vector<std::vector<TrackElement>> tracks;  // each photo at most once, in their order
-  std::vector<std::vector<int>> of_photo;         // tracks a photo sees
-};
+// A track while photos are being placed: each photo at most once, in their order. By keypoints, a sixth of an
+// observation's size: all of a flight's are kept.
+using KeypointTrack = std::vector<TrackElement>;
 
 // By the matches of the best supported pair first. A match that would put one point at two places of one
 // photo is skipped, so that a wrong chain of matches loses one match, not the whole track. features: by
 // photo; null: it takes no part.
-SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
-                        const std::vector<PhotoPair>& pairs);
+std::vector<KeypointTrack> JoinMatches(const std::vector<const PhotoFeatures*>& features,
+                                       const std::vector<PhotoPair>& pairs);
 
 // Which of many tracks an adjustment takes, so that every photo keeps a few, spread over its picture: every
 // cell of a photo gets one track before any gets the next, in the order in which tracks were added. One
