@@ -157,12 +157,8 @@ std::optional<flight::Remark> WhyDoubted(const AttemptEvidence& evidence, double
   return std::nullopt;
 }
 
-AttemptChoice ChooseAttempt(const AttemptEvidence& by_records, const AttemptEvidence& by_images) {
-  const auto refused = [](Remark why) { return AttemptChoice{false, std::move(why)}; };
-  const Remark disagree{
-      RemarkCode::kImagesDisagree,
-      {{"apart_px", by_images.residual_rms_px}, {"by_records_px", by_records.residual_rms_px}}};
-  const Remark tie{RemarkCode::kImagesTie, {{"photos", by_images.tied}, {"by_records", by_records.tied}}};
+std::optional<flight::Remark> WhyImagesLose(const AttemptEvidence& by_records,
+                                            const AttemptEvidence& by_images) {
   const bool keeps_far_more = by_records.DroppedShare() > kMaxDroppedShare &&
                               by_images.DroppedShare() < kFarBetter * by_records.DroppedShare();
   const bool fits_far_better =
@@ -172,49 +168,37 @@ AttemptChoice ChooseAttempt(const AttemptEvidence& by_records, const AttemptEvid
       by_records.ContradictsPositions() &&
       by_images.PositionsContradicted() < kFarBetter * by_records.PositionsContradicted();
   const bool ties_more = by_images.tied > by_records.tied;
-  if (!ties_more && !((fits_far_better || agrees_far_better) && by_images.tied == by_records.tied))
-    return refused(tie);
+  if (!ties_more && !((fits_far_better || agrees_far_better) && by_images.tied == by_records.tied)) {
+    return Remark{RemarkCode::kImagesTie, {{"photos", by_images.tied}, {"by_records", by_records.tied}}};
+  }
   // (A residual of nothing is that of no adjustment.)
   const double max_residual_px =
       by_records.residual_rms_px > 0.0
           ? std::max(kGoodResidualPx, kMaxResidualGrowth * by_records.residual_rms_px)
           : kPoorResidualPx;
-  if (by_images.residual_rms_px > max_residual_px) return refused(disagree);
+  if (by_images.residual_rms_px > max_residual_px) {
+    return Remark{RemarkCode::kImagesDisagree,
+                  {{"apart_px", by_images.residual_rms_px}, {"by_records_px", by_records.residual_rms_px}}};
+  }
   const bool ties_far_more = static_cast<double>(by_images.tied) >=
                              kManyTimesMore * static_cast<double>(std::max<std::size_t>(1, by_records.tied));
   // Poses to which hardly anything fits agree with their records because they were not moved from them.
-  if (!ties_far_more && !keeps_far_more) {
-    if (by_images.PositionsContradicted() > by_records.PositionsContradicted() + kMaxMoreContradicted) {
-      return refused({RemarkCode::kImagesOffPositions,
-                      {{"photos", by_images.positions_contradicted},
-                       {"total", by_images.positions},
-                       {"by_records", by_records.positions_contradicted},
-                       {"of_records", by_records.positions}}});
-    }
-    if (by_images.AttitudesContradicted() > by_records.AttitudesContradicted() + kMaxMoreContradicted) {
-      return refused({RemarkCode::kImagesOffAngles,
-                      {{"photos", by_images.attitudes_contradicted},
-                       {"total", by_images.attitudes},
-                       {"by_records", by_records.attitudes_contradicted},
-                       {"of_records", by_records.attitudes}}});
-    }
+  if (ties_far_more || keeps_far_more) return std::nullopt;
+  if (by_images.PositionsContradicted() > by_records.PositionsContradicted() + kMaxMoreContradicted) {
+    return Remark{RemarkCode::kImagesOffPositions,
+                  {{"photos", by_images.positions_contradicted},
+                   {"total", by_images.positions},
+                   {"by_records", by_records.positions_contradicted},
+                   {"of_records", by_records.positions}}};
   }
-  if (ties_more) return {true, tie};
-  if (keeps_far_more) {
-    return {true,
-            {RemarkCode::kImagesFit,
-             {{"used", by_images.observations},
-              {"points", by_images.observations + by_images.dropped},
-              {"by_records", by_records.observations},
-              {"of_records", by_records.observations + by_records.dropped}}}};
+  if (by_images.AttitudesContradicted() > by_records.AttitudesContradicted() + kMaxMoreContradicted) {
+    return Remark{RemarkCode::kImagesOffAngles,
+                  {{"photos", by_images.attitudes_contradicted},
+                   {"total", by_images.attitudes},
+                   {"by_records", by_records.attitudes_contradicted},
+                   {"of_records", by_records.attitudes}}};
   }
-  if (fits_far_better) return {true, disagree};
-  return {true,
-          {RemarkCode::kImagesAgree,
-           {{"photos", by_images.positions - by_images.positions_contradicted},
-            {"total", by_images.positions},
-            {"by_records", by_records.positions - by_records.positions_contradicted},
-            {"of_records", by_records.positions}}}};
+  return std::nullopt;
 }
 
 std::optional<flight::Remark> ContradictionOf(const AttemptEvidence& evidence) {

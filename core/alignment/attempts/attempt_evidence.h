@@ -53,11 +53,9 @@ AttemptEvidence Weigh(const ExtractedFlight& extracted, const Attempt& attempt);
 // `max_lost_share`: of the readable photos that may stay lost.
 std::optional<flight::Remark> WhyDoubted(const AttemptEvidence& by_records, double max_lost_share);
 
-struct AttemptChoice {
-  bool takes_images = false;
-  flight::Remark why;
-};
-AttemptChoice ChooseAttempt(const AttemptEvidence& by_records, const AttemptEvidence& by_images);
+// Why the result of the images is not the one to take; nothing: it is.
+std::optional<flight::Remark> WhyImagesLose(const AttemptEvidence& by_records,
+                                            const AttemptEvidence& by_images);
 
 // Recorded positions that most of an alignment contradicts by far more than they claim, be it centimetres;
 // nothing: they agree.

@@ -151,15 +151,15 @@ Attempt BetterOf(const ExtractedFlight& extracted, Attempt by_records, Attempt b
   }
   if (may_keep_records) {
     const AttemptEvidence of_records = Weigh(extracted, by_records);
-    const AttemptChoice choice = ChooseAttempt(of_records, evidence);
-    TraceDecision(choice.takes_images ? "images taken" : "records taken",
+    std::optional<flight::Remark> why_not = WhyImagesLose(of_records, evidence);
+    TraceDecision(why_not ? "records taken" : "images taken",
                   {{"tied_by_images", evidence.tied},
                    {"tied_by_records", of_records.tied},
                    {"residual_by_images_px", evidence.residual_rms_px},
                    {"residual_by_records_px", of_records.residual_rms_px}});
-    if (!choice.takes_images) {
+    if (why_not) {
       report.is_taken = report.is_placed = false;
-      report.outcome = NotTaken(choice.why);
+      report.outcome = NotTaken(*std::move(why_not));
       by_records.report = std::move(by_images.report);
       return by_records;
     }

@@ -41,49 +41,45 @@ TEST(WhyDoubted, SaysWhatFailed) {
   EXPECT_FALSE(WhyDoubted(few, 0.1)) << "two lost photos do not put the others in doubt";
 }
 
-TEST(ChooseAttempt, MorePhotosTiedTogetherWin) {
-  const AttemptChoice choice = ChooseAttempt(Evidence(75, 60), Evidence(75, 75));
-  EXPECT_TRUE(choice.takes_images);
-  EXPECT_EQ(flight::InWords(choice.why),
-            "what the photos show ties 75 of them together, the recorded poses 60");
+TEST(WhyImagesLose, MorePhotosTiedTogetherWin) {
+  EXPECT_FALSE(WhyImagesLose(Evidence(75, 60), Evidence(75, 75)));
 }
 
-TEST(ChooseAttempt, NoMorePhotosAreNoReason) {
-  EXPECT_FALSE(ChooseAttempt(Evidence(75, 60), Evidence(75, 60)).takes_images);
-  EXPECT_FALSE(ChooseAttempt(Evidence(75, 60), Evidence(75, 40)).takes_images);
+TEST(WhyImagesLose, NoMorePhotosAreNoReason) {
+  EXPECT_EQ(flight::InWords(WhyImagesLose(Evidence(75, 60), Evidence(75, 60)).value()),
+            "what the photos show ties 60 of them together, the recorded poses 60");
+  EXPECT_TRUE(WhyImagesLose(Evidence(75, 60), Evidence(75, 40)));
 }
 
-TEST(ChooseAttempt, AsManyThatFitFarBetterWin) {
-  EXPECT_TRUE(ChooseAttempt(Evidence(75, 75, 7.0), Evidence(75, 75, 1.2)).takes_images);
-  EXPECT_FALSE(ChooseAttempt(Evidence(75, 75, 7.0), Evidence(75, 74, 1.2)).takes_images);
+TEST(WhyImagesLose, AsManyThatFitFarBetterWin) {
+  EXPECT_FALSE(WhyImagesLose(Evidence(75, 75, 7.0), Evidence(75, 75, 1.2)));
+  EXPECT_TRUE(WhyImagesLose(Evidence(75, 75, 7.0), Evidence(75, 74, 1.2)));
 }
 
-TEST(ChooseAttempt, PhotosThatDisagreeDoNotWin) {
-  const AttemptChoice choice = ChooseAttempt(Evidence(75, 60, 1.0), Evidence(75, 75, 3.0));
-  EXPECT_FALSE(choice.takes_images);
-  EXPECT_THAT(flight::InWords(choice.why), HasSubstr("3.0 pixels"));
+TEST(WhyImagesLose, PhotosThatDisagreeDoNotWin) {
+  EXPECT_THAT(flight::InWords(WhyImagesLose(Evidence(75, 60, 1.0), Evidence(75, 75, 3.0)).value()),
+              HasSubstr("3.0 pixels"));
 }
 
-TEST(ChooseAttempt, AFewMorePhotosDoNotOutweighThePositions) {
+TEST(WhyImagesLose, AFewMorePhotosDoNotOutweighThePositions) {
   AttemptEvidence images = Evidence(75, 75);
   images.positions_contradicted = 40;
-  const AttemptChoice choice = ChooseAttempt(Evidence(75, 60), images);
-  EXPECT_FALSE(choice.takes_images);
-  EXPECT_THAT(flight::InWords(choice.why), HasSubstr("40 of 75 recorded positions"));
-  EXPECT_TRUE(ChooseAttempt(Evidence(75, 30), images).takes_images) << "far more photos do";
+  EXPECT_THAT(flight::InWords(WhyImagesLose(Evidence(75, 60), images).value()),
+              HasSubstr("40 of 75 recorded positions"));
+  EXPECT_FALSE(WhyImagesLose(Evidence(75, 30), images)) << "far more photos do";
 }
 
-TEST(ChooseAttempt, AFewMorePhotosDoNotOutweighTheAngles) {
+TEST(WhyImagesLose, AFewMorePhotosDoNotOutweighTheAngles) {
   AttemptEvidence images = Evidence(75, 75), records = Evidence(75, 60);
   images.attitudes = 75;
   images.attitudes_contradicted = 30;
   records.attitudes = 60;
-  EXPECT_FALSE(ChooseAttempt(records, images).takes_images);
+  EXPECT_TRUE(WhyImagesLose(records, images));
   records.attitudes_contradicted = 30;
-  EXPECT_TRUE(ChooseAttempt(records, images).takes_images) << "the records contradict themselves as much";
+  EXPECT_FALSE(WhyImagesLose(records, images)) << "the records contradict themselves as much";
 }
 
-TEST(ChooseAttempt, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) {
+TEST(WhyImagesLose, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) {
   AttemptEvidence records = Evidence(18, 18), images = Evidence(18, 18);
   records.observations = 687;
   records.dropped = 3070;
@@ -91,11 +87,9 @@ TEST(ChooseAttempt, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) 
   images.dropped = 200;
   images.positions_contradicted = 17;
   EXPECT_THAT(flight::InWords(WhyDoubted(records, 0.1).value()), HasSubstr("only 687 of 3757 points"));
-  const AttemptChoice choice = ChooseAttempt(records, images);
-  EXPECT_TRUE(choice.takes_images);
-  EXPECT_THAT(flight::InWords(choice.why), HasSubstr("3500 of 3700 points"));
+  EXPECT_FALSE(WhyImagesLose(records, images));
   std::swap(images.observations, images.dropped);
-  EXPECT_FALSE(ChooseAttempt(records, images).takes_images) << "as few fit without the records";
+  EXPECT_TRUE(WhyImagesLose(records, images)) << "as few fit without the records";
   records.observations = 2000;
   EXPECT_FALSE(WhyDoubted(records, 0.1));
   records.observations = records.dropped = 0;
@@ -104,7 +98,7 @@ TEST(ChooseAttempt, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) 
   EXPECT_THAT(flight::InWords(WhyDoubted(records, 0.1).value()), HasSubstr("no point"));
 }
 
-TEST(ChooseAttempt, AsManyThatLieWhereTheyWereRecordedWin) {
+TEST(WhyImagesLose, AsManyThatLieWhereTheyWereRecordedWin) {
   AttemptEvidence records = Evidence(24, 24, 0.5), images = Evidence(24, 24, 0.6);
   records.positions_contradicted = 12;
   EXPECT_FALSE(WhyDoubted(records, 0.1)) << "half of them are no majority";
@@ -112,16 +106,12 @@ TEST(ChooseAttempt, AsManyThatLieWhereTheyWereRecordedWin) {
   EXPECT_THAT(flight::InWords(WhyDoubted(records, 0.1).value()),
               HasSubstr("23 of 24 photos do not lie where they were recorded"));
   images.positions_contradicted = 1;
-  const AttemptChoice choice = ChooseAttempt(records, images);
-  EXPECT_TRUE(choice.takes_images);
-  EXPECT_EQ(
-      flight::InWords(choice.why),
-      "what the photos show agrees with 23 of 24 recorded positions, the alignment by records with 1 of 24");
+  EXPECT_FALSE(WhyImagesLose(records, images));
   images.positions_contradicted = 15;
-  EXPECT_FALSE(ChooseAttempt(records, images).takes_images) << "hardly better";
+  EXPECT_TRUE(WhyImagesLose(records, images)) << "hardly better";
   images.positions_contradicted = 1;
   images.residual_rms_px = 4.0;
-  EXPECT_FALSE(ChooseAttempt(records, images).takes_images) << "the photos come apart by it";
+  EXPECT_TRUE(WhyImagesLose(records, images)) << "the photos come apart by it";
   records.positions = images.positions = 4;
   records.positions_contradicted = 4;
   EXPECT_FALSE(WhyDoubted(records, 0.1)) << "four positions are too few for a verdict";
