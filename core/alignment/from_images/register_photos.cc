@@ -6,7 +6,6 @@
 #include "core/alignment/estimators/sampler.h"
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/from_images/grow_block.h"
-#include "core/alignment/from_images/view_graph.h"
 #include "core/base/trace.h"
 
 namespace skyquilt::alignment {

@@ -12,4 +12,12 @@ namespace skyquilt::alignment {
 
 Registration RegisterPhotos(const Registration& given, int threads, Progress& progress);
 
+// Fills the view graph: the pairs of photos that show the same by what they show, each verified by the
+// geometry of two views, and all of them by each other: a pair whose turn contradicts what the others say
+// round every loop is refused (repeated texture).
+void BuildViewGraph(int threads, Progress& progress, Registration& input);
+
+// The same photos through other lenses: what was compared is verified anew.
+void VerifyAgain(int threads, Registration& input);
+
 }  // namespace skyquilt::alignment

@@ -1,5 +1,3 @@
-#include "core/alignment/from_images/view_graph.h"
-
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -7,6 +5,7 @@
 
 #include "core/alignment/estimators/rotation_averaging.h"
 #include "core/alignment/estimators/two_view.h"
+#include "core/alignment/from_images/register_photos.h"
 #include "core/alignment/matching/match_descriptors.h"
 #include "core/alignment/matching/pair_sources.h"
 #include "core/base/median.h"
