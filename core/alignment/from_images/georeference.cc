@@ -185,12 +185,13 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     by_control = FitRobustly(control, up);
     place.ignores_surveyed_heights = by_control.has_value();
   }
-  if (by_control) {
-    place.enu_from_world = by_control->target_from_source;
-    place.placing = Placing::kByControl;
-    place.median_residual_m = by_control->median_residual;
+  const auto take = [&](const FittedSimilarity& fitted, Placing placing) {
+    place.enu_from_world = fitted.target_from_source;
+    place.placing = placing;
+    place.median_residual_m = fitted.median_residual;
     place.knows_north = true;
-  }
+  };
+  if (by_control) take(*by_control, Placing::kByControl);
   std::vector<PlacePair> pairs;
   std::vector<std::size_t> photo_of;
   for (std::size_t k = 0; k < photos.size(); ++k) {
@@ -213,12 +214,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     for (std::size_t k = 0; k < photo_of.size(); ++k) {
       if (by_positions->holds[k]) place.holding.Add(photo_of[k]);
     }
-    if (place.placing != Placing::kByControl) {
-      place.enu_from_world = by_positions->target_from_source;
-      place.placing = Placing::kByPositions;
-      place.median_residual_m = by_positions->median_residual;
-      place.knows_north = true;
-    }
+    if (!by_control) take(*by_positions, Placing::kByPositions);
   }
   if (place.placing == Placing::kByControl) {
     if (place.ignores_surveyed_heights)
