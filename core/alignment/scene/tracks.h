@@ -50,7 +50,8 @@ struct TrackOptions {
   bool splits_contradictory = false;
 };
 
-// Thinned so that every photo keeps as many as the options say, spread over its picture.
+// Thinned so that every photo keeps as many as the options say, spread over its picture. Observations in the
+// order of the photos.
 std::vector<Track> BuildTracks(const std::vector<PhotoPair>& pairs,
                                const std::vector<const PhotoFeatures*>& features,
                                const std::vector<View>& views, const TrackOptions& options);

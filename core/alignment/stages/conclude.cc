@@ -27,11 +27,8 @@ struct Shared {
   double square_m = 0.0;
 };
 
-void AddPair(const std::vector<View>& views, const Track& track, const Observation& one,
-             const Observation& other, std::map<std::pair<int, int>, Shared>& pairs) {
-  const bool in_order = one.photo < other.photo;
-  const Observation& first = in_order ? one : other;
-  const Observation& second = in_order ? other : one;
+void AddPair(const std::vector<View>& views, const Track& track, const Observation& first,
+             const Observation& second, std::map<std::pair<int, int>, Shared>& pairs) {
   Shared& shared = pairs[{first.photo, second.photo}];
   shared.places.push_back({first.pixel_in_image, second.pixel_in_image});
   for (const Observation* seen : {&first, &second}) {
