@@ -17,9 +17,8 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
                       ExtractFlight(recorded, source, options, std::move(found), progress));
   SKYQUILT_TRY_ASSIGN(Attempt matched, MatchByRecords(extracted, options, progress));
   SKYQUILT_TRY_ASSIGN(Attempt placed, PlaceByEvidence(extracted, std::move(matched), options, progress));
-  SKYQUILT_TRY_ASSIGN(
-      AlignedFlight flight,
-      Conclude(extracted, FinishAttempt(std::move(placed), options, progress), options, report));
+  SKYQUILT_TRY_ASSIGN(AlignedFlight flight,
+                      Conclude(extracted, FinishAttempt(std::move(placed), options, progress), report));
   progress.Report(1.0, "aligned");
   return flight;
 }

@@ -18,7 +18,7 @@
 
 namespace skyquilt::alignment {
 
-// `found`: features with options.features of photos that were decoded before; the others are decoded here.
+// `found`: features of photos that were decoded before; the others are decoded here.
 Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
                                   const AlignOptions& options, AlignReport& report, Progress& progress,
                                   FoundFeatures found = {});

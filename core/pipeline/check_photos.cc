@@ -22,9 +22,9 @@ namespace skyquilt::pipeline {
 namespace {
 
 Result<CheckedPhoto> Check(const flight::Photo& photo, const flight::PhotoSource& source,
-                           const std::optional<alignment::FeatureOptions>& features) {
+                           bool with_features) {
   int denominator = render::ThumbnailDenominator(photo);
-  if (features) denominator = std::min(denominator, alignment::DenominatorOf(photo, *features));
+  if (with_features) denominator = std::min(denominator, alignment::DenominatorOf(photo));
   double decode_s = 0.0;
   SKYQUILT_TRY_ASSIGN(const image::DecodedImage decoded, [&] {
     const TraceSpan span("decode small", photo.name);
@@ -33,9 +33,9 @@ Result<CheckedPhoto> Check(const flight::Photo& photo, const flight::PhotoSource
   }());
   const TraceSpan span("thumbnail and features", photo.name);
   CheckedPhoto checked{render::MakeThumbnail(photo, decoded), {}};
-  if (!features) return checked;
+  if (!with_features) return checked;
   // A photo too small for features is a matter of the alignment, not of whether it is damaged.
-  if (auto found = alignment::FeaturesOf(photo, decoded, *features)) {
+  if (auto found = alignment::FeaturesOf(photo, decoded)) {
     checked.features = *std::move(found);
     checked.features->decode_s = decode_s;
   }
@@ -45,8 +45,7 @@ Result<CheckedPhoto> Check(const flight::Photo& photo, const flight::PhotoSource
 }  // namespace
 
 Result<CheckedFlight> CheckPhotos(flight::Flight flight, const flight::PhotoSource& source,
-                                  const std::optional<alignment::FeatureOptions>& features, int threads,
-                                  Progress& progress, CheckedPhotos known) {
+                                  bool with_features, int threads, Progress& progress, CheckedPhotos known) {
   const std::size_t count = flight.photos.size();
   std::vector<std::optional<Result<CheckedPhoto>>> made(count);
   std::atomic<std::size_t> done{0};
@@ -57,7 +56,7 @@ Result<CheckedFlight> CheckPhotos(flight::Flight flight, const flight::PhotoSour
       ++done;
       return;
     }
-    made[i] = Check(flight.photos[i], source, features);
+    made[i] = Check(flight.photos[i], source, with_features);
     const std::size_t finished = ++done;
     progress.Report(static_cast<double>(finished) / static_cast<double>(count),
                     fmt::format("photo {} of {}", finished, count));
@@ -160,7 +159,7 @@ Result<FoundFiles> FindInPhotos(const std::vector<flight::InputFile>& files, con
     if (photos[i] && photos[i]->sample_kind == flight::SampleKind::kBytes)
       part.photos.push_back(*std::move(photos[i]));
   }
-  SKYQUILT_TRY_ASSIGN(CheckedFlight checked, CheckPhotos(std::move(part), source, FeaturesToFind(options),
+  SKYQUILT_TRY_ASSIGN(CheckedFlight checked, CheckPhotos(std::move(part), source, MayGoByImages(options),
                                                          options.threads, progress));
   for (std::size_t i = 0; i < checked.flight.photos.size(); ++i) {
     const std::string& name = checked.flight.photos[i].name;

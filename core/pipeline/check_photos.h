@@ -38,8 +38,8 @@ struct CheckedFlight {
 
 // `known`: photos that another process checked with the same options; they are not decoded again.
 Result<CheckedFlight> CheckPhotos(flight::Flight flight, const flight::PhotoSource& source,
-                                  const std::optional<alignment::FeatureOptions>& features, int threads,
-                                  Progress& progress, CheckedPhotos known = {});
+                                  bool with_features, int threads, Progress& progress,
+                                  CheckedPhotos known = {});
 
 // By the name of the file: a flight of which two files share a name is not cut into units.
 struct FoundFiles {

@@ -97,16 +97,11 @@ Error NothingLeft(const alignment::AlignedFlight& flight) {
                                                      {{"left", poses::FirstImplausible(flight.left_out)}}});
 }
 
-// What photos show may place them where no record does.
-bool MayGoByImages(const MosaicOptions& options) {
-  return options.method == AlignMethod::kAuto || options.method == AlignMethod::kImages;
-}
-
 Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
                               const flight::PhotoSource& source, const geo::DemSource* dem,
                               StageRunner& stages, Progress& progress, CheckedPhotos known) {
   SKYQUILT_TRY_ASSIGN(auto checked, stages.Run("check", [&] {
-    return CheckPhotos(std::move(read), source, FeaturesToFind(options), options.threads, progress,
+    return CheckPhotos(std::move(read), source, MayGoByImages(options), options.threads, progress,
                        std::move(known));
   }));
   SKYQUILT_TRY_ASSIGN(auto posed, Pose(checked.flight, options, dem, stages, MayGoByImages(options)));
@@ -221,7 +216,7 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   });
   whole.left_out.clear();  // told of below, once
   SKYQUILT_TRY_ASSIGN(auto checked, stages.Run("check", [&] {
-    return CheckPhotos(std::move(added), source, {}, options.threads, progress);
+    return CheckPhotos(std::move(added), source, false, options.threads, progress);
   }));
   whole.photos.insert(whole.photos.end(), checked.flight.photos.begin(), checked.flight.photos.end());
   std::stable_sort(whole.photos.begin(), whole.photos.end(),
@@ -277,9 +272,8 @@ std::optional<geo::Boundary> BoundaryOf(const MosaicOptions& options, const pyra
 
 }  // namespace
 
-std::optional<alignment::FeatureOptions> FeaturesToFind(const MosaicOptions& options) {
-  if (!MayGoByImages(options)) return std::nullopt;
-  return alignment::AlignOptions().features;
+bool MayGoByImages(const MosaicOptions& options) {
+  return options.method == AlignMethod::kAuto || options.method == AlignMethod::kImages;
 }
 
 Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const MosaicOptions& options,

@@ -34,7 +34,8 @@ Result<PlacedFlight> PlaceFlight(const std::vector<flight::InputFile>& files, co
                                  const pyramid::MapMemory* memory, StageRunner& stages, Progress& progress,
                                  FoundFiles found = {});
 
-// What is looked for in a photo when it is decoded for the first time; nothing where thumbnails suffice.
-std::optional<alignment::FeatureOptions> FeaturesToFind(const MosaicOptions& options);
+// What photos show may place them where no record does: their features are found when they are decoded for
+// the first time. Elsewhere thumbnails suffice.
+bool MayGoByImages(const MosaicOptions& options);
 
 }  // namespace skyquilt::pipeline

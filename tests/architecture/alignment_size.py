@@ -23,7 +23,7 @@ STANDS_FOR = {
 OTHERS = """AlignLensReport AlignOptions AlignReport Appearance AttemptEvidence AveragedRotations Block BlockPlace
     BlurredImage BundleControl BundleLens BundleOptions BundlePlane BundleSummary ByImagesReport CameraStart CandidateOptions
     ConnectedComponents ControlMarkReport ControlPoint ControlPrediction ControlReport ControlSighting DetailCell DisjointSets
-    FeatureOptions FindPoseOptions FittedSimilarity GeoreferenceRecords GroundGraph GroundSimilarity GyroReport Levelling
+    FindPoseOptions FittedSimilarity GeoreferenceRecords GroundGraph GroundSimilarity GyroReport Levelling
     MarkedPhotos MatchWindow MatchingPass Octave PairQuestion PhotoSet PositionLag PriorResidual RayIntersection ReadoutDoubt
     RecordResidual Relief RobustFit Sampler ScalePoint Similarity3 Thumbnail TimedPositionResidual TrackOptions TrackSpread
     UpDirection VerificationOptions"""

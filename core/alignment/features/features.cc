@@ -30,7 +30,7 @@ constexpr int kCellsAcross = 16;
 
 // Keeps in each cell of the image its strongest spots, and orders all by their rank inside the cell.
 std::vector<ScalePoint> Spread(const std::vector<Octave>& octaves, std::vector<ScalePoint> found,
-                               int width_px, int height_px, int max_features) {
+                               int width_px, int height_px) {
   const auto stronger = [](const ScalePoint& a, const ScalePoint& b) {
     return std::tie(b.contrast, a.octave, a.y_px, a.x_px, a.blur_px) <
            std::tie(a.contrast, b.octave, b.y_px, b.x_px, b.blur_px);
@@ -48,7 +48,7 @@ std::vector<ScalePoint> Spread(const std::vector<Octave>& octaves, std::vector<S
     ranked.emplace_back(taken[row * (kCellsAcross + 1) + column]++, static_cast<int>(i));
   }
   std::sort(ranked.begin(), ranked.end());
-  if (static_cast<int>(ranked.size()) > max_features) ranked.resize(max_features);
+  if (static_cast<int>(ranked.size()) > kMaxFoundKeypoints) ranked.resize(kMaxFoundKeypoints);
   std::vector<ScalePoint> kept;
   kept.reserve(ranked.size());
   for (const auto& [rank, index] : ranked) kept.push_back(found[index]);
@@ -90,10 +90,9 @@ cv::Mat AtMost(const cv::Mat& grey, int pixels) {
   return shrink >= 0.98 ? grey : Shrunk(grey, shrink);
 }
 
-void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOptions& options,
-            PhotoFeatures& features) {
+void Detect(const cv::Mat& grey, const flight::Photo& photo, int detector_pixels, PhotoFeatures& features) {
   ScopedTimer timer(features.detect_s);
-  cv::Mat image = AtMost(grey, options.detector_pixels);
+  cv::Mat image = AtMost(grey, detector_pixels);
   const cv::Mat small =
       AtMost(image, std::min(kSharpnessPixels, static_cast<int>(image.total()) / kSharpnessShrink));
   features.detail = MeasureDetail(small.cols, small.rows, small.data);
@@ -107,12 +106,11 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
   }
   const double full_per_x = static_cast<double>(photo.intrinsics.width_px) / image.cols;
   const double full_per_y = static_cast<double>(photo.intrinsics.height_px) / image.rows;
-  for (const ScalePoint& point :
-       Spread(octaves, std::move(found), image.cols, image.rows, options.max_features)) {
+  for (const ScalePoint& point : Spread(octaves, std::move(found), image.cols, image.rows)) {
     const Octave& octave = octaves[point.octave];
     const BlurredImage& layer = octave.layers[point.layer];
     for (const float direction_rad : DirectionsOf(layer, point)) {
-      if (static_cast<int>(features.keypoints.size()) == options.max_features) break;
+      if (static_cast<int>(features.keypoints.size()) == kMaxFoundKeypoints) break;
       const auto step = static_cast<double>(octave.step_px);
       features.keypoints.push_back({.x_px = static_cast<float>((point.x_px * step + 0.5) * full_per_x - 0.5),
                                     .y_px = static_cast<float>((point.y_px * step + 0.5) * full_per_y - 0.5),
@@ -127,17 +125,17 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
 }  // namespace
 
 // The smallest size that still holds the pixels; JPEG decoders scale by these for almost nothing.
-int DenominatorOf(const flight::Photo& photo, const FeatureOptions& options) {
+int DenominatorOf(const flight::Photo& photo) {
   for (int denominator = 8; denominator > 1; denominator /= 2) {
     const double kept = static_cast<double>(photo.intrinsics.width_px) * photo.intrinsics.height_px /
                         (denominator * denominator);
-    if (kept >= options.detector_pixels) return denominator;
+    if (kept >= kDetectorPixels) return denominator;
   }
   return 1;
 }
 
 Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const image::DecodedImage& decoded,
-                                 const FeatureOptions& options) {
+                                 int detector_pixels) {
   if (decoded.width_px < 16 || decoded.height_px < 16) {
     return Error{ErrorCode::kCorrupt, "The picture of " + photo.name + " is smaller than 16 pixels.", ""};
   }
@@ -146,25 +144,24 @@ Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const image::Decode
                     const_cast<std::uint8_t*>(decoded.rgb.data()));
   cv::Mat grey;
   cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
-  Detect(grey, photo, options, features);
+  Detect(grey, photo, detector_pixels, features);
   return features;
 }
 
-Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::PhotoSource& source,
-                                      const FeatureOptions& options) {
+Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::PhotoSource& source) {
   double decode_s = 0.0;
   SKYQUILT_TRY_ASSIGN(const image::DecodedImage decoded, [&] {
     ScopedTimer timer(decode_s);
-    return source.Decode(photo, DenominatorOf(photo, options));
+    return source.Decode(photo, DenominatorOf(photo));
   }());
-  Result<PhotoFeatures> features = FeaturesOf(photo, decoded, options);
+  Result<PhotoFeatures> features = FeaturesOf(photo, decoded);
   if (features) features->decode_s = decode_s;
   return features;
 }
 
 std::vector<PhotoFeatures> ExtractAll(const poses::PosedFlight& posed, const flight::PhotoSource& source,
-                                      const FeatureOptions& options, FoundFeatures found, int threads,
-                                      double last_fraction, Progress& progress) {
+                                      FoundFeatures found, int threads, double last_fraction,
+                                      Progress& progress) {
   const std::size_t count = posed.photos.size();
   std::vector<PhotoFeatures> extracted(count);
   std::atomic<std::size_t> done{0};
@@ -173,7 +170,7 @@ std::vector<PhotoFeatures> ExtractAll(const poses::PosedFlight& posed, const fli
     const flight::Photo& photo = posed.photos[i].photo;
     const auto known = found.find(photo.name);
     Result<PhotoFeatures> features =
-        known != found.end() ? std::move(known->second) : ExtractFeatures(photo, source, options);
+        known != found.end() ? std::move(known->second) : ExtractFeatures(photo, source);
     if (features) {
       extracted[i] = *std::move(features);
     } else {

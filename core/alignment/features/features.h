@@ -18,28 +18,25 @@
 
 namespace skyquilt::alignment {
 
-struct FeatureOptions {
-  int detector_pixels = 1'500'000;  // of the image given to the detector
-  int max_features = 2000;
-};
+inline constexpr int kDetectorPixels = 1'500'000;  // of the image given to the detector
+inline constexpr int kMaxFoundKeypoints = 2000;    // of a photo
 
 // What a photo is shrunk by when it is decoded for its features.
-int DenominatorOf(const flight::Photo& photo, const FeatureOptions& options);
+int DenominatorOf(const flight::Photo& photo);
 // Of a photo decoded so. Errors: kCorrupt when it is too small for anything.
 Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const image::DecodedImage& decoded,
-                                 const FeatureOptions& options);
+                                 int detector_pixels = kDetectorPixels);
 // Decodes it too. Errors: also those of PhotoSource::Decode.
-Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::PhotoSource& source,
-                                      const FeatureOptions& options);
+Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::PhotoSource& source);
 
 // By the photo's name, where an earlier decode of the photo found them.
 using FoundFeatures = std::map<std::string, PhotoFeatures>;
 
 // Of a flight, by photo. One that cannot be decoded costs its features, not the flight: why stands in their
-// place. Takes what was found with the same options. Reports progress up to `last_fraction`; stops early,
-// with what there is, when it is cancelled.
+// place. Takes what was found. Reports progress up to `last_fraction`; stops early, with what there is, when
+// it is cancelled.
 std::vector<PhotoFeatures> ExtractAll(const poses::PosedFlight& posed, const flight::PhotoSource& source,
-                                      const FeatureOptions& options, FoundFeatures found, int threads,
-                                      double last_fraction, Progress& progress);
+                                      FoundFeatures found, int threads, double last_fraction,
+                                      Progress& progress);
 
 }  // namespace skyquilt::alignment

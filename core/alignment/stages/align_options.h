@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "core/alignment/features/features.h"
 #include "core/alignment/scene/ground_control.h"
 #include "core/alignment/scene/photo_set.h"
 
@@ -17,8 +16,7 @@ enum class ByImages {
 };
 
 struct AlignOptions {
-  int threads = 0;  // 0 = all cores
-  FeatureOptions features;
+  int threads = 0;                    // 0 = all cores
   std::vector<ControlPoint> control;  // surveyed points marked in photos
   // Placed for good, and their lenses known; the others are placed against them. Of no photos: none is. In
   // the order of the flight, or of capture where some of it is unplaced.

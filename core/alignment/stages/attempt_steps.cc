@@ -152,11 +152,11 @@ Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions&
   return attempt;
 }
 
-std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& options) {
+std::vector<Track> GroundTracks(const Attempt& attempt) {
   const std::vector<View>& views = attempt.matched.views;
   std::vector<Track> tracks =
       BuildTracks(attempt.matched.links, attempt.matched.features, views,
-                  {.observations_per_photo = options.features.max_features, .splits_contradictory = true});
+                  {.observations_per_photo = kMaxFoundKeypoints, .splits_contradictory = true});
   std::erase_if(tracks, [&](Track& track) {
     // The observation with the largest error goes first, for it pulls the point away from the others.
     while (track.observations.size() >= 2 && Triangulate(views, track)) {
@@ -179,8 +179,8 @@ Error AlignmentCancelled() { return {ErrorCode::kCancelled, "the alignment was c
 Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
                                       const AlignOptions& options, FoundFeatures found, Progress& progress) {
   ExtractedFlight extracted = WithUnplaced(recorded);
-  extracted.features = ExtractAll(extracted.posed, source, options.features, std::move(found),
-                                  options.threads, kExtractedFraction, progress);
+  extracted.features =
+      ExtractAll(extracted.posed, source, std::move(found), options.threads, kExtractedFraction, progress);
   if (progress.IsCancelled()) return AlignmentCancelled();
   for (std::size_t i = 0; i < extracted.features.size(); ++i) {
     const PhotoFeatures& one = extracted.features[i];

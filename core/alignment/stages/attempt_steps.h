@@ -32,7 +32,7 @@ Relief AdjustedRelief(const Attempt& attempt);
 
 // Every match that agrees with the adjusted poses, not only those the adjustment needed: the ground is
 // modelled from these.
-std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& options);
+std::vector<Track> GroundTracks(const Attempt& attempt);
 
 // The photos compared where their records place them, in passes that correct records proved wrong by the
 // others, and the bundle to be adjusted from there. Errors: kCancelled.
@@ -56,7 +56,6 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
 
 // From an adjusted attempt to the flight that the map is made of, and what is told of it: fills the whole
 // report but its total time. Errors: kUnprocessable where no photo is left to place.
-Result<AlignedFlight> Conclude(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options,
-                               AlignReport& report);
+Result<AlignedFlight> Conclude(const ExtractedFlight& extracted, Attempt attempt, AlignReport& report);
 
 }  // namespace skyquilt::alignment

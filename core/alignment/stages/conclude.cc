@@ -191,8 +191,7 @@ void Warn(const AlignReport& report, const AttemptEvidence& evidence, AlignedFli
 
 }  // namespace
 
-Result<AlignedFlight> Conclude(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options,
-                               AlignReport& report) {
+Result<AlignedFlight> Conclude(const ExtractedFlight& extracted, Attempt attempt, AlignReport& report) {
   ForgiveTurnsAtBends(extracted.posed.photos, attempt.matched.findings);
   const AttemptEvidence evidence = Weigh(extracted, attempt);
   report = std::move(attempt.report);
@@ -203,7 +202,7 @@ Result<AlignedFlight> Conclude(const ExtractedFlight& extracted, Attempt attempt
   DoubtPhotos(attempt.compared, attempt.relief, attempt.matched);
   ReportAttempt(extracted, attempt, report);
   attempt.matched.views = ViewsOf(attempt.problem);
-  const std::vector<Track> ground_tracks = GroundTracks(attempt, options);
+  const std::vector<Track> ground_tracks = GroundTracks(attempt);
   AlignedFlight flight = PlacePhotos(extracted, attempt, ground_tracks, report);
   SKYQUILT_TRY(SettleUnplaced(extracted, flight, report));
   for (const AlignPhotoReport& photo : report.photo_reports) {

@@ -108,7 +108,7 @@ Attempt WithLostTakenIn(const ExtractedFlight& extracted, Attempt attempt, MayRe
   bool took_in = false, is_rematched = false;
   for (int round = 0; round < kMaxLostRounds && HasLost(Weigh(extracted, attempt)); ++round) {
     attempt.matched.views = ViewsOf(attempt.problem);
-    const std::vector<Track> seen = GroundTracks(attempt, options);
+    const std::vector<Track> seen = GroundTracks(attempt);
     if (TakeInLost(extracted, seen, options.threads, attempt) == 0) {
       // Photos just taken in have few points yet, and may be all that the next ones have in common with the
       // rest.

@@ -1,4 +1,4 @@
-// Aligns the photos of a folder and prints what came of it: alignment_folder DIR [threads [detector_pixels]].
+// Aligns the photos of a folder and prints what came of it: alignment_folder DIR [threads].
 #include <fmt/core.h>
 
 #include <cstdlib>
@@ -29,7 +29,7 @@ std::string TextOf(const Report& report) {
 int main(int argc, char** argv) {
   using namespace skyquilt;
   if (argc < 2) {
-    fmt::print(stderr, "usage: {} DIR [threads [detector_pixels]]\n", argv[0]);
+    fmt::print(stderr, "usage: {} DIR [threads]\n", argv[0]);
     return 2;
   }
   SilentProgress progress;
@@ -38,7 +38,6 @@ int main(int argc, char** argv) {
   if (!posed) return fmt::print(stderr, "{}\n", posed.error().message), 1;
   alignment::AlignOptions options;
   if (argc > 2) options.threads = std::atoi(argv[2]);
-  if (argc > 3) options.features.detector_pixels = std::atoi(argv[3]);
   alignment::AlignReport report;
   const double cpu_before = CpuSeconds();
   const Result<alignment::AlignedFlight> aligned =

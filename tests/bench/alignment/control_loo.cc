@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   std::vector<flight::Photo> photos = posed->unplaced;
   for (const poses::PosedPhoto& photo : posed->photos) photos.push_back(photo.photo);
   for (const flight::Photo& photo : photos) {
-    Result<alignment::PhotoFeatures> found = alignment::ExtractFeatures(photo, source, options.features);
+    Result<alignment::PhotoFeatures> found = alignment::ExtractFeatures(photo, source);
     if (found) features.emplace(photo.name, *std::move(found));
   }
   std::vector<double> misses;

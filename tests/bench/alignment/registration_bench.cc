@@ -27,14 +27,13 @@ int main(int argc, char** argv) {
   const flight::Flight read = ReadFolder(argv[1], progress);
   const int threads = argc > 2 ? std::atoi(argv[2]) : 0;
   const bool with_positions = argc <= 3 || std::string_view(argv[3]) != "nothing";
-  const alignment::FeatureOptions feature_options = alignment::AlignOptions().features;
   const std::vector<flight::Photo>& photos = read.photos;
   std::vector<alignment::PhotoFeatures> features(photos.size());
   std::vector<char> is_read(photos.size(), 0);
   const flight::FilePhotoSource source;
   double cpu = CpuSeconds();
   ParallelFor(photos.size(), threads, [&](std::size_t i) {
-    Result<alignment::PhotoFeatures> found = alignment::ExtractFeatures(photos[i], source, feature_options);
+    Result<alignment::PhotoFeatures> found = alignment::ExtractFeatures(photos[i], source);
     if (!found) return;
     features[i] = *std::move(found);
     is_read[i] = 1;

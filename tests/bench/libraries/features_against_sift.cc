@@ -104,10 +104,7 @@ PhotoFeatures Ours(const cv::Mat& whole, double size) {
   decoded.rgb.resize(grey.total() * 3);
   cv::Mat rgb(grey.rows, grey.cols, CV_8UC3, decoded.rgb.data());
   cv::cvtColor(grey, rgb, cv::COLOR_GRAY2RGB);
-  FeatureOptions options;
-  options.detector_pixels = static_cast<int>(grey.total());
-  options.max_features = kMaxFeatures;
-  return FeaturesOf(photo, decoded, options).value();
+  return FeaturesOf(photo, decoded, static_cast<int>(grey.total())).value();
 }
 
 PhotoFeatures Sift(const cv::Mat& whole, bool halved) {

@@ -21,8 +21,7 @@ TEST(DirectTracks, MovePhotosTogetherThatPosesLeaveApart) {
   const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
   const poses::PosedFlight posed = PosesOf(truth);
   SilentProgress progress;
-  const std::vector<PhotoFeatures> features =
-      ExtractAll(posed, test::PhotosOf(truth), {.max_features = 0}, {}, 2, 1.0, progress);
+  const std::vector<PhotoFeatures> features = ExtractAll(posed, test::PhotosOf(truth), {}, 2, 1.0, progress);
   MatchedFlight input = MakeMatchedFlight(posed);
   for (std::size_t i = 0; i < features.size(); ++i) input.features[i] = &features[i];
   std::vector<PhotoFindings> as_recorded;
