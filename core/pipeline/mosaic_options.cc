@@ -5,14 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <string_view>
-#include <system_error>
 
+#include "core/base/text/plain_text.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::pipeline {
@@ -83,17 +82,10 @@ std::map<std::string, std::string> MosaicOptions::InWords() const {
 
 namespace {
 
-std::optional<double> NumberIn(std::string_view word) {
-  double number = 0.0;
-  const auto read = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (read.ec != std::errc() || read.ptr != word.data() + word.size()) return std::nullopt;
-  return number;
-}
-
 // As JobOption::get gives it.
 std::optional<double> ValueIn(const JobOption& option, const std::string& word) {
   if (option.kind == JobOptionKind::kYesNo) return word == "yes" ? 1.0 : 0.0;
-  if (option.kind != JobOptionKind::kChoice) return NumberIn(word);
+  if (option.kind != JobOptionKind::kChoice) return ParseNumber<double>(word);
   const auto found = std::find(option.choices.begin(), option.choices.end(), word);
   if (found == option.choices.end()) return std::nullopt;
   return static_cast<double>(found - option.choices.begin());
@@ -112,8 +104,8 @@ void MosaicOptions::TakeWords(const std::map<std::string, std::string>& words,
   if (place == words.end() || !taken(place->first)) return;
   const std::string_view text = place->second;
   const std::size_t comma = std::min(text.find(','), text.size());
-  const auto lat_deg = NumberIn(text.substr(0, comma));
-  const auto lon_deg = NumberIn(text.substr(std::min(comma + 1, text.size())));
+  const auto lat_deg = ParseNumber<double>(text.substr(0, comma));
+  const auto lon_deg = ParseNumber<double>(text.substr(std::min(comma + 1, text.size())));
   if (lat_deg && lon_deg) origin = geo::LatLon{*lat_deg, *lon_deg};
 }
 

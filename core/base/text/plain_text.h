@@ -1,5 +1,5 @@
-// Trim, LowerCase, IsLetterOrDigit, HexDigit, ParseNumber: what is done with any text that came from outside:
-// of files, headers, settings. Letters are those of Latin, whatever the locale. Pure; any thread.
+// Trim, LowerCase, IsDigit, IsLetterOrDigit, HexDigit, ParseNumber: what is done with any text that came from
+// outside: of files, headers, settings. Letters are those of Latin, whatever the locale. Pure; any thread.
 #pragma once
 
 #include <charconv>
@@ -26,9 +26,9 @@ inline std::string LowerCase(std::string_view text) {
   return lower;
 }
 
-inline bool IsLetterOrDigit(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-}
+inline bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+inline bool IsLetterOrDigit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || IsDigit(c); }
 
 // The value of a hexadecimal digit; -1 for any other character.
 inline int HexDigit(char c) {

@@ -21,7 +21,6 @@ namespace skyquilt::flight {
 // Characters of a photo's or a point's name in a list; the rest is cut off.
 inline constexpr std::size_t kMaxNameLength = 512;
 
-inline bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 using skyquilt::LowerCase;
 using skyquilt::Trim;
 bool StartsWithIgnoringCase(std::string_view text, std::string_view start);

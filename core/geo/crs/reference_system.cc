@@ -23,7 +23,6 @@ constexpr std::size_t kShortestName = 5;
 constexpr double kExactM = 1.0;      // operations that are no better than this err by what a map shows
 constexpr double kSameFrameM = 3.0;  // degrees of an older datum lie tens to hundreds of metres from WGS84's
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 bool IsSmallLetter(char c) { return c >= 'a' && c <= 'z'; }
 
 // Letters and digits alone: how names are compared.
