@@ -177,7 +177,7 @@ std::vector<std::uint8_t> EncodePicture(RgbaImage image, PictureFormat format) {
       return EncodeJpeg(RowsOf(image), kJpegQuality);
     case PictureFormat::kPng:
       // Its alpha is straight already, as PNG has it.
-      return EncodeWholePng(image, PngAlpha::kAsItIs);
+      return EncodeWholePng(image);
     case PictureFormat::kWebp:
       return EncodeWebp(RowsOf(image), kWebpQuality);
   }

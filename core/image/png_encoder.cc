@@ -42,14 +42,14 @@ MatchLength LengthOf(int length) {
 
 // Every row after its filter byte: what the mean of the pixels to the left and above did not foretell.
 std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int width_px, int height_px,
-                                   PngAlpha alpha) {
+                                   bool straightens) {
   const auto row_bytes = static_cast<std::size_t>(width_px) * 4;
   std::vector<std::uint8_t> filtered((row_bytes + 1) * static_cast<std::size_t>(height_px));
   // Four zeros before each row are the pixel to the left of its first.
   std::vector<std::uint8_t> above(row_bytes + 4, 0), row(row_bytes + 4, 0);
   std::uint8_t* out = filtered.data();
   for (int dy = 0; dy < height_px; ++dy) {
-    if (alpha == PngAlpha::kStraight) {
+    if (straightens) {
       StraightenAlpha(image.Pixel(x, y + dy), width_px, row.data() + 4);
     } else {
       std::memcpy(row.data() + 4, image.Pixel(x, y + dy), row_bytes);
@@ -127,11 +127,11 @@ void CloseChunk(std::string_view name, std::uint8_t* chunk, std::size_t size) {
 }
 
 std::vector<std::uint8_t> EncodePart(const RgbaImage& image, int x, int y, int width_px, int height_px,
-                                     PngAlpha alpha) {
+                                     bool straightens) {
   SKYQUILT_CHECK(width_px > 0 && height_px > 0 && x >= 0 && y >= 0 && x + width_px <= image.width_px &&
                      y + height_px <= image.height_px,
                  "a picture beyond the image");
-  const std::vector<std::uint8_t> filtered = Filtered(image, x, y, width_px, height_px, alpha);
+  const std::vector<std::uint8_t> filtered = Filtered(image, x, y, width_px, height_px, straightens);
   std::vector<std::uint32_t> counts(kSymbols, 0);
   // Each channel by itself, so that no sum waits for another.
   std::array<std::array<std::uint32_t, 256>, 4> counts_of{};
@@ -193,12 +193,12 @@ std::vector<std::uint8_t> EncodePart(const RgbaImage& image, int x, int y, int w
 
 }  // namespace
 
-std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px, PngAlpha alpha) {
-  return EncodePart(image, x, y, size_px, size_px, alpha);
+std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px) {
+  return EncodePart(image, x, y, size_px, size_px, /*straightens=*/true);
 }
 
-std::vector<std::uint8_t> EncodeWholePng(const RgbaImage& image, PngAlpha alpha) {
-  return EncodePart(image, 0, 0, image.width_px, image.height_px, alpha);
+std::vector<std::uint8_t> EncodeWholePng(const RgbaImage& image) {
+  return EncodePart(image, 0, 0, image.width_px, image.height_px, /*straightens=*/false);
 }
 
 }  // namespace skyquilt::image

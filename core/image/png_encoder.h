@@ -11,12 +11,9 @@
 
 namespace skyquilt::image {
 
-enum class PngAlpha { kStraight, kAsItIs };
-
-// The square of `image` that starts at (x, y), its alpha made straight, as PNG asks, or left premultiplied.
-std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px,
-                                    PngAlpha alpha = PngAlpha::kStraight);
-// The whole image, of any shape.
-std::vector<std::uint8_t> EncodeWholePng(const RgbaImage& image, PngAlpha alpha = PngAlpha::kStraight);
+// The square of `image` that starts at (x, y), its alpha made straight, as PNG asks.
+std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px);
+// The whole image, of any shape, its alpha as it is.
+std::vector<std::uint8_t> EncodeWholePng(const RgbaImage& image);
 
 }  // namespace skyquilt::image

@@ -52,7 +52,7 @@ Result<void> WriteTilesThumbnail(const std::filesystem::path& mbtiles, const std
       std::memcpy(whole.Pixel(left, top + y), pixels->Pixel(0, y), row_bytes);
   }
   const std::vector<std::uint8_t> png =
-      image::EncodeWholePng(image::ShrinkPicture(std::move(whole), longer_side_px), image::PngAlpha::kAsItIs);
+      image::EncodeWholePng(image::ShrinkPicture(std::move(whole), longer_side_px));
   return WriteFileAtomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 

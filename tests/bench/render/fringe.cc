@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
   }
   fmt::print("{} tiles of {} pixels\n{:<18} {:>9} {:>9} {:>9} {:>7}\n", tiles.size(), tiles.front().width_px,
              "", "bytes", "encode ms", "decode ms", "dB");
-  Weigh(tiles, "PNG", [](const auto& tile) { return image::EncodeWholePng(tile, image::PngAlpha::kAsItIs); });
+  Weigh(tiles, "PNG", [](const auto& tile) { return image::EncodeWholePng(tile); });
   Weigh(tiles, "JPEG 85, no alpha",
         [](const auto& tile) { return image::EncodeJpeg(image::RowsOf(tile), 85); });
   for (const int method : {0, 1, 2, 4})
