@@ -139,7 +139,6 @@ Result<HttpAnswer> S3Client::PerformOnce(const Ask& ask, const std::string& payl
   exchange.stall_patience = std::max(ask.stall_patience, settings_.stall_patience);
   // A store that is slow to store is waited for longer each time, or nothing would ever be put.
   if (ask.method != "GET" && ask.method != "HEAD") exchange.stall_patience *= attempt;
-  ++requests_;
   return transfers_.Perform(exchange);
 }
 

@@ -72,9 +72,6 @@ class S3Client {
                         const std::vector<UploadedPart>& parts, std::int64_t bytes);
   Result<void> Abort(const std::string& key, const std::string& upload_id);  // good also where it is gone
 
-  // Requests that were sent, repeated ones included.
-  std::int64_t requests() const { return requests_; }
-
  private:
   struct Ask {
     std::string method;
@@ -104,7 +101,6 @@ class S3Client {
   mutable std::mutex mutex_;
   std::string region_;
   std::atomic<std::int64_t> skew_s_{0};  // the store's clock less ours
-  std::atomic<std::int64_t> requests_{0};
   std::atomic<bool> has_worked_{false};  // then a refusal is the store's trouble, not what was typed
 };
 
