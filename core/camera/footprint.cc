@@ -18,13 +18,6 @@ std::optional<Eigen::Vector3d> GroundFromPixel(const Intrinsics& intrinsics, con
   return point;
 }
 
-std::optional<Eigen::Vector2d> PixelFromEnu(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
-                                            const Eigen::Vector3d& point_in_enu) {
-  std::optional<Eigen::Vector2d> pixel = intrinsics.Project(cam_from_enu * point_in_enu);
-  if (!pixel || !intrinsics.IsInImage(*pixel)) return std::nullopt;
-  return pixel;
-}
-
 namespace {
 
 double AngleOffVertical(const Eigen::Vector3d& ray_in_enu) {

@@ -1,7 +1,7 @@
-// Between pixels and level ground, through lens and pose: where the ray through a pixel meets a level plane,
-// where a photo shows a point of enu, and the footprint: the outline on the ground of what a photo sees, as a
-// polygon in enu (E, N), counter-clockwise as seen from above, clipped where the view would run towards the
-// horizon. Metres and pixels. Values; any thread.
+// From pixels to level ground, through lens and pose: where the ray through a pixel meets a level plane, and
+// the footprint: the outline on the ground of what a photo sees, as a polygon in enu (E, N),
+// counter-clockwise as seen from above, clipped where the view would run towards the horizon. Metres and
+// pixels. Values; any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,9 +18,6 @@ namespace skyquilt::camera {
 // within half a degree of the horizon.
 std::optional<Eigen::Vector3d> GroundFromPixel(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
                                                const Eigen::Vector2d& pixel_in_image, double plane_z_m);
-// The pixel that sees a point of enu; nothing if the photo does not see it.
-std::optional<Eigen::Vector2d> PixelFromEnu(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
-                                            const Eigen::Vector3d& point_in_enu);
 
 // Rays steeper than this off the vertical are cut: beyond it a pixel covers metres.
 inline constexpr double kMaxViewAngleRad = 1.31;  // 75 degrees

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "core/base/parallel_for.h"
-#include "core/camera/footprint.h"
+#include "core/camera/intrinsics.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/exposure/estimate_exposure.h"
 #include "core/simulate/world/parcels.h"
@@ -25,9 +25,9 @@ void PaintCar(const simulate::SimulatedFlight& flight, std::size_t index, const 
   for (const auto& [along, across] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) {
     const Eigen::Vector2d place =
         car.PlaceAt(photo.pose.t_s, {0.5 * kCarLengthM * along, 0.5 * kCarWidthM * across});
-    const auto pixel =
-        camera::PixelFromEnu(flight.options.intrinsics, photo.pose.cam_from_enu, {place.x(), place.y(), 0.0});
-    if (!pixel) return;
+    const camera::Intrinsics& lens = flight.options.intrinsics;
+    const auto pixel = lens.Project(photo.pose.cam_from_enu * Eigen::Vector3d(place.x(), place.y(), 0.0));
+    if (!pixel || !lens.IsInImage(*pixel)) return;
     outline.emplace_back(cvRound(pixel->x() * (1 << kSubPixels)), cvRound(pixel->y() * (1 << kSubPixels)));
   }
   cv::Mat rgb(image.height_px, image.width_px, CV_8UC3, image.rgb.data());

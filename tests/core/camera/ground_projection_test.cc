@@ -34,7 +34,7 @@ TEST(GroundHomography, IsTheRayThroughThePlaneForEveryPose) {
     const auto ground = test::ValueOf(GroundFromPixel(lens, pose, pixel, plane_z_m));
     const Eigen::Vector3d image = g * Eigen::Vector3d(ground.x(), ground.y(), 1.0);
     EXPECT_LT((Eigen::Vector2d(image.head<2>() / image.z()) - pixel).norm(), 1e-7);
-    EXPECT_LT((test::ValueOf(PixelFromEnu(lens, pose, ground)) - pixel).norm(), 1e-7);
+    EXPECT_LT((test::ValueOf(lens.Project(pose * ground)) - pixel).norm(), 1e-7);
   }
 }
 

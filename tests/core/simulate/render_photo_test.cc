@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/camera/footprint.h"
 #include "core/geo/lat_lon.h"
 #include "core/simulate/sensors/trajectory.h"
 
@@ -63,7 +62,7 @@ TEST(RenderPhoto, ShowsSurveyMarksWhereTheProjectionPutsThem) {
         for (int j = -15; j <= 15; ++j) {
           const Eigen::Vector2d at(6.0 * i, 6.0 * j);
           const Eigen::Vector3d mark(at.x(), at.y(), world.TerrainHeightAt(at.x(), at.y()));
-          const auto pixel = camera::PixelFromEnu(lens, pose.cam_from_enu, mark);
+          const auto pixel = lens.Project(pose.cam_from_enu * mark);
           if (!pixel || pixel->x() < 15 || pixel->y() < 15 || pixel->x() > 625 || pixel->y() > 465) continue;
           const double px_per_m = 500.0 / (pose.cam_from_enu * mark).z();
           EXPECT_LT((DiscCenter(image, *pixel, 0.38 * px_per_m) - *pixel).norm(), 0.1) << i << " " << j;

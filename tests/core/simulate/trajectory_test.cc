@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/camera/footprint.h"
 #include "core/geo/lat_lon.h"
 #include "core/simulate/world/random.h"
 #include "tests/support/value_of.h"
@@ -19,8 +18,8 @@ const camera::Intrinsics kLens = camera::Intrinsics::Centered(800, 600, 600.0);
 TEST(Gimbal, NadirWithYawZeroHasNorthOnTop) {
   const geo::Rigid3 cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
       CamFromEnuOfGimbal({0.0, DegToRad(-90.0), 0.0}), Eigen::Vector3d(0.0, 0.0, 60.0));
-  const auto north = camera::PixelFromEnu(kLens, cam_from_enu, {0.0, 10.0, 0.0});
-  const auto east = camera::PixelFromEnu(kLens, cam_from_enu, {10.0, 0.0, 0.0});
+  const auto north = kLens.Project(cam_from_enu * Eigen::Vector3d(0.0, 10.0, 0.0));
+  const auto east = kLens.Project(cam_from_enu * Eigen::Vector3d(10.0, 0.0, 0.0));
   ASSERT_TRUE(north && east);
   EXPECT_NEAR(north->x(), kLens.center_x_px, 1e-9);
   EXPECT_NEAR(north->y(), kLens.center_y_px - 100.0, 1e-9);
