@@ -96,12 +96,9 @@ export const flight_words = {
       expose: 'Belichtung wird angeglichen',
       seam: 'Schnittlinien werden gesucht',
       render: 'Karte wird gezeichnet',
-      overviews: 'Übersichten werden erstellt',
-      pyramid: 'Übersichten werden erstellt',
       measure: 'Schnittlinien werden geprüft',
       surface: 'Höhen werden gemessen',
       export: 'Downloads werden vorbereitet',
-      publish: 'Karte wird veröffentlicht',
     },
   },
   map: {

@@ -96,12 +96,9 @@ export const flight_words = {
       expose: 'Balancing exposure',
       seam: 'Finding seams',
       render: 'Rendering the map',
-      overviews: 'Building overviews',
-      pyramid: 'Building overviews',
       measure: 'Measuring seam quality',
       surface: 'Measuring heights',
       export: 'Preparing downloads',
-      publish: 'Publishing the map',
     }),
   },
   map: {
