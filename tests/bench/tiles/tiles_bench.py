@@ -1,6 +1,6 @@
 """What a tile costs, beside other servers sending the same tiles in the same minutes: CPU microseconds a request (which a
 busy machine spoils least), 304s, memory with a hundred maps. Needs wrk, and of the peers (peers.py) what is installed:
-python3 tests/bench/tiles/tiles_bench.py [--out FILE]."""
+python3 tests/bench/tiles/tiles_bench.py [--tile-bytes N] [--out FILE]."""
 import argparse
 import os
 import pathlib
@@ -94,23 +94,29 @@ def hundred_maps(data, flight):
     return [flight, *names]
 
 
-def make_map(folder):
-    """(the server's data folder, the flight, its tiles as zoom, column, row from the south, bytes)."""
+def make_map(folder, tile_bytes):
+    """(the server's data folder, the flight, its tiles as zoom, column, row from the south, bytes), none shorter than `tile_bytes`."""
     server, flight = stitch_simulated(folder)
     server.stop()
     [mbtiles] = (folder / "data/flights" / flight).glob("r*/mosaic.mbtiles")
-    return folder / "data", flight, sqlite3.connect(mbtiles).execute("SELECT * FROM tiles").fetchall()
+    db = sqlite3.connect(mbtiles, isolation_level=None)
+    if tile_bytes:
+        db.execute("UPDATE tiles_data SET tile_data = CAST(tile_data || zeroblob(max(0, ? - length(tile_data))) AS BLOB)", (tile_bytes,))
+        db.execute("UPDATE tiles_shallow SET tile_bytes = max(tile_bytes, ?)", (tile_bytes,))
+        db.execute("VACUUM")
+    return folder / "data", flight, db.execute("SELECT * FROM tiles").fetchall()
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--out", default="")
+    parser.add_argument("--tile-bytes", type=int, default=0, help="shorter tiles are filled up with zeros")
     arguments = parser.parse_args()
     if not shutil.which("wrk"):
         sys.exit("wrk is not here: apt-get install wrk")
     folder = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_bench_"))
     os.chmod(folder, 0o755)
-    data, flight, tiles = make_map(folder)
+    data, flight, tiles = make_map(folder, arguments.tile_bytes)
     maps = hundred_maps(data, flight)
     started = time.monotonic()
     server = Server(data, "--workers", "0")
