@@ -3,61 +3,67 @@
 #include <sqlite3.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstring>
 #include <new>
 #include <vector>
 
 namespace skyquilt::storage {
 namespace {
 
-constexpr int kAheadBytes = 32 * 1024;
+constexpr sqlite3_int64 kMaxAheadBytes = 256 * 1024;
+constexpr sqlite3_int64 kOverflowHead = 4;  // of a value's page: the number of the next one
 
 // The file of SQLite's own VFS lies behind it.
 struct AheadFile {
   sqlite3_file head;  // first: SQLite knows it as this
-  sqlite3_int64 id = 0;
   sqlite3_int64 bytes = 0;
-  sqlite3_int64 next = -1;  // where the last read ended
-  int step = 0;             // how much was read at once of pages that follow each other
 };
 
-// What a thread read ahead of one file. Of ids none is ever given twice.
+// What a thread read ahead of the value that it is reading.
 struct AheadBuffer {
-  sqlite3_int64 id = 0;
+  const sqlite3_file* file = nullptr;
   sqlite3_int64 begin = 0, end = 0;
   std::vector<char> bytes;
+  sqlite3_int64 value_bytes = 0;  // 0: it reads none
+  int shown = 0;                  // pages that SQLite looks at
 };
+AheadBuffer& OfThread() {
+  thread_local AheadBuffer buffer;
+  return buffer;
+}
 
 sqlite3_vfs* OwnVfs() { return sqlite3_vfs_find("unix"); }
 
 AheadFile& Ahead(sqlite3_file* file) { return *reinterpret_cast<AheadFile*>(file); }
 sqlite3_file* Own(sqlite3_file* file) { return reinterpret_cast<sqlite3_file*>(&Ahead(file) + 1); }
 
-int ReadAhead(sqlite3_file* file, void* out, int size, sqlite3_int64 offset) {
-  thread_local AheadBuffer buffer;
-  AheadFile& ahead = Ahead(file);
-  const bool follows = offset == ahead.next;
-  ahead.next = offset + size;
-  if (!follows) ahead.step = size;
-  const bool is_here = buffer.id == ahead.id && offset >= buffer.begin && ahead.next <= buffer.end;
-  // Twice as much each time: of a small value hardly more is read than it has.
-  if (!is_here && follows) ahead.step = std::min(2 * ahead.step, kAheadBytes);
-  const sqlite3_int64 end = std::min(offset + ahead.step, ahead.bytes);
-  if (!is_here && follows && end > ahead.next) {
-    buffer.id = 0;
-    buffer.bytes.resize(kAheadBytes);
-    const int code =
-        Own(file)->pMethods->xRead(Own(file), buffer.bytes.data(), static_cast<int>(end - offset), offset);
+// `page` stays null where SQLite is to read by itself: all but values, of which it keeps no page.
+int ShowPage(sqlite3_file* file, sqlite3_int64 offset, int size, void** page) {
+  *page = nullptr;
+  AheadBuffer& buffer = OfThread();
+  if (buffer.value_bytes == 0) return SQLITE_OK;
+  if (buffer.file != file || offset < buffer.begin || offset + size > buffer.end) {
+    const sqlite3_int64 pages = buffer.value_bytes / (size - kOverflowHead) + 1;
+    const sqlite3_int64 end =
+        std::min(offset + std::clamp<sqlite3_int64>(pages * size, size, kMaxAheadBytes), Ahead(file).bytes);
+    if (buffer.shown > 0 || end < offset + size) return SQLITE_OK;
+    const auto count = static_cast<std::size_t>(end - offset);
+    if (buffer.bytes.size() < count) buffer.bytes.resize(count);
+    buffer.file = nullptr;
     // Where one of the pages behind cannot be read, this one may be.
-    if (code != SQLITE_OK) return Own(file)->pMethods->xRead(Own(file), out, size, offset);
-    buffer.id = ahead.id;
+    if (Own(file)->pMethods->xRead(Own(file), buffer.bytes.data(), static_cast<int>(count), offset) !=
+        SQLITE_OK)
+      return SQLITE_OK;
+    buffer.file = file;
     buffer.begin = offset;
     buffer.end = end;
-  } else if (!is_here) {
-    return Own(file)->pMethods->xRead(Own(file), out, size, offset);
   }
-  std::memcpy(out, buffer.bytes.data() + (offset - buffer.begin), static_cast<std::size_t>(size));
+  ++buffer.shown;
+  *page = buffer.bytes.data() + (offset - buffer.begin);
+  return SQLITE_OK;
+}
+
+int TakePageBack(sqlite3_file* /*file*/, sqlite3_int64 /*offset*/, void* page) {
+  if (page != nullptr) --OfThread().shown;
   return SQLITE_OK;
 }
 
@@ -66,12 +72,18 @@ int Pass(sqlite3_file* file, Arguments... arguments) {
   return (Own(file)->pMethods->*kMethod)(Own(file), arguments...);
 }
 
+// SQLite's own VFS maps nothing: pages of a hundred maps would count as memory in use.
+int Control(sqlite3_file* file, int operation, void* argument) {
+  return operation == SQLITE_FCNTL_MMAP_SIZE
+             ? SQLITE_OK
+             : Own(file)->pMethods->xFileControl(Own(file), operation, argument);
+}
+
 int Open(sqlite3_vfs* /*vfs*/, const char* name, sqlite3_file* file, int flags, int* out_flags) {
-  static std::atomic<sqlite3_int64> ids{0};
   using Io = sqlite3_io_methods;
-  static const Io methods{.iVersion = 1,
+  static const Io methods{.iVersion = 3,
                           .xClose = Pass<&Io::xClose>,
-                          .xRead = ReadAhead,
+                          .xRead = Pass<&Io::xRead, void*, int, sqlite3_int64>,
                           .xWrite = Pass<&Io::xWrite, const void*, int, sqlite3_int64>,
                           .xTruncate = Pass<&Io::xTruncate, sqlite3_int64>,
                           .xSync = Pass<&Io::xSync, int>,
@@ -79,15 +91,15 @@ int Open(sqlite3_vfs* /*vfs*/, const char* name, sqlite3_file* file, int flags, 
                           .xLock = Pass<&Io::xLock, int>,
                           .xUnlock = Pass<&Io::xUnlock, int>,
                           .xCheckReservedLock = Pass<&Io::xCheckReservedLock, int*>,
-                          .xFileControl = Pass<&Io::xFileControl, int, void*>,
+                          .xFileControl = Control,
                           .xSectorSize = Pass<&Io::xSectorSize>,
                           .xDeviceCharacteristics = Pass<&Io::xDeviceCharacteristics>,
                           .xShmMap = nullptr,
                           .xShmLock = nullptr,
                           .xShmBarrier = nullptr,
                           .xShmUnmap = nullptr,
-                          .xFetch = nullptr,
-                          .xUnfetch = nullptr};
+                          .xFetch = ShowPage,
+                          .xUnfetch = TakePageBack};
   // What SQLite keeps for itself meanwhile, it also writes.
   if ((flags & SQLITE_OPEN_MAIN_DB) == 0) return OwnVfs()->xOpen(OwnVfs(), name, file, flags, out_flags);
   AheadFile* const ahead = new (file) AheadFile();
@@ -98,7 +110,6 @@ int Open(sqlite3_vfs* /*vfs*/, const char* name, sqlite3_file* file, int flags, 
     if (Own(file)->pMethods != nullptr) Own(file)->pMethods->xClose(Own(file));
     return code;
   }
-  ahead->id = ++ids;
   ahead->head.pMethods = &methods;
   return SQLITE_OK;
 }
@@ -117,6 +128,14 @@ const char* ReadAheadVfs() {
     return sqlite3_vfs_register(&vfs, 0) == SQLITE_OK;
   }();
   return is_known ? kName : nullptr;
+}
+
+ReadingValue::ReadingValue(std::int64_t bytes) { OfThread().value_bytes = bytes; }
+
+// A file may be another's by the next time, at the same place in memory.
+ReadingValue::~ReadingValue() {
+  OfThread().value_bytes = 0;
+  OfThread().file = nullptr;
 }
 
 }  // namespace skyquilt::storage

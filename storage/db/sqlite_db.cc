@@ -152,6 +152,7 @@ std::optional<std::string> SqliteBlobs::Read(std::int64_t row_id) {
   std::string bytes;
   if (code == SQLITE_OK) {
     bytes.resize(static_cast<std::size_t>(sqlite3_blob_bytes(blob_.get())));
+    const ReadingValue reading(static_cast<std::int64_t>(bytes.size()));
     code = sqlite3_blob_read(blob_.get(), bytes.data(), static_cast<int>(bytes.size()), 0);
   }
   if (code == SQLITE_OK) return bytes;
@@ -185,11 +186,12 @@ Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode
   }
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, kBusyTimeoutMs);
-  const Result<void> ready = db.Exec(
-      mode == OpenMode::kReadShared          ? "PRAGMA query_only=1; SELECT count(*) FROM sqlite_master;"
-      : mode == OpenMode::kReadOnlyImmutable ? "PRAGMA query_only=1; PRAGMA cache_size=-64;"
-                                               "PRAGMA trusted_schema=0; SELECT count(*) FROM sqlite_master;"
-                                             : "PRAGMA foreign_keys=1; SELECT count(*) FROM sqlite_master;");
+  const char* const settings =
+      mode == OpenMode::kReadShared ? "PRAGMA query_only=1;"
+      : mode == OpenMode::kReadOnlyImmutable
+          ? "PRAGMA query_only=1; PRAGMA cache_size=-64; PRAGMA mmap_size=1; PRAGMA trusted_schema=0;"
+          : "PRAGMA foreign_keys=1;";
+  const Result<void> ready = db.Exec(std::string(settings) + "SELECT count(*) FROM sqlite_master;");
   if (!ready)
     return Error{ready.error().code, ready.error().message, path.string() + ": " + ready.error().detail};
   return db;

@@ -100,19 +100,24 @@ void FillInPieces(SqliteDb& db) {
               " DELETE FROM t WHERE id%3=0; INSERT INTO t SELECT id+200, size*3, randomblob(size*3) FROM t"));
 }
 
-std::uint64_t SumOf(std::span<const std::uint8_t> bytes) {
+std::uint64_t SumOf(const auto& bytes) {
   std::uint64_t sum = bytes.size();
-  for (const std::uint8_t byte : bytes) sum = sum * 31 + byte;
+  for (const auto byte : bytes) sum = sum * 31 + static_cast<std::uint8_t>(byte);
   return sum;
 }
 
 TEST_F(SqliteDbTest, ReadsWhatNeverChangesAsItWasWritten) {
-  std::vector<std::uint64_t> written, first, second;
+  std::vector<std::uint64_t> written, first, second, blobs_of_a, blobs_of_b;
+  std::vector<std::int64_t> ids;
   for (const char* name : {"a.db", "b.db"}) {
     auto db = Open(name);
     ASSERT_NO_FATAL_FAILURE(FillInPieces(*db));
-    auto all = db->Prepare("SELECT value FROM t ORDER BY id");
-    while (*all->Step()) written.push_back(SumOf(all->ColumnBlob(0)));
+    auto all = db->Prepare("SELECT value, id FROM t ORDER BY id");
+    ids.clear();
+    while (*all->Step()) {
+      written.push_back(SumOf(all->ColumnBlob(0)));
+      ids.push_back(all->ColumnInt64(1));
+    }
   }
   // One thread with two files, in turns.
   auto a = Open("a.db", OpenMode::kReadOnlyImmutable);
@@ -126,6 +131,13 @@ TEST_F(SqliteDbTest, ReadsWhatNeverChangesAsItWasWritten) {
   }
   first.insert(first.end(), second.begin(), second.end());
   EXPECT_EQ(first, written);
+  SqliteBlobs in_a = a->Blobs("t", "value"), in_b = b->Blobs("t", "value");
+  for (const std::int64_t id : ids) {
+    blobs_of_a.push_back(SumOf(test::ValueOf(in_a.Read(id))));
+    blobs_of_b.push_back(SumOf(test::ValueOf(in_b.Read(id))));
+  }
+  blobs_of_a.insert(blobs_of_a.end(), blobs_of_b.begin(), blobs_of_b.end());
+  EXPECT_EQ(blobs_of_a, written);
 }
 
 TEST_F(SqliteDbTest, ReadsBlobsWithoutAStatement) {
@@ -152,31 +164,39 @@ TEST_F(SqliteDbTest, ReadsBlobsWithoutAStatement) {
   EXPECT_EQ(db.Blobs("none", "value").Read(1), std::nullopt);
 }
 
-// What this thread has read so far; absent: the system does not say.
-std::optional<std::int64_t> BytesRead() {
+// What this thread has read so far, and by how many calls; absent: the system does not say.
+struct HasRead {
+  std::int64_t bytes = 0, calls = 0;
+};
+std::optional<HasRead> ReadSoFar() {
   std::ifstream io("/proc/thread-self/io");
-  std::string name;
-  std::int64_t bytes = 0;
-  if (io >> name >> bytes && name == "rchar:") return bytes;
+  std::string bytes, written, calls;
+  HasRead read;
+  std::int64_t wrote = 0;
+  if (io >> bytes >> read.bytes >> written >> wrote >> calls >> read.calls && calls == "syscr:") return read;
   return std::nullopt;
 }
 
-TEST_F(SqliteDbTest, ReadsLittleMoreThanASmallValueHas) {
+TEST_F(SqliteDbTest, ReadsAValueByFewCallsAndLittleMoreThanItHas) {
   {
     auto db = Open();
     ASSERT_TRUE(
         db->Exec("CREATE TABLE t(id INTEGER PRIMARY KEY, value BLOB);"
                  "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i+1 FROM n WHERE i<30)"
-                 " INSERT INTO t SELECT i, randomblob(10000) FROM n"));
+                 " INSERT INTO t SELECT i, randomblob(10000 * (1 + i % 9)) FROM n"));
   }
   auto db = Open("a.db", OpenMode::kReadOnlyImmutable);
-  auto one = db->Prepare("SELECT value FROM t WHERE id=2");
-  const std::optional<std::int64_t> before = BytesRead();
-  if (!before) GTEST_SKIP() << "the system does not say what a thread reads";
-  ASSERT_TRUE(*one->Step());
-  EXPECT_EQ(one->ColumnBlob(0).size(), 10'000U);
-  // The table's root behind the page before it, a leaf, two pages beside it: 8 + 4 + 4 + 8 KiB.
-  EXPECT_LT(*BytesRead() - *before, 32'000);
+  SqliteBlobs blobs = db->Blobs("t", "value");
+  ASSERT_TRUE(blobs.Read(1));
+  for (const std::int64_t id : {9, 17}) {
+    const std::optional<HasRead> before = ReadSoFar();
+    if (!before) GTEST_SKIP() << "the system does not say what a thread reads";
+    const auto size = static_cast<std::int64_t>(test::ValueOf(blobs.Read(id)).size());
+    const HasRead after = *ReadSoFar();
+    // A leaf and the value's pages; and what it takes to ask.
+    EXPECT_LT(after.bytes - before->bytes, size + 16'000) << id;
+    EXPECT_LE(after.calls - before->calls, 8) << id;
+  }
 }
 
 TEST_F(SqliteDbTest, SaysThatAFileWasCutOffWhileItIsRead) {
