@@ -93,8 +93,9 @@ Result<IncomingBytes> CountParts(Service& service, const Request& request, const
   const storage::Time now = service.db.ages().Now();
   for (const std::string& id : parts) {
     // What is not there or another's, Join refuses, unless the parts were joined before.
-    if (!request.is_admin && !service.spool.CheckOwner(id, request.owner, now)) continue;
-    const Result<SpooledUpload> part = service.spool.Find(id, now);
+    const Result<void> may =
+        request.is_admin ? Result<void>() : service.spool.CheckOwner(id, request.owner, now);
+    const Result<SpooledUpload> part = may ? service.spool.Find(id, now) : may.error();
     if (!part && part.error().code != ErrorCode::kNotFound) return part.error();
     if (!part || part->owner == flight_owner) continue;
     SKYQUILT_TRY(incoming.Take(part->offset));

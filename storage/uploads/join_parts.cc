@@ -73,6 +73,7 @@ Result<SpooledUpload> UploadSpool::Join(const SpooledUpload& wish, const std::ve
   for (const std::string& id : in_order) {
     if (!takes_any) {
       const Result<SpooledUpload> part = Read(id, now);
+      if (!part && part.error().code != ErrorCode::kNotFound) return part.error();
       if (part && part->owner != wish.owner)
         return Error{ErrorCode::kNotFound, "There is no such part. It may have expired.", ""};
     }
