@@ -3,7 +3,8 @@
 // its preview, nothing else; the rows of the catalogue are written here. A photo on which such a process
 // dies, or that exceeds the limits of one photo, is skipped for good, and the others continue. Photos that
 // the machine was in the way of (a full disk) wait again. Blocking; one thread, which lives as long as this.
-// Errors: kOutOfSpace, kUnavailable, kIo, kNotFound (the flight is gone).
+// Errors: kOutOfSpace, kUnavailable, kIo, kNotFound (the flight is gone), kInternal (a process ended, at no
+// photo).
 #pragma once
 
 #include <atomic>

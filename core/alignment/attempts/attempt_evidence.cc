@@ -184,20 +184,19 @@ std::optional<flight::Remark> WhyImagesLose(const AttemptEvidence& by_records,
                              kManyTimesMore * static_cast<double>(std::max<std::size_t>(1, by_records.tied));
   // Poses to which hardly anything fits agree with their records because they were not moved from them.
   if (ties_far_more || keeps_far_more) return std::nullopt;
-  if (by_images.PositionsContradicted() > by_records.PositionsContradicted() + kMaxMoreContradicted) {
-    return Remark{RemarkCode::kImagesOffPositions,
-                  {{"photos", by_images.positions_contradicted},
-                   {"total", by_images.positions},
-                   {"by_records", by_records.positions_contradicted},
-                   {"of_records", by_records.positions}}};
-  }
-  if (by_images.AttitudesContradicted() > by_records.AttitudesContradicted() + kMaxMoreContradicted) {
-    return Remark{RemarkCode::kImagesOffAngles,
-                  {{"photos", by_images.attitudes_contradicted},
-                   {"total", by_images.attitudes},
-                   {"by_records", by_records.attitudes_contradicted},
-                   {"of_records", by_records.attitudes}}};
-  }
+  const auto off = [&](RemarkCode code, auto contradicted, auto of) {
+    return Remark{code,
+                  {{"photos", by_images.*contradicted},
+                   {"total", by_images.*of},
+                   {"by_records", by_records.*contradicted},
+                   {"of_records", by_records.*of}}};
+  };
+  if (by_images.PositionsContradicted() > by_records.PositionsContradicted() + kMaxMoreContradicted)
+    return off(RemarkCode::kImagesOffPositions, &AttemptEvidence::positions_contradicted,
+               &AttemptEvidence::positions);
+  if (by_images.AttitudesContradicted() > by_records.AttitudesContradicted() + kMaxMoreContradicted)
+    return off(RemarkCode::kImagesOffAngles, &AttemptEvidence::attitudes_contradicted,
+               &AttemptEvidence::attitudes);
   return std::nullopt;
 }
 
