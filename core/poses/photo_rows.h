@@ -15,7 +15,7 @@ namespace skyquilt::poses {
 
 struct PhotoRowsUse {
   std::vector<std::string> lines;        // one a list, in words
-  std::vector<flight::Remark> warnings;  // lists that name no photo, rows of several, angles that contradict
+  std::vector<flight::Remark> warnings;  // lists that name no photo; rows of several; what contradicts photos
 };
 
 // Rows that name a photo (lists/named_photos.h) and have no time.

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -94,6 +95,33 @@ TEST(PhotoRows, LeavePhotosTheHeightsOfWhichTheirListSaysNothing) {
   const auto of_heights = taken();
   EXPECT_EQ(of_heights[0].position->height_ellipsoid_m, 490.0);
   EXPECT_FALSE(of_heights[0].position->height_amsl_m || of_heights[1].position->height_amsl_m);
+}
+
+// In feet, or above the take-off, under a name that says neither.
+TEST(PhotoRows, SayHeightsThatContradictThoseOfThePhotos) {
+  const auto warnings_of = [](double height_m, std::size_t count) {
+    std::vector<flight::Photo> photos(count);
+    flight::FlightLog list;
+    for (std::size_t k = 0; k < photos.size(); ++k) {
+      photos[k].name = std::to_string(k) + ".jpg";
+      photos[k].position.emplace().position = {46.84, -91.99};
+      photos[k].position->height_ellipsoid_m = 400.0;
+      flight::CameraEvent& row = list.events.emplace_back();
+      row.has_time = false;
+      row.image_name = photos[k].name;
+      row.position = geo::LatLon{46.84, -91.99};
+      row.height_ellipsoid_m = height_m;
+    }
+    return ApplyPhotoRows({list}, photos).warnings;
+  };
+  for (const double height_m : {1312.3, 60.0}) {
+    const std::vector<flight::Remark> said = warnings_of(height_m, 3);
+    ASSERT_EQ(said.size(), 1U) << height_m;
+    EXPECT_EQ(said.front().code, flight::RemarkCode::kListHeightsContradict);
+    EXPECT_EQ(said.front().values.at("apart_m"), flight::RemarkValue(std::abs(height_m - 400.0)));
+  }
+  EXPECT_TRUE(warnings_of(350.0, 3).empty()) << "a barometer, or the geoid";
+  EXPECT_TRUE(warnings_of(60.0, 2).empty()) << "one may be wrong by itself";
 }
 
 NamedPhotos Named(const std::vector<std::string>& names) {

@@ -113,6 +113,7 @@ export const remark_words = {
   marks_name_no_photo: (v) => `${v.file}: ${plural(v.marks, { one: `1 mark is in a photo that is not here (${v.first}) and is`, other: `${number(v.marks)} marks are in photos that are not here (first ${v.first}) and are` })} left out.`,
   marks_outside_photos: (v) => `${v.file}: ${plural(v.marks, { one: `1 mark lies outside its photo (${v.first}) and is`, other: `${number(v.marks)} marks lie outside their photos (first in ${v.first}) and are` })} left out.`,
   list_angles_contradict: (v) => `${v.file}: its angles are ${fixed(v.apart_deg, 0)}° (median of ${count(v.photos, photos)}) from those of the camera gimbals and are not used; its positions are.`,
+  list_heights_contradict: (v) => `${v.file}: its heights are ${distanceTold(v.apart_m)} (median of ${count(v.photos, photos)}) from those that the photos record themselves, further than receivers and barometers err, and are used all the same. If they are in feet, or count from the ground or the take-off, let the line of column names say so: altitude (ft), agl (m), height above takeoff (m).`,
   list_read_in_unnamed_zone: (v) => `${read_as(v)}, which it does not name: so it lies ${distanceTold(v.apart_m)} from ${v.own}.`,
   list_read_otherwise: (v) => `${read_as(v)}: as written it would lie ${distanceTold(v.apart_m)} from ${v.own}.`,
   list_read_otherwise_outside_system: (v) => `${read_as(v)}: as written its rows are no places within ${v.system}.`,
