@@ -1,3 +1,4 @@
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,8 +9,8 @@
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_physics.h"
 #include "core/flight/remarks/because.h"
-#include "core/geo/geodesic.h"
 #include "core/geo/lat_lon.h"
+#include "core/geo/local_frame.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -102,25 +103,32 @@ Result<void> CheckRates(std::vector<CsvColumn>& columns, std::vector<CsvRow>& pr
   return {};
 }
 
+// East and north; of rows in a plane in its unit. Nothing where one of them has no place.
+std::optional<Eigen::Vector2d> WayInEnM(const CsvRow& from, const CsvRow& to) {
+  if (from.Has(M::kEast, M::kNorth) && to.Has(M::kEast, M::kNorth))
+    return Eigen::Vector2d(*to[M::kEast] - *from[M::kEast], *to[M::kNorth] - *from[M::kNorth]);
+  const auto here = PlaceOf(from), there = PlaceOf(to);
+  if (!here || !there) return std::nullopt;
+  const geo::LocalFrame frame({here->lat_deg, here->lon_deg, 0.0});
+  return Eigen::Vector2d(frame.EnuAtHeight(*there, 0.0).head<2>());
+}
+
 // Of rows that moved: the share whose yaw, times `factor`, points along the way since the last of them.
 double ShareAlongCourse(const std::vector<CsvRow>& preview, M yaw, double factor) {
   constexpr double kMinWayM = 3.0, kAlongRad = 0.5;
   constexpr std::size_t kFewestRows = 5;
-  std::optional<geo::LatLon> last;
+  const CsvRow* last = nullptr;
   std::size_t moved = 0, along = 0;
   for (const CsvRow& row : preview) {
-    const auto place = PlaceOf(row);
-    if (!place || !row[yaw]) continue;
-    if (last && geo::MetresApart(*last, *place) < kMinWayM) continue;
-    if (last) {
-      const double north_deg = place->lat_deg - last->lat_deg;
-      const double east_deg =
-          std::remainder(place->lon_deg - last->lon_deg, 360.0) * std::cos(geo::DegToRad(place->lat_deg));
-      const double off_rad = *row[yaw] * factor - std::atan2(east_deg, north_deg);
+    if (!row[yaw]) continue;
+    const auto way_in_en_m = last != nullptr ? WayInEnM(*last, row) : std::nullopt;
+    if (way_in_en_m && way_in_en_m->norm() < kMinWayM) continue;
+    if (way_in_en_m) {
+      const double off_rad = *row[yaw] * factor - std::atan2(way_in_en_m->x(), way_in_en_m->y());
       ++moved;
       along += std::abs(std::remainder(off_rad, 2.0 * geo::kPi)) < kAlongRad ? 1 : 0;
     }
-    last = place;
+    last = &row;
   }
   return moved < kFewestRows ? 0.0 : static_cast<double>(along) / static_cast<double>(moved);
 }
@@ -200,11 +208,12 @@ void SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& prev
   if (!IsUnitWritten(columns, kOfCamera) && largest > kTurnDeg && largest < kTurnGon)
     Rescale(columns, preview, kOfCamera, 0.9, "gon");
   for (const CsvMeanings angles :
-       {CsvMeanings{M::kRoll, M::kYaw}, CsvMeanings{M::kGimbalRoll, M::kGimbalYaw}}) {
+       {CsvMeanings{M::kRoll, M::kYaw}, CsvMeanings{M::kGimbalRoll, M::kGimbalYaw}, kOfCamera}) {
     if (IsUnitWritten(columns, angles) || LargestOf(preview, angles) > kOneTurn * per_degree) continue;
     if (TurnedRad(preview, angles.last) < kMinTurn * per_degree) continue;
-    const double as_radians = ShareAlongCourse(preview, angles.last, 1.0 / per_degree),
-                 as_degrees = ShareAlongCourse(preview, angles.last, 1.0);
+    const double clockwise = angles.last == M::kKappa ? -1.0 : 1.0;
+    const double as_radians = ShareAlongCourse(preview, angles.last, clockwise / per_degree),
+                 as_degrees = ShareAlongCourse(preview, angles.last, clockwise);
     if (as_radians < kMinAlong || as_radians < as_degrees + kMinMoreAlong) continue;
     Rescale(columns, preview, angles, 1.0 / per_degree, "rad");
   }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
@@ -120,6 +122,22 @@ TEST(TableUnits, FindsRadiansInListsOfPhotosToo) {
   ASSERT_EQ(log.events.size(), static_cast<std::size_t>(kRows));
   EXPECT_NEAR(log.events[30].yaw_pitch_roll_rad->x(), DegToRad(180.0), 1e-3);
   EXPECT_NEAR(log.events[30].yaw_pitch_roll_rad->y(), DegToRad(-90.0), 1e-3);
+}
+
+// The other way round than yaw, in degrees of the Earth and in metres of a plane.
+TEST(TableUnits, FindsRadiansOfOmegaPhiKappa) {
+  for (const bool is_plane : {false, true}) {
+    std::string text = is_plane ? "file,northing,easting,height,omega,phi,kappa"
+                                : "file,latitude,longitude,altitude,omega,phi,kappa";
+    for (int row = 0; row < kRows; ++row)
+      text += fmt::format("\nDJI_{:04}.JPG,{:.8f},{},560,0.01,-0.02,{:.4f}", row,
+                          is_plane ? 111'320.0 * LatDeg(row) : LatDeg(row), is_plane ? 450'000.0 : 8.1,
+                          -DegToRad(CourseDeg(row)));
+    const FlightLog log = LogOfTable(text + "\n");
+    ASSERT_EQ(log.events.size(), static_cast<std::size_t>(kRows));
+    EXPECT_NEAR(std::abs(log.events[30].yaw_pitch_roll_rad->x()), DegToRad(180.0), 1e-3) << is_plane;
+    EXPECT_NEAR(log.events[10].yaw_pitch_roll_rad->x(), 0.0, 1e-3) << is_plane;
+  }
 }
 
 TEST(TableUnits, ANoseThatIsHeldOneWayProvesNothing) {
