@@ -219,6 +219,21 @@ std::chrono::microseconds ReadSubSeconds(std::string_view text) {
   return std::chrono::microseconds(micros);
 }
 
+// Some cameras write the day of their own clock beside the hours of UTC. It shows where the two make a zone
+// in which nobody lives, but on a few islands.
+UtcTime OnDayOfReceiver(UtcTime time, UtcTime clock) {
+  constexpr double kHourS = 3600.0, kQuarterS = 900.0, kApartS = 5.0;
+  constexpr double kWesternmostS = -11.0 * kHourS, kEasternmostS = 13.0 * kHourS;
+  constexpr std::chrono::hours kDay(24);
+  const bool is_one_day =
+      std::chrono::floor<std::chrono::days>(time) == std::chrono::floor<std::chrono::days>(clock);
+  const double ahead_s = SecondsBetween(time, clock);
+  const double zone_s = kQuarterS * std::round(ahead_s / kQuarterS);
+  if (!is_one_day || std::abs(ahead_s - zone_s) > kApartS) return time;
+  if (zone_s > kEasternmostS) return time + kDay;
+  return zone_s < kWesternmostS ? time - kDay : time;
+}
+
 void ReadClock(const ExifTable& table, ExifRecord& record) {
   struct Source {
     ExifIfd ifd;
@@ -266,7 +281,7 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
   if (record.taken_at && std::chrono::abs(*record.taken_at - (time + kWeeksCounted)) <= kWidestZone)
     time += kWeeksCounted;
   if (time < kFirstFix) return;
-  record.gps_time = time;
+  record.gps_time = record.taken_at ? OnDayOfReceiver(time, *record.taken_at) : time;
 }
 
 }  // namespace

@@ -115,6 +115,27 @@ TEST(ReadPhotoTime, AddsTheWeeksThatAReceiverLost) {
   for (const Remark& note : photo.notes) EXPECT_NE(note.code, RemarkCode::kClocksDisagree);
 }
 
+// The day of the camera's clock beside the hours of UTC.
+TEST(ReadPhotoTime, FindsTheDayOfTheReceiverWhereTheClocksStandsThere) {
+  const auto read = [](const std::string& clock, std::uint32_t utc_hour, std::uint32_t utc_minute) {
+    ExifWriter exif;
+    exif.Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 " + clock);
+    exif.Ascii(ExifIfd::kGps, 0x1D, "2021:06:03");
+    exif.Rational(ExifIfd::kGps, 7, {{utc_hour, 1}, {utc_minute, 1}, {0, 1}});
+    return test::ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write()})));
+  };
+  const UtcTime midnight = std::chrono::sys_days(kDay);
+  const Photo chicago = read("19:10:01", 0, 10), sydney = read("08:00:00", 22, 0);
+  EXPECT_EQ(chicago.receiver_time, midnight + 24h + 10min);
+  EXPECT_EQ(chicago.captured_at, midnight + 24h + 10min + 1s);
+  EXPECT_EQ(chicago.clock_minus_utc, -5h);
+  for (const Remark& note : chicago.notes) EXPECT_NE(note.code, RemarkCode::kClocksDisagree);
+  EXPECT_EQ(sydney.captured_at, midnight - 2h);
+  EXPECT_EQ(sydney.clock_minus_utc, 10h);
+  EXPECT_EQ(read("18:50:00", 23, 50).captured_at, midnight + 23h + 50min) << "before midnight of UTC";
+  EXPECT_EQ(read("19:17:00", 0, 10).captured_at, midnight + 10min) << "a clock that shows no zone";
+}
+
 TEST(ReadFlight, TellsTheZoneByMostOfItsPhotos) {
   const test::TemporaryFolder folder;
   const auto write = [&](const std::string& name, const std::string& clock, std::uint32_t second) {
