@@ -61,10 +61,7 @@ Result<video::FlightFiles> TakeFilmFrames(const std::vector<flight::InputFile>& 
   SKYQUILT_TRY(CheckIsOurs(folder));
   std::error_code failed;
   fs::create_directories(folder, failed);
-  if (failed) {
-    return Error{ErrorCode::kIo,
-                 "The folder " + folder.string() + " cannot be made: " + failed.message() + "."};
-  }
+  if (failed) return storage::FileError("cannot make", folder, failed.value());
   // Before the first frame, so that a run that is killed leaves a folder that the next one knows.
   SKYQUILT_TRY(WriteSources(folder, {}));
   video::TakeFramesOptions options;

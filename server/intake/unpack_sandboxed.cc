@@ -12,6 +12,7 @@
 #include "server/sandbox/sandbox.h"
 #include "server/sandbox/sandboxed_child.h"
 #include "storage/db/ids.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
@@ -95,11 +96,8 @@ Result<std::vector<UnpackedFile>> UnpackSandboxed(const storage::PhotoStore& sto
                                                   std::int64_t max_bytes) {
   const ScopedFolder folder(store.dir().Incoming() / store.dir().NewTemporaryName(storage::kUnpackKind));
   std::error_code unmade;
-  if (!fs::create_directory(folder.path(), unmade)) {
-    return Error{ErrorCode::kUnavailable,
-                 "The server could not make a folder for what is in the archive. Try again.",
-                 unmade.message()};
-  }
+  if (!fs::create_directory(folder.path(), unmade))
+    return storage::FileError("cannot make", folder.path(), unmade.value());
   SKYQUILT_TRY_ASSIGN(const storage::DataDir staging, storage::DataDir::Open(folder.path()));
   // Below `staging`, a data folder, comes what is in it.
   const Json task = {{"archive", archive.string()},

@@ -1,7 +1,8 @@
 // UnpackSandboxed: unpacks an uploaded archive in a process of its own, with limits of memory, CPU time and
 // file size, so that a malicious archive harms that process alone. It unpacks into a folder of its own below
 // incoming/; only files that were unpacked completely are added to the flight. Blocking; any thread. Errors:
-// those of storage::UnpackArchive, and kUnprocessable where the process did not finish.
+// those of storage::UnpackArchive, kUnprocessable where the process did not finish, and kOutOfSpace or kIo
+// where the folder cannot be made.
 #pragma once
 
 #include <cstdint>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <functional>
 #include <mutex>
 #include <system_error>
@@ -17,6 +18,7 @@
 #include "core/pipeline/units/flight_cut.h"
 #include "server/imports/import_map.h"
 #include "storage/files/data_dir.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
@@ -70,6 +72,13 @@ Result<FilesInUse> FetchFiles(storage::BlobStore& blobs, const std::string& flig
 
 }  // namespace
 
+Error MapNotStored(const std::string& what, int number) {
+  const bool is_full = storage::IsNoRoom(number);
+  return flight::Because(is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
+                         is_full ? flight::RemarkCode::kFailDiskFull : flight::RemarkCode::kFailNotStored,
+                         what + ": " + std::strerror(number));
+}
+
 Result<FilesInUse> FetchMap(storage::BlobStore& blobs, const std::string& prefix, Progress& progress) {
   FilesInUse fetched;
   for (const char* name : {"mosaic.state", "mosaic.mbtiles"}) {
@@ -107,7 +116,7 @@ Result<void> PutProducts(storage::BlobStore& blobs, const fs::path& folder, cons
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
     if (entry.is_regular_file(error)) files.push_back(entry.path());
   }
-  if (error) return flight::Because(ErrorCode::kIo, flight::RemarkCode::kFailNotStored, error.message());
+  if (error) return MapNotStored("list " + folder.string(), error.value());
   std::sort(files.begin(), files.end());
   progress.BeginStage("store");
   return ForAll(files.size(), "{} of {} files of the map stored", progress, [&](std::size_t i) {

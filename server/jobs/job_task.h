@@ -21,6 +21,10 @@
 
 namespace skyquilt::server {
 
+// What the system said of a file of a map, of a part of one or of its folder: kOutOfSpace where the disk is
+// full, else kIo.
+Error MapNotStored(const std::string& what, int number);
+
 // The files stay on this machine for as long as this lives.
 using FilesInUse = std::vector<storage::LocalBlob>;
 

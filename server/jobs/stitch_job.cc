@@ -40,10 +40,7 @@ constexpr int kThumbnailPx = 512;
 Result<void> MakeFolder(const std::filesystem::path& folder) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
-  if (failed) {
-    return Error{ErrorCode::kIo,
-                 "The folder " + folder.string() + " cannot be made: " + failed.message() + "."};
-  }
+  if (failed) return storage::FileError("cannot make", folder, failed.value());
   return {};
 }
 

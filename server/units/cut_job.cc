@@ -56,10 +56,6 @@ fs::path UnitsFolder(const storage::DataDir& dir, const std::string& units_of) {
   return dir.Work() / storage::UnitsWorkName(units_of);
 }
 
-Error CannotStorePart(const std::error_code& error) {
-  return {ErrorCode::kIo, "The server could not store a part of the map.", error.message()};
-}
-
 // A flight that has a map is changed, not made anew; frames of a film are known only once they are taken.
 Result<bool> ShouldCut(const WorkerContext& context, const storage::Lease& lease, int& files) {
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> all,
@@ -201,7 +197,7 @@ Result<fs::path> MakeOutFolder(const WorkerContext& context, const std::string& 
   }
   std::error_code error;
   fs::create_directories(own, error);
-  if (error) return CannotStorePart(error);
+  if (error) return MapNotStored("make " + own.string(), error.value());
   return own;
 }
 
@@ -221,7 +217,7 @@ Result<void> HandIn(const WorkerContext& context, const std::string& flight_id, 
     fs::remove_all(folder, error);  // a version before made its parts in place, and was cut off
     if (!error) fs::rename(made, folder, error);
   }
-  if (error) return CannotStorePart(error);
+  if (error) return MapNotStored("rename " + made.string(), error.value());
   return storage::SyncFolder(folder.parent_path());
 }
 

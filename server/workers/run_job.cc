@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <exception>
 #include <optional>
 #include <system_error>
@@ -23,7 +22,6 @@
 #include "server/routing/request_log.h"
 #include "server/units/cut_job.h"
 #include "server/units/end_of_work.h"
-#include "storage/files/publish_file.h"
 #include "storage/folder/object_store/sweep_blobs.h"
 #include "storage/folder/sweep.h"
 
@@ -33,17 +31,10 @@ namespace {
 namespace fs = std::filesystem;
 using storage::LeaseState;
 
-Error OsError(const std::string& what, int code) {
-  const bool is_full = storage::IsNoRoom(code);
-  return flight::Because(is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
-                         is_full ? flight::RemarkCode::kFailDiskFull : flight::RemarkCode::kFailNotStored,
-                         what + ": " + std::strerror(code));
-}
-
 Result<void> Sync(const fs::path& path, int flags) {
   const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | flags));
-  if (!file.is_open()) return OsError("open " + path.string(), errno);
-  if (fsync(file.get()) != 0) return OsError("fsync " + path.string(), errno);
+  if (!file.is_open()) return MapNotStored("open " + path.string(), errno);
+  if (fsync(file.get()) != 0) return MapNotStored("fsync " + path.string(), errno);
   return {};
 }
 
@@ -53,7 +44,7 @@ Result<void> SyncTree(const fs::path& folder) {
     std::error_code unknown;  // Sync says what is wrong with it
     SKYQUILT_TRY(entry.is_directory(unknown) ? SyncTree(entry.path()) : Sync(entry.path(), 0));
   }
-  if (error) return OsError("list " + folder.string(), error.value());
+  if (error) return MapNotStored("list " + folder.string(), error.value());
   return Sync(folder, O_DIRECTORY);
 }
 
@@ -120,7 +111,7 @@ StitchedInSandbox Stitch(WorkerContext& context, const storage::Lease& lease, co
                          const fs::path& out_dir, Progress& progress) {
   std::error_code error;
   fs::create_directory(out_dir, error);  // below work/, which a data folder that is gone does not have
-  if (error) return {OsError("make " + out_dir.string(), error.value())};
+  if (error) return {MapNotStored("make " + out_dir.string(), error.value())};
   const Result<void> swept = SweepUnshown(context, lease.flight_id);
   if (!swept) return {swept.error()};
   Result<LimitedTask> made = TaskOf(context, lease.flight_id, lease.options, {}, progress);
@@ -154,7 +145,7 @@ Result<void> CheckProducts(const fs::path& folder, bool may_hold_frames = true) 
                    entry.path().string()};
     }
   }
-  if (error) return OsError("list " + folder.string(), error.value());
+  if (error) return MapNotStored("list " + folder.string(), error.value());
   return {};
 }
 
@@ -202,7 +193,7 @@ Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const 
   }
   // One rename puts all products in place; the catalogue decides afterwards whether anyone sees them.
   ScopedFolder placed(context.dir.Revision(lease.flight_id, *number));
-  if (rename(made.c_str(), placed.path().c_str()) != 0) return OsError("rename " + made.string(), errno);
+  if (rename(made.c_str(), placed.path().c_str()) != 0) return MapNotStored("rename " + made.string(), errno);
   SKYQUILT_TRY(Sync(context.dir.Flight(lease.flight_id), O_DIRECTORY));
   Result<bool> published = context.queue.Publish(lease, revision, storage::Now());
   // Whether it is shown is not known then; if not, the next sweep of its flight takes the folder.

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 
+#include "core/flight/remarks/because.h"
+#include "server/jobs/job_task.h"
 #include "server/jobs/worker_context.h"
 #include "server/units/cut_job.h"
 #include "server/units/end_of_work.h"
@@ -131,6 +134,15 @@ TEST_F(RunJobTest, AMapWhoseHeightsAreMatchedIsMadeByOneWorker) {
   EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kWhole);
   lease.options = R"({"surface":"smooth"})";
   EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kLook);
+}
+
+TEST_F(RunJobTest, APartThatCannotBeStoredSaysWhyAsAMapDoes) {
+  std::ofstream(dir_.Work() / storage::UnitsWorkName("j")) << "no folder";
+  const auto made = MakeOutFolder(context_, "j", UnitKind::kLook, 0);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::kIo);
+  EXPECT_EQ(flight::WhyOf(made.error()), flight::Remark(flight::RemarkCode::kFailNotStored));
+  EXPECT_EQ(MapNotStored("make a folder", ENOSPC).code, ErrorCode::kOutOfSpace);
 }
 
 class EndOfWork : public WorkerTest {

@@ -7,13 +7,17 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "core/base/text/json_io.h"
 #include "core/flight/remarks/because.h"
 #include "server/exports/export_sandboxed.h"
+#include "server/intake/unpack_sandboxed.h"
 #include "server/sandbox/sandboxed_child.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::server {
 namespace {
@@ -46,6 +50,15 @@ TEST(ExportSandboxed, AFolderThatIsGoneIsNoFullDisk) {
   const Result<std::int64_t> made = ExportSandboxed(task, {}, [](double) { return true; });
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, ErrorCode::kIo) << made.error().message;
+}
+
+TEST(UnpackSandboxed, WhatTheDiskSaysIsSaid) {
+  const test::TemporaryFolder folder;
+  const auto dir = test::ValueOf(storage::DataDir::Open(folder.path() / "data"));
+  std::filesystem::remove_all(dir.Incoming());
+  const auto unpacked = UnpackSandboxed(storage::PhotoStore(dir), "flight", folder.path() / "a.zip", 1);
+  ASSERT_FALSE(unpacked);
+  EXPECT_EQ(unpacked.error().code, ErrorCode::kIo) << unpacked.error().message;
 }
 
 TEST(AnswerParent, WhatALibraryPrintsIsNoPartOfTheAnswer) {
