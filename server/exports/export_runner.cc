@@ -11,7 +11,6 @@
 #include "api/json/json_codec.h"
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
-#include "core/flight/remarks/because.h"
 #include "server/exports/export_sandboxed.h"
 #include "server/reports/map_picture.h"
 #include "server/reports/print_pdf.h"
@@ -86,12 +85,7 @@ Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& pixels
   const fs::path html = folder / "report.html";
   SKYQUILT_TRY(storage::WriteFileAtomically(html, page));
   const Result<void> printed = PrintPdf(html, pdf, folder, go_on);
-  if (!printed && printed.error().code == ErrorCode::kCancelled) return printed.error();
-  if (!printed)
-    return flight::Because(
-        ErrorCode::kInternal,
-        CanPrintPdf() ? flight::RemarkCode::kReportNotPrinted : flight::RemarkCode::kExportWithoutPrinter,
-        printed.error().message);
+  if (!printed) return ReportNotPrinted(printed.error());
   const std::uintmax_t size = fs::file_size(pdf, error);
   if (error) return storage::FileError("cannot read", pdf, error.value());
   return static_cast<std::int64_t>(size);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "server/sandbox/spawn_process.h"
 #include "storage/files/publish_file.h"
 
@@ -105,6 +106,13 @@ Result<void> PrintPdf(const fs::path& html, const fs::path& pdf, const fs::path&
   return Error{ErrorCode::kUnavailable,
                "A PDF is printed by WeasyPrint or Chromium, and neither is installed here. Install one "
                "(apt install weasyprint), or write report.html and print it from any browser."};
+}
+
+Error ReportNotPrinted(const Error& why) {
+  if (why.code != ErrorCode::kInternal && why.code != ErrorCode::kUnavailable) return why;
+  const auto remark =
+      CanPrintPdf() ? flight::RemarkCode::kReportNotPrinted : flight::RemarkCode::kExportWithoutPrinter;
+  return flight::Because(why.code, remark, why.message);
 }
 
 }  // namespace skyquilt::server

@@ -1,7 +1,7 @@
 // PrintPdf: an HTML page as PDF, by whichever printing program this machine has (WeasyPrint, Chromium, Chrome
 // or wkhtmltopdf: they are found by name and not part of Skyquilt; where one fails, the next is tried).
 // Blocking, two minutes at most. Errors: kUnavailable (there is none; says what to install), kTimeout,
-// kCancelled, kInternal (it failed; its last words are told).
+// kCancelled, kOutOfSpace, kIo, kInternal (it failed; its last words are told).
 #pragma once
 
 #include <filesystem>
@@ -17,5 +17,9 @@ bool CanPrintPdf();
 // asked some times a second.
 Result<void> PrintPdf(const std::filesystem::path& html, const std::filesystem::path& pdf,
                       const std::filesystem::path& work_dir, const std::function<bool()>& go_on = {});
+
+// Such an error for whoever asked a server: of a program that failed or is not there its words are the log's;
+// time that was over, a full disk and the like are told as they are.
+Error ReportNotPrinted(const Error& why);
 
 }  // namespace skyquilt::server

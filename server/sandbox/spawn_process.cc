@@ -17,6 +17,7 @@
 
 #include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
+#include "storage/files/publish_file.h"
 
 extern char** environ;
 
@@ -169,9 +170,7 @@ std::string HowItEnded(int wait_status) {
 
 Result<int> RunProgram(const ProgramToRun& program, const std::function<bool()>& go_on) {
   const FileDescriptor log(open(program.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-  if (!log.is_open())
-    return Error{ErrorCode::kUnavailable, "A program could not be started. Try again later.",
-                 program.log.string()};
+  if (!log.is_open()) return storage::FileError("cannot write", program.log, errno);
   SKYQUILT_TRY_ASSIGN(const pid_t pid, SpawnOther(program, log.get()));
   Limit(pid, program);
   const auto end = std::chrono::steady_clock::now() + program.wall;

@@ -55,7 +55,8 @@ struct ProgramToRun {
 // Has its environment from the caller alone, nothing to read and nowhere to write to but the log. It works in
 // a process group of its own, behind everything else, within its limits, and is ended, with what it started,
 // when its time is over or nobody wants it. Blocking. Its wait status. `go_on`: asked some times a second;
-// absent: always. Errors: kUnavailable (it could not be started), kTimeout, kCancelled.
+// absent: always. Errors: kUnavailable (it could not be started), kOutOfSpace and kIo (the log), kTimeout,
+// kCancelled.
 Result<int> RunProgram(const ProgramToRun& program, const std::function<bool()>& go_on);
 
 }  // namespace skyquilt::server

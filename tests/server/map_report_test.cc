@@ -1,10 +1,15 @@
 // The page about a finished map: what it says, and that nothing of others gets into its markup.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 
+#include "core/flight/remarks/because.h"
 #include "server/reports/map_picture.h"
+#include "server/reports/print_pdf.h"
 #include "server/reports/report_page.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
 namespace skyquilt::server {
@@ -53,6 +58,27 @@ TEST(ReportPage, IsHeadedByTheNameThatTheMapGoesBy) {
   const auto page = test::ValueOf(ReportPage(kReport, std::nullopt, "", "Mill <north>"));
   EXPECT_TRUE(Has(page, "<h1>Mill &lt;north&gt;</h1>"));
   EXPECT_FALSE(Has(page, "Field"));
+}
+
+TEST(PrintPdf, SaysWhatKeptItFromPrinting) {
+  const test::TemporaryFolder folder;
+  std::filesystem::permissions(folder.Write("weasyprint", "#!/bin/sh\nexit 3\n"),
+                               std::filesystem::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", folder.path().c_str(), 1);
+  const auto printed = PrintPdf(folder / "report.html", folder / "report.pdf", folder / "gone");
+  const Error failed = ReportNotPrinted({ErrorCode::kInternal, "weasyprint ended", ""});
+  setenv("PATH", "/nonexistent", 1);
+  const Error missing = ReportNotPrinted({ErrorCode::kUnavailable, "install one", ""});
+  setenv("PATH", path.c_str(), 1);
+  ASSERT_FALSE(printed);
+  EXPECT_EQ(printed.error().code, ErrorCode::kIo) << printed.error().message;
+  EXPECT_EQ(flight::WhyOf(failed), flight::Remark(flight::RemarkCode::kReportNotPrinted));
+  EXPECT_EQ(flight::WhyOf(missing), flight::Remark(flight::RemarkCode::kExportWithoutPrinter));
+  EXPECT_EQ(missing.code, ErrorCode::kUnavailable);
+  const Error late = ReportNotPrinted({ErrorCode::kTimeout, "weasyprint took more than 2 minutes.", ""});
+  EXPECT_EQ(late.code, ErrorCode::kTimeout);
+  EXPECT_EQ(late.message, "weasyprint took more than 2 minutes.");
 }
 
 TEST(MapPixels, AreBelievedOnlyWhereTheyAreAsManyAsTheySay) {
