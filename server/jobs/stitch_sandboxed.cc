@@ -115,8 +115,9 @@ StitchedInSandbox StitchSandboxed(StitchTask task, const JobLimits& limits, Prog
   const int status = child.End().wait_status;
   // Ended for that, perhaps, in the middle of its own end.
   if (status != 0 && !go_on()) return {cancelled};
-  if (!said || status != 0) return {Death(status, where), true};
-  return {*std::move(said)};
+  // An error that it told stands, however it ended after that.
+  if (said && (status == 0 || !*said)) return {*std::move(said)};
+  return {Death(status, where), true};
 }
 
 // What that process does.

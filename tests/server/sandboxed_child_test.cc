@@ -11,6 +11,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -20,7 +21,9 @@
 #include <string_view>
 #include <thread>
 
+#include "core/base/progress.h"
 #include "server/jobs/child_messages.h"
+#include "server/jobs/stitch_sandboxed.h"
 #include "server/preview/preview_sandboxed.h"
 #include "server/sandbox/run_sandboxed.h"
 #include "server/sandbox/sandbox.h"
@@ -78,6 +81,10 @@ int ActAs(std::string_view command, int parent) {
     if (command == "lingers" || command == "interrupted") to_parent.Write("{}");
     if (command == "tells") to_parent.Write(VariablesHere());
     if (command == "preview-sandboxed") ActAsPreview(from_parent, to_parent);
+    if (command == "stitch-sandboxed") {
+      to_parent.Write(ToText(JobMessage(Error{ErrorCode::kOutOfSpace, "The disk is full."})));
+      return 1;
+    }
     HangForEver();
     return 0;
   });
@@ -140,6 +147,16 @@ TEST(SandboxedChild, HasNoSecretOfItsParent) {
   unsetenv("PROJ_DATA");
   ASSERT_TRUE(child) << child.error().detail;
   EXPECT_EQ((*child)->Listen(std::chrono::seconds(60)), "/opt/proj");
+}
+
+TEST(StitchSandboxed, AnErrorThatItToldStandsHoweverItEnds) {
+  SilentProgress progress;
+  const JobLimits limits{
+      .wall = std::chrono::seconds(600), .cpu_s = 600, .memory_bytes = std::int64_t{1} << 40};
+  const StitchedInSandbox made = StitchSandboxed({}, limits, progress);
+  ASSERT_FALSE(made.outcome);
+  EXPECT_EQ(made.outcome.error().code, ErrorCode::kOutOfSpace) << made.outcome.error().message;
+  EXPECT_FALSE(made.has_died);
 }
 
 // In a process of its own, in which nothing is begun any more afterwards.
