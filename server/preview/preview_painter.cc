@@ -155,6 +155,12 @@ bool IsTurned(const poses::PosedFlight& posed, std::size_t photo) {
          posed.photos.size() > 1;
 }
 
+// The disk did not give a photo, which may be a sound one.
+template <typename Value>
+bool IsOfDisk(const Result<Value>& read) {
+  return !read && read.error().code == ErrorCode::kIo;
+}
+
 }  // namespace
 
 void PreviewPainter::Remember(const std::vector<storage::StoredFile>& tried) {
@@ -163,32 +169,36 @@ void PreviewPainter::Remember(const std::vector<storage::StoredFile>& tried) {
   std::set<std::string> waiting;
   for (const storage::StoredFile& file : tried) {
     const auto found = before.find(file.stored_name);
+    if (waiting_.contains(file.stored_name)) waiting.insert(file.stored_name);
     if (found != before.end()) {
       photos_.insert(before.extract(found));
-      if (waiting_.contains(file.stored_name)) waiting.insert(file.stored_name);
       continue;
     }
-    begin_photo_(file.stored_name);
-    Result<flight::Photo> photo = flight::ReadPhoto({file.name, files_dir_ / file.stored_name});
+    Result<flight::Photo> photo = Read(file);
     if (photo && photo->position) photos_.emplace(file.stored_name, *std::move(photo));
   }
   waiting_ = std::move(waiting);
+}
+
+Result<flight::Photo> PreviewPainter::Read(const storage::StoredFile& file) const {
+  begin_photo_(file.stored_name);
+  return flight::ReadPhoto({file.name, files_dir_ / file.stored_name});
 }
 
 Result<PreviewDrawn> PreviewPainter::Draw(const PreviewRequest& request) {
   Remember(request.tried);
   PreviewDrawn drawn;
   for (const storage::StoredFile& file : request.fresh) {
-    begin_photo_(file.stored_name);
-    Result<flight::Photo> photo = flight::ReadPhoto({file.name, files_dir_ / file.stored_name});
-    if (photo && photo->position) {
-      photos_.insert_or_assign(file.stored_name, *std::move(photo));
+    Result<flight::Photo> photo = Read(file);
+    const bool is_unread = IsOfDisk(photo);
+    if (photo && photo->position) photos_.insert_or_assign(file.stored_name, *std::move(photo));
+    if (is_unread || photos_.contains(file.stored_name)) {
       waiting_.insert(file.stored_name);
     } else {
       drawn.forgone.push_back(file.stored_name);
     }
   }
-  if (waiting_.empty()) return drawn;
+  if (waiting_.empty() || photos_.empty()) return drawn;
   SKYQUILT_TRY_ASSIGN(std::optional<Preview> preview, DrawWaiting(request.preview));
   drawn.preview = std::move(preview);
   return drawn;
@@ -213,6 +223,7 @@ Result<std::optional<Preview>> PreviewPainter::DrawWaiting(std::optional<Preview
     const Result<pipeline::PhotoPreview> drawn =
         pipeline::PreviewPhoto(placed, i, source, options, collected);
     if (!drawn) {
+      if (IsOfDisk(drawn)) waiting_.insert(stored_name);
       LogEvent(placed.photos[i].photo.name + " is not in the preview: " + drawn.error().message);
       continue;
     }

@@ -24,11 +24,13 @@ class PreviewPainter {
                  std::function<void(const std::string&)> begin_photo)
       : files_dir_(std::move(files_dir)), folder_(std::move(folder)), begin_photo_(std::move(begin_photo)) {}
 
-  // Errors are the machine's (kOutOfSpace, kUnavailable, kIo): a photo that cannot be drawn is passed over.
+  // Errors are the machine's (kOutOfSpace, kUnavailable, kIo): a photo that cannot be drawn is passed over;
+  // one that the disk did not give is tried again with the next ones.
   Result<PreviewDrawn> Draw(const PreviewRequest& request);
 
  private:
   void Remember(const std::vector<storage::StoredFile>& tried);
+  Result<flight::Photo> Read(const storage::StoredFile& file) const;
   Result<std::optional<storage::Preview>> DrawWaiting(std::optional<storage::Preview> preview);
 
   std::filesystem::path files_dir_;
@@ -36,7 +38,7 @@ class PreviewPainter {
   std::function<void(const std::string&)> begin_photo_;
   // What is known of the flight's photos, by the names of their files.
   std::map<std::string, flight::Photo> photos_;
-  std::set<std::string> waiting_;  // to be drawn when more is known
+  std::set<std::string> waiting_;  // to be drawn when more is known, or when they can be read
 };
 
 }  // namespace skyquilt::server

@@ -10,11 +10,14 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/base/text/json_io.h"
 #include "core/flight/remarks/because.h"
 #include "server/exports/export_sandboxed.h"
 #include "server/intake/unpack_sandboxed.h"
+#include "server/preview/preview_painter.h"
 #include "server/sandbox/sandboxed_child.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
@@ -59,6 +62,19 @@ TEST(UnpackSandboxed, WhatTheDiskSaysIsSaid) {
   const auto unpacked = UnpackSandboxed(storage::PhotoStore(dir), "flight", folder.path() / "a.zip", 1);
   ASSERT_FALSE(unpacked);
   EXPECT_EQ(unpacked.error().code, ErrorCode::kIo) << unpacked.error().message;
+}
+
+TEST(PreviewPainter, APhotoThatTheDiskDoesNotGiveIsNotPassedOverForGood) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink("looped", folder / "looped");  // cannot be opened
+  folder.Write("damaged", "no photo");
+  std::vector<std::string> begun;
+  PreviewPainter painter(folder.path(), folder.path(),
+                         [&](const std::string& stored_name) { begun.push_back(stored_name); });
+  PreviewRequest request{{{"a.jpg", "looped", 8}, {"b.jpg", "damaged", 8}}, {}, std::nullopt};
+  const auto drawn = test::ValueOf(painter.Draw(request));
+  EXPECT_EQ(drawn.forgone, std::vector<std::string>{"damaged"});
+  EXPECT_EQ(begun, (std::vector<std::string>{"looped", "damaged"}));
 }
 
 TEST(AnswerParent, WhatALibraryPrintsIsNoPartOfTheAnswer) {
