@@ -377,7 +377,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     if (options.dem != nullptr && posed.is_placed) PutGroundByDem(*options.dem, takeoff, dem_zero, posed);
     PutGroundBelow(posed);
     FilterOutliers(options.keep_unplaced, posed);
-    if (options.dem != nullptr) TellGapsOfDem(*options.dem, posed);
+    TellGapsOfDem(posed);
   }
   if (posed.photos.empty() && posed.unplaced.empty()) {
     if (!is_any_placed) return NothingPlaced(flight, log && !tie.photos.empty(), any_without_height, posed);

@@ -41,6 +41,7 @@ struct PosedPhoto {
   // While the rows were read, where a finished flight knows it; otherwise speed and gyro say it.
   std::optional<camera::RowMotion> readout_motion;
   double height_above_ground_m = 0.0;
+  bool is_beside_dem = false;   // the elevation model that was taken has no height there
   double error_radius_m = 0.0;  // 1-sigma horizontal ground error of the image centre
   AttitudeOrigin attitude_origin = AttitudeOrigin::kRecorded;
   std::string position_source;  // "exif", a list's or a log's file; empty: reckoned, or placed by images

@@ -48,7 +48,8 @@ void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>&
   }
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
     PosedPhoto& photo = posed.photos[i];
-    if (!ground_z_in_enu_m[i]) continue;
+    photo.is_beside_dem = !ground_z_in_enu_m[i];
+    if (photo.is_beside_dem) continue;
     photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - *ground_z_in_enu_m[i];
   }
   posed.ground_z_in_enu_m = Median(std::move(known));
@@ -59,11 +60,10 @@ void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>&
                   takeoff ? "take-off" : "the first photo, taken for take-off");
 }
 
-void TellGapsOfDem(const geo::DemSource& dem, PosedFlight& posed) {
+void TellGapsOfDem(PosedFlight& posed) {
   if (!posed.dem_zero_m) return;
-  std::size_t beside = 0;
-  for (const PosedPhoto& photo : posed.photos)
-    beside += dem.GroundHeightM(PlaceOf(photo, posed.frame)) ? 0 : 1;
+  const auto beside = std::count_if(posed.photos.begin(), posed.photos.end(),
+                                    [](const PosedPhoto& photo) { return photo.is_beside_dem; });
   if (beside == 0) return;
   posed.warnings.push_back(
       {flight::RemarkCode::kElevationModelInPart, {{"photos", beside}, {"total", posed.photos.size()}}});

@@ -23,7 +23,7 @@ enum class DemZero { kTakeoff, kSeaLevel };
 void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>& takeoff, DemZero zero,
                     PosedFlight& posed);
 // How many of the photos that are left lie where a model that was taken has no height.
-void TellGapsOfDem(const geo::DemSource& dem, PosedFlight& posed);
+void TellGapsOfDem(PosedFlight& posed);
 
 // Photos that mostly stand on or below the ground say that it was put at the wrong height: take-off on a
 // hill, or heights that count from another zero. Their spacing is then the better measure.

@@ -140,9 +140,14 @@ TEST(ChooseHeights, PhotosBelowTheTakeoffLieOverAnElevationModel) {
 class SouthernDem final : public geo::DemSource {
  public:
   std::optional<double> GroundHeightM(const geo::LatLon& at) const override {
+    ++asked_;
     if (at.lat_deg > 50.8 + 50.0 * kDegPerM) return std::nullopt;
     return 85.0;
   }
+  std::size_t asked() const { return asked_; }
+
+ private:
+  mutable std::size_t asked_ = 0;
 };
 
 TEST(TellGapsOfDem, SaysBelowHowManyOfThePhotosInTheMapTheModelHasNoHeight) {
@@ -163,6 +168,7 @@ TEST(TellGapsOfDem, SaysBelowHowManyOfThePhotosInTheMapTheModelHasNoHeight) {
     return std::count(posed.warnings.begin(), posed.warnings.end(), said);
   };
   EXPECT_EQ(times_said(southern), 1);
+  EXPECT_LE(southern.asked(), flight.photos.size() + 1) << "once below each, and at take-off";
   EXPECT_EQ(times_said(whole), 0);
 }
 
