@@ -9,7 +9,6 @@
 #include "api/routes.h"
 #include "api/uploads/tus_chunk.h"
 #include "api/uploads/tus_headers.h"
-#include "api/uploads/unpack.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -109,7 +108,7 @@ Result<Response> JoinParts(Service& service, const Request& request, const Spool
   SKYQUILT_TRY_ASSIGN(const SpooledUpload upload,
                       service.spool.Join(wanted, parts, request.is_admin, service.db.ages().Now()));
   incoming.Kept(upload.offset);
-  if (upload.file) SKYQUILT_TRY(UnpackOnly(service, upload.flight_id, *upload.file));
+  SKYQUILT_TRY(UnpackUpload(service, upload));
   return Created(service, upload);
 }
 
@@ -176,7 +175,7 @@ Result<Response> GetUpload(Service& service, const Request& request) {
   if (auto refused = CheckTusOwner(service, request)) return *std::move(refused);
   SKYQUILT_TRY_ASSIGN(const SpooledUpload upload,
                       service.spool.Find(request.Parameter("upload"), service.db.ages().Now()));
-  if (upload.file) SKYQUILT_TRY(UnpackOnly(service, upload.flight_id, *upload.file));
+  SKYQUILT_TRY(UnpackUpload(service, upload));
   nlohmann::ordered_json described = {{"id", upload.id},     {"flight_id", upload.flight_id},
                                       {"name", upload.name}, {"offset", upload.offset},
                                       {"length", nullptr},   {"is_done", upload.is_done}};

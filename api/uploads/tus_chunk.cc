@@ -57,11 +57,8 @@ class Chunk final : public BodySink {
     const Result<SpooledUpload> upload = append_->Commit(service_.db.ages().Now());
     CountSaved();
     if (!upload) return RefuseTus(upload.error(), request_);
-    if (upload->file) {
-      const auto unpacked = UnpackOnly(service_, upload->flight_id, *upload->file);
-      if (!unpacked) return RefuseTus(unpacked.error(), request_);
-    }
-    return answer_(*upload);
+    const Result<void> unpacked = UnpackUpload(service_, *upload);
+    return unpacked ? answer_(*upload) : RefuseTus(unpacked.error(), request_);
   }
 
  private:
@@ -109,6 +106,14 @@ void DescribeTus(const Service& service, const storage::SpooledUpload& upload, R
   if (!upload.is_done)
     response.headers.Add("Upload-Expires", HttpDate(service.db.ages().OnTheWall(upload.expires)));
   if (!upload.concat.empty()) response.headers.Add("Upload-Concat", upload.concat);
+}
+
+Result<void> UnpackUpload(Service& service, const SpooledUpload& upload) {
+  if (!upload.file) return {};
+  const auto unpacked = UnpackOnly(service, upload.flight_id, *upload.file);
+  if (unpacked) return {};
+  (void)service.spool.Remove(upload.id, service.db.ages().Now()).ok();  // else until it expires
+  return unpacked.error();
 }
 
 std::optional<Response> CheckTusVersion(const Request& request) {

@@ -20,6 +20,10 @@ Response RefuseTus(int status, std::string_view why, const Request& request);
 // How far the upload is, until when it is kept, and what it is a part of or was put together from.
 void DescribeTus(const Service& service, const storage::SpooledUpload& upload, Response& response);
 
+// What a complete upload became, where that is an archive, becomes its files. If not, the archive is gone,
+// and the upload with it: who did not hear of that would take it for one that arrived.
+Result<void> UnpackUpload(Service& service, const storage::SpooledUpload& upload);
+
 std::optional<Response> CheckTusVersion(const Request& request);
 // Before anything is done with an upload that is there: the version, and whose it is.
 std::optional<Response> CheckTusOwner(const Service& service, const Request& request);

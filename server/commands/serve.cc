@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "api/build_api.h"
-#include "api/uploads/unpack.h"
+#include "api/uploads/tus_chunk.h"
 #include "core/base/process/late_library.h"
 #include "core/base/text/plain_text.h"
 #include "core/base/text/printable.h"
@@ -201,7 +201,7 @@ void FinishUploads(api::Service& service) {
   const std::vector<storage::SpooledUpload> finished =
       OrFail("skyquilt serve", service.spool.FinishComplete(service.db.ages().Now()));
   for (const storage::SpooledUpload& upload : finished) {
-    const auto unpacked = api::UnpackOnly(service, upload.flight_id, *upload.file);
+    const Result<void> unpacked = api::UnpackUpload(service, upload);
     if (!unpacked) LogFailure(upload.id, "unpack", unpacked.error().message);
   }
 }

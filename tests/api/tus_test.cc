@@ -13,8 +13,8 @@ Headers Tus(std::initializer_list<std::pair<const char*, std::string>> more) {
   return headers;
 }
 
-std::string Metadata(const std::string& flight) {
-  return "flight " + EncodeBase64(flight) + ",filename " + EncodeBase64("a b.jpg");
+std::string Metadata(const std::string& flight, const char* name = "a b.jpg") {
+  return "flight " + EncodeBase64(flight) + ",filename " + EncodeBase64(name);
 }
 
 std::string Create(SampleService& sample, const std::string& flight, const char* length) {
@@ -51,6 +51,19 @@ TEST(Tus, ChunksMakeAFileOfTheFlight) {
   // Who did not hear of the end asks, and hears.
   EXPECT_EQ(OffsetOf(sample, at), "10");
   EXPECT_TRUE(std::filesystem::is_empty(sample.dir().Uploads()));
+}
+
+TEST(Tus, AnArchiveThatWasNotUnpackedIsNotSaidToHaveArrived) {
+  SampleService sample;
+  sample.service().unpack = [](const auto&, const auto&, const auto&, std::int64_t) {
+    return Result<std::vector<storage::UnpackedFile>>(Error{ErrorCode::kUnavailable, "Stopping.", ""});
+  };
+  const std::string metadata = Metadata(sample.NewFlight(), "a.zip");
+  const Response made = sample.Send(Method::kPost, "/api/v1/uploads", "",
+                                    Tus({{"Upload-Length", "5"}, {"Upload-Metadata", metadata}}));
+  const std::string at(made.headers.Find("Location"));
+  EXPECT_EQ(Patch(sample, at, "0", "bytes").status, 503);
+  EXPECT_EQ(sample.Get(at, Tus({})).status, 404);
 }
 
 TEST(Tus, MoreBytesThanPromisedAreRefused) {
