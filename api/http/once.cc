@@ -53,10 +53,13 @@ Response OnceBy(Service& service, const Request& request, const std::string& fin
   Response response = Answered(carry_out(), request);
   // What was not done may be tried again: by then there may be room for it, or what it lacked.
   if (response.status >= 400) return response;
-  const Result<void> kept = answers.Keep(
-      *key, {fingerprint, response.status, std::string(response.headers.Find("Location")), response.body},
-      service.db.ages().Now());
-  return kept ? std::move(response) : Problem(kept.error(), request);
+  // It is done, whether or not that can be kept: who heard of a failure would have it done again.
+  (void)answers
+      .Keep(*key,
+            {fingerprint, response.status, std::string(response.headers.Find("Location")), response.body},
+            service.db.ages().Now())
+      .ok();
+  return response;
 }
 
 Response Once(Service& service, const Request& request, std::string_view body,

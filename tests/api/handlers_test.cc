@@ -333,6 +333,15 @@ TEST(IdempotencyKeys, CarryARequestOutOnce) {
   EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", "{}", headers).status, 400);
 }
 
+TEST(IdempotencyKeys, WhatIsDoneIsSaidAlsoWhereItCannotBeKept) {
+  SampleService sample;
+  ASSERT_TRUE(sample.service().db.Lock()->Exec(
+      "CREATE TRIGGER full BEFORE INSERT ON idempotent_answer BEGIN SELECT RAISE(ABORT, 'full'); END"));
+  Headers headers = Typed("application/json");
+  headers.Add("Idempotency-Key", "k1");
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", R"({"name":"A"})", headers).status, 201);
+}
+
 TEST(IdempotencyKeys, KeepNoRefusal) {
   SampleService sample;
   const std::string flight = "/api/v1/flights/" + sample.NewFlight();
