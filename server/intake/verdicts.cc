@@ -20,6 +20,13 @@ std::size_t BytesOf(const Result<std::string>& answer) {
          (answer ? answer->size() : answer.error().message.size() + answer.error().detail.size());
 }
 
+// What the machine was in the way of.
+bool MayDoBetter(const Result<std::string>& answer) {
+  if (answer) return false;
+  const ErrorCode code = answer.error().code;
+  return code == ErrorCode::kUnavailable || code == ErrorCode::kIo || code == ErrorCode::kOutOfSpace;
+}
+
 Error TooMany() {
   return {ErrorCode::kUnavailable, "The server is inspecting other flights. Ask again in a few seconds."};
 }
@@ -79,8 +86,7 @@ const Result<std::string>* Verdicts::Find(const Digest& key) {
 }
 
 void Verdicts::Keep(const Digest& key, const Result<std::string>& answer) {
-  const bool may_do_better = !answer && answer.error().code == ErrorCode::kUnavailable;
-  if (may_do_better || BytesOf(answer) > limits_.kept_bytes) return;
+  if (MayDoBetter(answer) || BytesOf(answer) > limits_.kept_bytes) return;
   kept_.push_front({key, answer, Clock::now()});
   by_key_[key] = kept_.begin();
   bytes_ += BytesOf(answer);

@@ -1,7 +1,8 @@
 // Verdicts: each set of files with the same options is inspected once and the answer is kept. A request for
 // what is being inspected waits for that inspection; the number of inspections and of waiting callers is
 // limited, others are refused with kUnavailable. Refusals are kept for a short time only, because a busy
-// machine may succeed later. Any thread; blocking. Errors: those of the inspection, and kUnavailable.
+// machine may succeed later, and not at all where a disk was in the way. Any thread; blocking. Errors: those
+// of the inspection, and kUnavailable.
 #pragma once
 
 #include <chrono>

@@ -89,10 +89,12 @@ TEST(Verdicts, RefusalsAreKeptForAWhileAndWantOfMeansIsNot) {
   EXPECT_FALSE(forgetful.Of(kFiles, "{}"));
   EXPECT_FALSE(forgetful.Of(kFiles, "{}"));
   EXPECT_EQ(inspected, 3);
-  code = ErrorCode::kUnavailable;
-  EXPECT_FALSE(verdicts.Of(kOthers, "{}"));
-  EXPECT_FALSE(verdicts.Of(kOthers, "{}"));
-  EXPECT_EQ(inspected, 5);
+  for (const ErrorCode of_machine : {ErrorCode::kUnavailable, ErrorCode::kIo, ErrorCode::kOutOfSpace}) {
+    code = of_machine;
+    EXPECT_FALSE(verdicts.Of(kOthers, "{}"));
+    EXPECT_FALSE(verdicts.Of(kOthers, "{}"));
+  }
+  EXPECT_EQ(inspected, 9);
 }
 
 TEST(Verdicts, WhatIsKeptIsBounded) {
