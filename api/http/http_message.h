@@ -111,6 +111,7 @@ struct Response {
   std::unique_ptr<BodySource> source;  // instead of body
   std::unique_ptr<LiveSource> live;    // instead of body
   std::optional<Work> wants;           // instead of an answer: to be asked again where such work is done
+  std::string for_log;                 // what a failure is of; is sent to nobody
 };
 
 // Takes an upload piece by piece, in order, then answers. Destroyed without Finish: the upload broke, and

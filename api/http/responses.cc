@@ -156,6 +156,7 @@ Response Problem(const Error& error, std::string_view instance, std::string_view
   if (error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kRateLimited) {
     response.headers.Add("Retry-After", "2");
   }
+  response.for_log = error.message + " " + error.detail;
   return response;
 }
 

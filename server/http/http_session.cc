@@ -304,7 +304,8 @@ class Session : public std::enable_shared_from_this<Session> {
     context_.service.metrics.CountRequest(route_class, response.status, Clock::now() - started_,
                                           has_body ? length : 0);
     if (response.status >= 500)
-      LogResponse(request_id_, request_head.method, PathOf(request_head.target), response.status);
+      LogResponse(request_id_, request_head.method, PathOf(request_head.target), response.status,
+                  response.for_log);
     is_upload_ = false;
   }
 
@@ -317,6 +318,9 @@ class Session : public std::enable_shared_from_this<Session> {
       co_await connection_->OnPool(context_.pools.read, [&] {
         const Result<std::size_t> read = source.Read(slice);
         got = read ? *read : 0;
+        if (!read)
+          LogFailure(request_id_, PathOf(connection_->head().target),
+                     read.error().message + " " + read.error().detail);
       });
       if (got == 0) connection_->GiveUp();  // less than promised: only the end of the connection can say so
       if (got > 0) co_await connection_->Write({}, std::span(slice).first(got));

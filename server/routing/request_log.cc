@@ -32,8 +32,11 @@ std::string NextRequestId() {
   return fmt::format("{:x}-{:x}", run & 0xffffffffffU, next.fetch_add(1, std::memory_order_relaxed));
 }
 
-void LogResponse(std::string_view request_id, std::string_view method, std::string_view path, int status) {
-  WriteLine("error", {{"request_id", request_id}, {"method", method}, {"path", path}, {"status", status}});
+void LogResponse(std::string_view request_id, std::string_view method, std::string_view path, int status,
+                 std::string_view what) {
+  WriteLine(
+      "error",
+      {{"request_id", request_id}, {"method", method}, {"path", path}, {"status", status}, {"what", what}});
 }
 
 void LogFailure(std::string_view request_id, std::string_view where, std::string_view what) {

@@ -9,7 +9,8 @@ namespace skyquilt::server {
 
 // Unique within a run of the server and cheap.
 std::string NextRequestId();
-void LogResponse(std::string_view request_id, std::string_view method, std::string_view path, int status);
+void LogResponse(std::string_view request_id, std::string_view method, std::string_view path, int status,
+                 std::string_view what);
 void LogFailure(std::string_view request_id, std::string_view where, std::string_view what);
 // What ended a connection's coroutine, if anything did.
 void LogUncaught(const std::exception_ptr& failure);

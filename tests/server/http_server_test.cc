@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "api/http/responses.h"
 #include "tests/server/http_server_fixture.h"
 #include "tests/storage/small_tileset.h"
 #include "tests/support/value_of.h"
@@ -19,6 +20,22 @@ TEST_F(HttpServerTest, AnswersOverOneConnectionAgainAndAgain) {
   Start();
   RawClient client(port());
   for (int i = 0; i < 3; ++i) EXPECT_EQ(client.Ask("GET /healthz HTTP/1.1\r\n" + kHost + "\r\n").status, 200);
+}
+
+// Else the log has the number of a failure and nobody knows of what.
+TEST_F(HttpServerTest, TellsItsLogAloneWhatAFailureIsOf) {
+  router_.Add(api::Method::kGet, "/api/v1/broken", [](const api::Request& request) {
+    return api::Problem({ErrorCode::kIo, "The file could not be read.", "Input/output error"}, request);
+  });
+  Start();
+  RawClient client(port());
+  testing::internal::CaptureStderr();
+  const RawAnswer answer = client.Ask("GET /api/v1/broken HTTP/1.1\r\n" + kHost + "\r\n");
+  client.Ask("GET /healthz HTTP/1.1\r\n" + kHost + "\r\n");  // by then the other's line is written
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(answer.status, 500);
+  EXPECT_EQ(answer.body.find("Input/output error"), std::string::npos);
+  EXPECT_NE(log.find("Input/output error"), std::string::npos) << log;
 }
 
 TEST_F(HttpServerTest, AnswersAThousandPipelinedRequests) {
