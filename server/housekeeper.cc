@@ -22,7 +22,7 @@ constexpr std::chrono::hours kIdlePause{1};
 // Says so where it was not done.
 template <typename Done>
 bool HasFailed(const char* what, const Result<Done>& done) {
-  if (!done) LogFailure("-", what, done.error().message + " " + done.error().detail);
+  if (!done) LogFailure("-", what, done.error());
   return !done;
 }
 
@@ -48,19 +48,15 @@ void Housekeeper::TrashIdle() {
 
 void Housekeeper::Round() {
   if (!service_.storage_in_place()) return;  // the folder is gone: what is removed now would be another's
-  const Result<void> saved = service_.db.SaveAges();
-  if (!saved) LogFailure("-", "housekeeping", saved.error().detail);
-  const Result<int> expired = service_.spool.RemoveExpired(service_.db.ages().Now());
-  if (!expired) LogFailure("-", "housekeeping", expired.error().detail);
+  HasFailed("housekeeping", service_.db.SaveAges());
+  HasFailed("housekeeping", service_.spool.RemoveExpired(service_.db.ages().Now()));
   const Result<int> removed = api::RemoveOldTrash(service_);
-  if (!removed) LogFailure("-", "trash", removed.error().detail);
-  if (removed && *removed > 0)
+  if (!HasFailed("trash", removed) && *removed > 0)
     LogEvent(fmt::format("{} {} days ago and removed now",
                          Counted(*removed, "flight was deleted", "flights were deleted"),
                          service_.trash_days));
   TrashIdle();
-  const Result<int> exports = api::RemoveExpiredExports(service_);
-  if (!exports) LogFailure("-", "exports", exports.error().detail);
+  HasFailed("exports", api::RemoveExpiredExports(service_));
   service_.db.FillReserve();
   const auto now = std::chrono::steady_clock::now();
   if (swept_ && now - *swept_ < kBlobSweepPause) return;

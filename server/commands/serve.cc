@@ -202,7 +202,7 @@ void FinishUploads(api::Service& service) {
       OrFail("skyquilt serve", service.spool.FinishComplete(service.db.ages().Now()));
   for (const storage::SpooledUpload& upload : finished) {
     const Result<void> unpacked = api::UnpackUpload(service, upload);
-    if (!unpacked) LogFailure(upload.id, "unpack", unpacked.error().message);
+    if (!unpacked) LogFailure(upload.id, "unpack", unpacked.error());
   }
 }
 

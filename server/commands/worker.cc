@@ -125,7 +125,7 @@ void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storag
   while (AwaitFolder(watch, options)) {
     const Result<bool> drawn = drawing.Step();
     if (!drawn) {
-      LogFailure("-", "preview", drawn.error().message + " " + drawn.error().detail);
+      LogFailure("-", "preview", drawn.error());
       if (patience.IsOverAfterFailure()) Fail("skyquilt worker", drawn.error());
       // What waits is tried for as long as it fails: on a full disk for hours.
       const auto pause = std::min(kLongestPreviewPause, std::chrono::seconds(1 << std::min(failures++, 10)));
@@ -190,14 +190,14 @@ class Aside {
                fmt::format("{} {} What this worker had was given back; it takes nothing for {} s.",
                            fault.message, fault.detail, pause.count()));
     const Result<void> put = workers_.Put(name_, times_, fault, storage::Now());
-    if (!put) LogFailure("-", "aside", put.error().detail);
+    if (!put) LogFailure("-", "aside", put.error());
     const auto end = std::chrono::steady_clock::now() + pause;
     while (!is_stopping && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(kPoll);
   }
   void Clear() {
     if (std::exchange(times_, 0) == 0) return;
     const Result<void> cleared = workers_.Clear(name_);
-    if (!cleared) LogFailure("-", "aside", cleared.error().detail);
+    if (!cleared) LogFailure("-", "aside", cleared.error());
   }
 
  private:
@@ -256,7 +256,7 @@ void RunWorker(const WorkerOptions& options) {
     const Result<bool> worked = WorkOnce(context, name);
     if (!worked) {
       // Busy or full: the queue is polled again; a permanent failure shows in the log.
-      LogFailure("-", "claim", worked.error().detail);
+      LogFailure("-", "claim", worked.error());
       if (patience.IsOverAfterFailure()) Fail("skyquilt worker", worked.error());
       context.may_hold = db->IsShared();
       std::this_thread::sleep_for(std::chrono::seconds(2));

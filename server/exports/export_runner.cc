@@ -117,7 +117,7 @@ void ExportRunner::Run() {
       is_failing = !claimed;
     }
     made_one = claimed && claimed->has_value();
-    if (!claimed) LogFailure("-", "exports", claimed.error().detail);
+    if (!claimed) LogFailure("-", "exports", claimed.error());
     if (claimed && *claimed) {
       Make(**claimed);
       continue;
@@ -144,10 +144,10 @@ void ExportRunner::Make(const MapExport& claimed) {
   } else if (made.error().code == ErrorCode::kCancelled) {
     told = service_.exports.GiveBack(claimed);  // one that was removed is nobody's
   } else {
-    LogFailure(claimed.id, "export", made.error().message + " " + made.error().detail);
+    LogFailure(claimed.id, "export", made.error());
     told = service_.exports.Fail(claimed, made.error(), storage::Now());
   }
-  if (!told) LogFailure(claimed.id, "export", told.error().detail);
+  if (!told) LogFailure(claimed.id, "export", told.error());
 }
 
 // What this process is out of ends one export, not the server.

@@ -318,9 +318,7 @@ class Session : public std::enable_shared_from_this<Session> {
       co_await connection_->OnPool(context_.pools.read, [&] {
         const Result<std::size_t> read = source.Read(slice);
         got = read ? *read : 0;
-        if (!read)
-          LogFailure(request_id_, PathOf(connection_->head().target),
-                     read.error().message + " " + read.error().detail);
+        if (!read) LogFailure(request_id_, PathOf(connection_->head().target), read.error());
       });
       if (got == 0) connection_->GiveUp();  // less than promised: only the end of the connection can say so
       if (got > 0) co_await connection_->Write({}, std::span(slice).first(got));

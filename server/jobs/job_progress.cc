@@ -120,7 +120,7 @@ LeaseState JobProgress::TellQueue(const std::vector<storage::JobProgress>& untol
     return *state;
   }
   // A busy or full database is no reason to stop, until the lease may have gone to another.
-  LogFailure(lease_.job_id, "heartbeat", state.error().detail);
+  LogFailure(lease_.job_id, "heartbeat", state.error());
   return asked - renewed_ < unheard_ ? LeaseState::kHeld : LeaseState::kLost;
 }
 

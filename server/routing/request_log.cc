@@ -43,6 +43,10 @@ void LogFailure(std::string_view request_id, std::string_view where, std::string
   WriteLine("error", {{"request_id", request_id}, {"where", where}, {"what", what}});
 }
 
+void LogFailure(std::string_view request_id, std::string_view where, const Error& why) {
+  LogFailure(request_id, where, why.message + " " + why.detail);
+}
+
 void LogUncaught(const std::exception_ptr& failure) {
   if (failure == nullptr) return;
   try {

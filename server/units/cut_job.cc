@@ -147,7 +147,7 @@ void RemoveUnits(const WorkerContext& context, const std::string& flight_id, con
   fs::remove_all(UnitsFolder(context.dir, cut.units_of), ignored);
   if (context.blobs.IsFolder()) return;
   const Result<int> removed = context.blobs.RemoveBelow(UnitsPrefix(flight_id, cut.units_of));
-  if (!removed) LogFailure(flight_id, "units", removed.error().message);  // swept later
+  if (!removed) LogFailure(flight_id, "units", removed.error());  // swept later
 }
 
 Result<PartsHere> FetchParts(const WorkerContext& context, const std::string& flight_id,

@@ -48,7 +48,7 @@ void TellUntilHeard(WorkerContext& context, std::string_view job_id, Tell tell) 
   for (int attempt = 1; attempt <= kTries; ++attempt) {
     const Result<bool> written = tell();
     if (written) return;
-    LogFailure(job_id, "queue", written.error().detail);
+    LogFailure(job_id, "queue", written.error());
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
   // Not heard: where machines share the queue, the worker gives it back once it is. Else the lease runs out,

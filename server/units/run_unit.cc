@@ -54,7 +54,7 @@ class UnitHeartbeat final : public Progress {
         if (*state != LeaseState::kHeld) state_ = *state;
       } else {
         // A busy or full database is no reason to stop, until the unit may have gone to another.
-        LogFailure(lease_.job_id, "heartbeat", state.error().detail);
+        LogFailure(lease_.job_id, "heartbeat", state.error());
         if (now - renewed >= UnheardTime(context_)) state_ = LeaseState::kLost;
       }
     }
@@ -130,7 +130,7 @@ void RunUnit(WorkerContext& context, const storage::UnitLease& unit) {
   } else if (failure && (context.is_stopping || IsGivenBack(context, context.units, unit, *failure))) {
     GiveBack(context, unit);
   } else if (failure) {
-    LogFailure(unit.job_id, name, failure->message + " " + failure->detail);
+    LogFailure(unit.job_id, name, *failure);
     TellUntilHeard(context, unit.job_id, [&] {
       return context.units.Fail(unit, *failure, MayRetry(context, failure->code), storage::Now());
     });

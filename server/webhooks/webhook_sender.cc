@@ -15,7 +15,7 @@ constexpr std::chrono::seconds kLookForRetries{2};  // those wait for their time
 constexpr int kAtOnce = 20;
 
 bool MayTell(const Result<bool>& taken) {
-  if (!taken) LogFailure("-", "webhook", taken.error().detail);
+  if (!taken) LogFailure("-", "webhook", taken.error());
   return taken && *taken;
 }
 
@@ -40,13 +40,13 @@ void WebhookSender::Run() {
 
 void WebhookSender::TellAllDue() {
   const auto due = webhooks_.Due(service_.db.ages().Now(), kAtOnce);
-  if (!due) return LogFailure("-", "webhook", due.error().detail);
+  if (!due) return LogFailure("-", "webhook", due.error());
   for (const storage::Delivery& delivery : *due) {
     if (MayTell(webhooks_.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
     if (thread_.IsEnded()) return;
   }
   const auto of_tasks = node_deliveries_.Due(service_.db.ages().Now(), kAtOnce);
-  if (!of_tasks) return LogFailure("-", "webhook", of_tasks.error().detail);
+  if (!of_tasks) return LogFailure("-", "webhook", of_tasks.error());
   for (const storage::NodeDelivery& delivery : *of_tasks) {
     if (MayTell(node_deliveries_.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
     if (thread_.IsEnded()) return;
@@ -64,11 +64,10 @@ void WebhookSender::Tell(const storage::Delivery& delivery) {
       delivery.body,
       may_go_private_};
   const Result<void> posted = PostMessage(message);
-  if (!posted)
-    LogFailure(delivery.webhook.id, "webhook", posted.error().message + " " + posted.error().detail);
+  if (!posted) LogFailure(delivery.webhook.id, "webhook", posted.error());
   const Result<void> kept =
       posted ? webhooks_.Heard(delivery) : webhooks_.NotHeard(delivery, service_.db.ages().Now());
-  if (!kept) LogFailure(delivery.webhook.id, "webhook", kept.error().detail);
+  if (!kept) LogFailure(delivery.webhook.id, "webhook", kept.error());
 }
 
 void WebhookSender::Tell(const storage::NodeDelivery& delivery) {
@@ -85,10 +84,10 @@ void WebhookSender::Tell(const storage::NodeDelivery& delivery) {
   } else if (!is_gone) {
     told = body.error();
   }
-  if (!told) LogFailure(delivery.uuid, "webhook", told.error().message + " " + told.error().detail);
+  if (!told) LogFailure(delivery.uuid, "webhook", told.error());
   const Result<void> kept =
       told ? node_deliveries_.Heard(delivery) : node_deliveries_.NotHeard(delivery, service_.db.ages().Now());
-  if (!kept) LogFailure(delivery.uuid, "webhook", kept.error().detail);
+  if (!kept) LogFailure(delivery.uuid, "webhook", kept.error());
 }
 
 }  // namespace skyquilt::server

@@ -70,7 +70,7 @@ void AdoptEarlierAttempt(const storage::DataDir& dir, const storage::Lease& leas
 // What jobs that ended elsewhere left here: a machine of workers alone has no server that sweeps.
 void SweepEnded(const WorkerContext& context) {
   const Result<storage::SweepReport> swept = storage::SweepWork(context.dir, context.queue, storage::Now());
-  if (!swept) return LogFailure("-", "sweep of work", swept.error().message + " " + swept.error().detail);
+  if (!swept) return LogFailure("-", "sweep of work", swept.error());
   for (const std::string& line : swept->moved) LogEvent(line);
 }
 
@@ -217,7 +217,7 @@ std::optional<storage::Expectation> Expect(WorkerContext& context, const storage
       storage::ExpectationFrom(*costs, static_cast<int>(flight->file_count));
   if (expectation) {
     const Result<LeaseState> state = context.queue.Expect(lease, *expectation);
-    if (!state) LogFailure(lease.job_id, "expect", state.error().detail);
+    if (!state) LogFailure(lease.job_id, "expect", state.error());
   }
   return expectation;
 }
@@ -226,7 +226,7 @@ void KeepCost(WorkerContext& context, const storage::Lease& lease, const StitchO
   if (IsMadeWhole(lease.options)) return;
   const storage::JobCost cost{lease.job_id, outcome.figures.photos_total, outcome.stages_s};
   const Result<void> kept = context.costs.Add(cost);
-  if (!kept) LogFailure(lease.job_id, "cost", kept.error().detail);
+  if (!kept) LogFailure(lease.job_id, "cost", kept.error());
 }
 
 }  // namespace
@@ -305,7 +305,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   } else if (context.is_stopping || (failure && IsGivenBack(context, context.queue, lease, *failure))) {
     give_back();
   } else if (failure) {
-    LogFailure(lease.job_id, "job", failure->message + " " + failure->detail);
+    LogFailure(lease.job_id, "job", *failure);
     TellUntilHeard(context, lease.job_id, [&] {
       return context.queue.Fail(lease, *failure, MayRetry(context, failure->code), storage::Now());
     });

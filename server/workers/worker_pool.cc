@@ -73,9 +73,9 @@ void WorkerPool::Ended(Slot& slot, int status) {
   // A worker that this server killed to come to its own end has done no harm.
   const storage::WorkerEnd end = is_stopping_ ? storage::WorkerEnd::kInterrupted : storage::WorkerEnd::kDied;
   const Result<int> released = queue_.ReleaseWorker(slot.name, end, storage::Now());
-  if (!released) LogFailure("-", "worker", released.error().detail);
+  if (!released) LogFailure("-", "worker", released.error());
   const Result<int> units = units_.ReleaseWorker(slot.name, end, storage::Now());
-  if (!units) LogFailure("-", "worker", units.error().detail);
+  if (!units) LogFailure("-", "worker", units.error());
   const bool is_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   if (!is_stopping_ && !is_well) {
     LogFailure("-", "worker",
@@ -85,7 +85,7 @@ void WorkerPool::Ended(Slot& slot, int status) {
   slot.pid = 0;
   // Also of a job that was cancelled while it waited for another attempt.
   const Result<storage::SweepReport> swept = storage::SweepWork(dir_, queue_, storage::Now());
-  if (!swept) LogFailure("-", "worker", swept.error().detail);
+  if (!swept) LogFailure("-", "worker", swept.error());
   if (swept) {
     for (const std::string& line : swept->moved) LogEvent(line);
   }

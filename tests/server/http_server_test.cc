@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/http/responses.h"
+#include "server/routing/request_log.h"
 #include "tests/server/http_server_fixture.h"
 #include "tests/storage/small_tileset.h"
 #include "tests/support/value_of.h"
@@ -36,6 +37,15 @@ TEST_F(HttpServerTest, TellsItsLogAloneWhatAFailureIsOf) {
   EXPECT_EQ(answer.status, 500);
   EXPECT_EQ(answer.body.find("Input/output error"), std::string::npos);
   EXPECT_NE(log.find("Input/output error"), std::string::npos) << log;
+}
+
+TEST(RequestLog, HasAllThatAnErrorSays) {
+  testing::internal::CaptureStderr();
+  LogFailure("-", "exports", Error{ErrorCode::kIo, "cannot remove a file", ""});
+  LogFailure("-", "claim", Error{ErrorCode::kIo, "The database could not be read.", "disk I/O error"});
+  const std::string log = testing::internal::GetCapturedStderr();
+  for (const char* said : {"cannot remove a file", "could not be read", "disk I/O error"})
+    EXPECT_NE(log.find(said), std::string::npos) << said;
 }
 
 TEST_F(HttpServerTest, AnswersAThousandPipelinedRequests) {
