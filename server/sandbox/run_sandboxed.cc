@@ -63,8 +63,12 @@ Result<std::string> RunSandboxed(const SandboxedTask& task) {
                        SecondsOf(ended.used.ru_utime) + SecondsOf(ended.used.ru_stime),
                        ended.used.ru_maxrss >> 10, how));
   if (is_stopped) return stopping;
-  if (!is_well) return Error{ErrorCode::kUnprocessable, task.refusal, "it ended: " + how};
-  return Understand(*std::move(answer), task.refusal);
+  const Error unwell{ErrorCode::kUnprocessable, task.refusal, "it ended: " + how};
+  if (!answer) return unwell;
+  Result<std::string> understood = Understand(*std::move(answer), task.refusal);
+  // An error that it told stands, however it ended after that.
+  if (understood && !is_well) return unwell;
+  return understood;
 }
 
 void EndAllSandboxed() { is_ending = true; }

@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -22,6 +23,7 @@
 #include <thread>
 
 #include "core/base/progress.h"
+#include "core/base/text/json_io.h"
 #include "server/jobs/child_messages.h"
 #include "server/jobs/stitch_sandboxed.h"
 #include "server/preview/preview_sandboxed.h"
@@ -81,6 +83,11 @@ int ActAs(std::string_view command, int parent) {
     if (command == "lingers" || command == "interrupted") to_parent.Write("{}");
     if (command == "tells") to_parent.Write(VariablesHere());
     if (command == "preview-sandboxed") ActAsPreview(from_parent, to_parent);
+    if (command == "fails") {
+      const nlohmann::json failure = {{"error", ErrorJson({ErrorCode::kOutOfSpace, "The disk is full."})}};
+      to_parent.Write(JsonText(failure));
+      return 1;
+    }
     if (command == "stitch-sandboxed") {
       to_parent.Write(ToText(JobMessage(Error{ErrorCode::kOutOfSpace, "The disk is full."})));
       return 1;
@@ -157,6 +164,13 @@ TEST(StitchSandboxed, AnErrorThatItToldStandsHoweverItEnds) {
   ASSERT_FALSE(made.outcome);
   EXPECT_EQ(made.outcome.error().code, ErrorCode::kOutOfSpace) << made.outcome.error().message;
   EXPECT_FALSE(made.has_died);
+}
+
+TEST(RunSandboxed, AnErrorThatItToldStandsHoweverItEnds) {
+  const Result<std::string> answer =
+      RunSandboxed({.command = "fails", .task = "task", .refusal = "The file is damaged."});
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, ErrorCode::kOutOfSpace) << answer.error().message;
 }
 
 // In a process of its own, in which nothing is begun any more afterwards.
