@@ -109,9 +109,10 @@ test('points are dragged and undone, parts have their lengths, units are kept, t
   assert.equal(await page.locator('.measure-point').count(), 3);
   await assertAccessible(page, 'measuring');
 
-  assert.match((await page.textContent('#report .facts')) ?? '', /Area2\.43\sha/);
+  assert.match((await page.textContent('#report .facts')) ?? '', /Area2\.43\sha.*±2\.3\sm/);
   await page.selectOption('#units', 'imperial');
-  assert.match((await page.textContent('#report .facts')) ?? '', /Area5\.994\sacres/);
+  assert.match((await page.textContent('#report .facts')) ?? '', /Area5\.994\sacres.*±7\.5\sft/);
+  assert.match((await page.textContent('.flight-head .flight-facts')) ?? '', /±7\.5\sft/);
   assert.match((await whole()) ?? '', /\sft$/);
   assert.match((await page.textContent('#map .maplibregl-ctrl-scale')) ?? '', /ft/);
   await page.click('#tool-area');

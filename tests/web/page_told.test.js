@@ -213,7 +213,7 @@ test('the panel says what counts first, and what to do with the map', options, a
   const terms = await page.locator('#report > .facts dt').allTextContents();
   assert.deepEqual(terms, ['Captured', 'Area', 'Resolution', 'Absolute accuracy', 'Relative accuracy', 'Camera', 'Photos placed']);
   assert.match((await page.innerText('#result-verdict')).replace(/\s+/g, ' '), /^Ready to use\. All 18 photos are aligned\./);
-  assert.match(await page.innerText('#report > .facts'), /±2\.3.m \(1σ\), by 18 GNSS positions/);
+  assert.match(await page.innerText('#report > .facts'), /±7\.5.ft \(1σ\), by 18 GNSS positions/);  // the browser speaks American English
   assert.equal(await page.locator('#processing-details').getAttribute('open'), null);
   assert.deepEqual(await page.locator('.flight-actions > *').evaluateAll((all) => all.map(({ id }) => id)), ['flight-share', 'flight-download', 'flight-qgis']);
   await page.click('#flight-download');

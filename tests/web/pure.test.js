@@ -9,9 +9,8 @@ import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/ma
 import { tilesIn, zoomOfFew } from '../../web/src/map/tile_addresses.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/map/geodesy.js';
 import { answerOf, ApiError } from '../../web/src/shared/api.js';
-import { at, baseOf } from '../../web/src/shared/router.js';
-import { byClockOf, clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDistance, formatDuration, formatError, formatGsd, formatLength } from '../../web/src/shared/format.js';
-import { parseRoute, routeHash } from '../../web/src/shared/router.js';
+import { byClockOf, clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDistance, formatDuration, formatError, formatGsd, formatLength, keepUnits } from '../../web/src/shared/format.js';
+import { at, baseOf, parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, namesApart, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, errorWords, histogram } from '../../web/src/flight/report_pictures.js';
 import { absoluteWords, accuracyMark, flightFacts, isScaleKnown, relativeWords, shortFacts, statusWords } from '../../web/src/flight/flight_words.js';
@@ -27,6 +26,7 @@ import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { web_root } from './support/mock_server.js';
 
 await loadFlightStrings();
+keepUnits('metric');  // newer versions of Node speak American English
 
 /** Repeatable numbers in 0..1. */
 function random(seed) {

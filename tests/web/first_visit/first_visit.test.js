@@ -183,7 +183,7 @@ async function assertOneStatus(page) {
   const head = { status: await text('.flight-facts .chip'), facts: await text('.flight-facts') };
   const verdict = (await text('#result-verdict strong')).replace(/\.$/, '');
   assert.equal(head.status, verdict, 'head and report');
-  const accuracy = (/** @type {string} */ said) => said.match(/±[\d.,]+\sc?m/)?.[0] ?? 'unknown';
+  const accuracy = (/** @type {string} */ said) => said.match(/±[\d.,]+\s(?:c?m|ft)/)?.[0] ?? 'unknown';
   const report = await text('#report .facts');
   const photos = await page.locator('#report .facts').first().textContent();
   assert.equal(accuracy(head.facts), accuracy(report), 'accuracy of head and report');

@@ -10,6 +10,7 @@ import { loadPageWords, strings } from '../../../web/src/shared/strings.js';
 import { remarkWords, serverWords } from '../../../web/src/shared/api.js';
 import { inOneLine, saidOf, whyLeftOut } from '../../../web/src/shared/remarks.js';
 import { keepUnits } from '../../../web/src/shared/units.js';
+import { absoluteWords, accuracyMark, relativeWords } from '../../../web/src/flight/flight_words.js';
 import { web_root } from '../support/mock_server.js';
 
 /** @typedef {import('../../../web/src/shared/language.js').Language} Language */
@@ -73,6 +74,15 @@ test('lengths in remarks have the units that are chosen', async () => {
   assert.match(said(), /152\u00a0ft[^]*10\u00a0ft[^]*100,000\u00a0ft[^]*10\u00a0mi/);
   keepUnits('metric');
   assert.match(said(), /46\u00a0m[^]*3\u00a0m[^]*30,480\u00a0m[^]*16\u00a0km/);
+});
+
+test('accuracies of a map have the units that are chosen', () => {
+  const quality = /** @type {any} */ ({ status: 'ready', absolute: { sigma_m: 3.048, by: 'gnss', count: 9 }, relative: { error_m: 0.03048, error_px: 0.7, by: 'seams', count: 31 }, limits: [] });
+  const said = () => [accuracyMark(quality), absoluteWords(quality), relativeWords(quality)].join('\n');
+  keepUnits('imperial');
+  assert.match(said(), /^\u00b110\u00a0ft\n\u00b110\u00a0ft .*\n0\.1\u00a0ft \(0\.7\u00a0px\)/);
+  keepUnits('metric');
+  assert.match(said(), /^\u00b13\u00a0m\n\u00b13\u00a0m .*\n3\u00a0cm \(0\.7\u00a0px\)/);
 });
 
 test('no two languages say the same sentence', async () => {

@@ -19,6 +19,7 @@ import { linksView } from '../sharing/links_view.js';
 import { reportView } from './report_view.js';
 import { isGuessed } from './result_verdict.js';
 import { strings } from '../shared/flight_strings.js';
+import { units_chosen } from '../shared/units.js';
 import { forgetUpload } from '../upload/upload_memory.js';
 import { uploadOf } from '../upload/drop_zone.js';
 import { uploadView } from '../upload/upload_view.js';
@@ -80,6 +81,7 @@ export class FlightView {
     this.id = id;
     this.stage = stage;
     this.actions = actions;
+    units_chosen.addEventListener('change', () => this.flight && this.drawHead(this.flight), { signal: this.#abort.signal });
     this.element.append(
       h('a', { class: 'back-link', href: actions.home() }, icon('back'), strings.flights.back),
       this.#head,

@@ -2,7 +2,7 @@
 // true it is. What holds, the server says (core/pipeline/report/judge_map.h); nothing is judged here.
 /** @import { Flight, MapLimit, MapQuality } from '../shared/types.js' */
 import { h } from '../shared/dom.js';
-import { dotted, formatBytes, formatCaptureDay, formatDate, formatError, formatGsd, formatPercent } from '../shared/format.js';
+import { dotted, errorTold, formatBytes, formatCaptureDay, formatDate, formatGsd, formatPercent } from '../shared/format.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 import { uploadOf } from '../upload/drop_zone.js';
@@ -71,7 +71,7 @@ export const gradeOf = (quality) => kGrades[quality?.status ?? 'unknown'];
 export const statusWords = (quality) => strings.quality.statuses[quality?.status ?? 'unknown'];
 
 /** @param {MapQuality|null|undefined} quality @returns {string} "±2.3 m"; empty where nothing supports a number */
-export const accuracyMark = (quality) => (quality?.absolute.sigma_m ? `\u00b1${formatError(quality.absolute.sigma_m)}` : '');
+export const accuracyMark = (quality) => (quality?.absolute.sigma_m ? `\u00b1${errorTold(quality.absolute.sigma_m)}` : '');
 
 /** @param {MapQuality} quality */
 export function absoluteWords({ status, absolute, limits }) {
@@ -82,7 +82,7 @@ export function absoluteWords({ status, absolute, limits }) {
   if (absolute.by === 'hand' && absolute.sigma_m === null) return words.unknown(words.by_hand);
   const guess = limits.some(({ kind }) => kind === 'scale_guessed') ? words.scale_guess : words.north_guess;
   if (absolute.sigma_m === null) return words.unknown(few ? words.few(absolute.count, few.of) : guess);
-  return words.absolute(`\u00b1${formatError(absolute.sigma_m)}`, words.by[absolute.by](absolute.count));
+  return words.absolute(`\u00b1${errorTold(absolute.sigma_m)}`, words.by[absolute.by](absolute.count));
 }
 
 /** @param {MapQuality} quality */
@@ -91,7 +91,7 @@ export function relativeWords({ status, relative }) {
   if (status === 'unknown') return words.unknown(words.imported);
   if (relative.by === 'none' || relative.error_px === null) return words.unknown(words.no_ties);
   const pixels = words.pixels(number(relative.error_px, { maximumSignificantDigits: 2 }));
-  return words.relative(relative.error_m === null ? pixels : `${formatError(relative.error_m)} (${pixels})`, words.seen[relative.by](relative.count));
+  return words.relative(relative.error_m === null ? pixels : `${errorTold(relative.error_m)} (${pixels})`, words.seen[relative.by](relative.count));
 }
 
 /** @param {MapLimit} limit */

@@ -97,6 +97,7 @@ function mapPicture(flight) {
 export function reportView(flight, report, photos, change) {
   const place = change?.place;
   const words = strings.report;
+  const { quality } = report;
   const left_out = report.left_out_photos ?? [];
   const said = saidOf(report);
   const of_photos = said.filter(({ photo }) => photo !== null).length;  // for who looks for it
@@ -126,8 +127,8 @@ export function reportView(flight, report, photos, change) {
       flight.captured && fact(words.taken, formatCaptureTime(flight.captured)),
       is_scale_known ? inUnits(() => fact(words.area, areaIn(report.area_m2, chosenUnits()))) : fact(words.area, words.no_scale),
       fact(words.gsd, is_scale_known ? formatGsd(report.gsd_m) : words.no_scale),
-      report.quality && fact(words.absolute, absoluteWords(report.quality)),
-      report.quality && fact(words.relative, relativeWords(report.quality)),
+      quality && inUnits(() => fact(words.absolute, absoluteWords(quality))),
+      quality && inUnits(() => fact(words.relative, relativeWords(quality))),
       cameraFact(flight, photos),
       report.photos.total > 0 && fact(words.photos, `${number(placed)} / ${number(report.photos.total)}`),
     ),

@@ -1,5 +1,6 @@
-// Numbers as people read them, in the language of the page. Metric units; a number is kept on one line with its unit.
-import { dateFormat, fixed, language, number } from './language.js';
+// Numbers as people read them, in the language of the page; a number is kept on one line with its unit. Metric, but for what
+// ends in In or Told; in which units somebody reads. What the first view does without is in units.js.
+import { dateFormat, fixed, keepChoice, keptChoice, language, number } from './language.js';
 import { strings } from './strings.js';
 
 /** What there is of several words, one after the other. @param {...(string|false|null|undefined)} words */
@@ -72,6 +73,43 @@ export function formatError(metres) {
   const [value, unit] = metres < 1 ? [metres * 100, 'cm'] : [metres, 'm'];
   return `${number(value, { maximumSignificantDigits: 2, useGrouping: false })}\u00a0${unit}`;
 }
+
+/** @typedef {'metric'|'imperial'} Units by the browser's country until one chooses; the choice stays in this browser */
+
+const kUnits = 'skyquilt.units';
+export const kFoot_m = 0.3048;
+// Whose land is measured in feet and acres.
+const kImperial = new Set(['US', 'LR', 'MM']);
+
+/** @param {string} language a tag like "en-US" @returns {Units} */
+export function usualUnits(language) {
+  try {
+    return kImperial.has(new Intl.Locale(language).maximize().region ?? '') ? 'imperial' : 'metric';
+  } catch {
+    return 'metric';  // no language that anybody knows
+  }
+}
+
+/** @returns {Units} */
+export function chosenUnits() {
+  const kept = keptChoice(kUnits);
+  return kept === 'metric' || kept === 'imperial' ? kept : usualUnits(globalThis.navigator?.language ?? '');
+}
+
+/** Emits 'change' when others were chosen. */
+export const units_chosen = new EventTarget();
+
+/** @param {Units} units */
+export function keepUnits(units) {
+  keepChoice(kUnits, units);
+  units_chosen.dispatchEvent(new Event('change'));
+}
+
+/** The same. @param {number} metres @param {Units} units */
+export const errorIn = (metres, units) => (units === 'metric' ? formatError(metres) : `${number(metres / kFoot_m, { maximumSignificantDigits: 2, useGrouping: false })}\u00a0ft`);
+
+/** @param {number} metres */
+export const errorTold = (metres) => errorIn(metres, chosenUnits());
 
 /**
  * Ground size of a pixel: always in centimetres below a metre, as pilots say it.

@@ -1,42 +1,15 @@
-// Lengths, areas and volumes in the units of who reads: metres and hectares, or feet and acres. By the browser's country until
-// one chooses; the choice stays in this browser.
-import { formatArea, formatDistance, formatError, formatLength, formatVolume, threeDigits } from './format.js';
-import { fixed, keepChoice, keptChoice, number } from './language.js';
+// Lengths, areas and volumes in the units of who reads: metres and hectares, or feet and acres.
+import { chosenUnits, formatArea, formatDistance, formatLength, formatVolume, kFoot_m, threeDigits } from './format.js';
+import { fixed, number } from './language.js';
 import { strings } from './strings.js';
 
-/** @typedef {'metric'|'imperial'} Units */
+export { chosenUnits, errorIn, errorTold, keepUnits, units_chosen, usualUnits } from './format.js';
 
-const kKey = 'skyquilt.units';
-const kFoot_m = 0.3048;
+/** @typedef {import('./format.js').Units} Units */
+
 const kAcre_m2 = 4046.8564224;
 const kMile_ft = 5280;
 const kYard_m = 3 * kFoot_m;
-// Whose land is measured in feet and acres.
-const kImperial = new Set(['US', 'LR', 'MM']);
-
-/** @param {string} language a tag like "en-US" @returns {Units} */
-export function usualUnits(language) {
-  try {
-    return kImperial.has(new Intl.Locale(language).maximize().region ?? '') ? 'imperial' : 'metric';
-  } catch {
-    return 'metric';  // no language that anybody knows
-  }
-}
-
-/** @returns {Units} */
-export function chosenUnits() {
-  const kept = keptChoice(kKey);
-  return kept === 'metric' || kept === 'imperial' ? kept : usualUnits(globalThis.navigator?.language ?? '');
-}
-
-/** Emits 'change' when others were chosen. */
-export const units_chosen = new EventTarget();
-
-/** @param {Units} units */
-export function keepUnits(units) {
-  keepChoice(kKey, units);
-  units_chosen.dispatchEvent(new Event('change'));
-}
 
 /** @param {number} metres @param {Units} units */
 export function lengthIn(metres, units) {
@@ -44,9 +17,6 @@ export function lengthIn(metres, units) {
   const feet = metres / kFoot_m;
   return feet < kMile_ft ? `${fixed(feet, feet < 100 ? 2 : 1)}\u00a0ft` : `${fixed(feet / kMile_ft, 3)}\u00a0mi`;
 }
-
-/** An estimate of an error: two digits are all that it is worth. @param {number} metres @param {Units} units */
-export const errorIn = (metres, units) => (units === 'metric' ? formatError(metres) : `${number(metres / kFoot_m, { maximumSignificantDigits: 2, useGrouping: false })}\u00a0ft`);
 
 /** Metres in what heights are told in. @param {Units} units */
 export const metresPer = (units) => (units === 'metric' ? 1 : kFoot_m);
@@ -92,6 +62,3 @@ export function distanceTold(metres) {
 
 /** @param {number} metres @param {number} digits */
 export const metresTold = (metres, digits) => heightIn(metres, chosenUnits(), [], digits);
-
-/** @param {number} metres */
-export const errorTold = (metres) => errorIn(metres, chosenUnits());
