@@ -69,11 +69,12 @@ for (const tag of tags) {
 
 test('lengths in remarks have the units that are chosen', async () => {
   const { remarks } = await loadFlightWords('en');
-  const said = () => [remarks.position_elsewhere({ off_m: 46.2 }), remarks.heights_jump({ before: 'a', after: 'b', by_m: 3.048 }), remarks.altitude_impossible({ altitude_m: 30_480 }), remarks.left_far_from_flight({ apart_km: 16.09344 })].join('\n');
+  const said = () => [remarks.position_elsewhere({ off_m: 46.2 }), remarks.heights_jump({ before: 'a', after: 'b', by_m: 3.048 }), remarks.altitude_impossible({ altitude_m: 30_480 }), remarks.left_far_from_flight({ apart_km: 16.09344 }),
+    remarks.fail_places_contradict({ apart_m: 6.096 }), remarks.fail_points_contradict({ apart_m: 9.144 }), remarks.export_system_inexact({ epsg: 1, error_m: 1.524 })].join('\n');
   keepUnits('imperial');
-  assert.match(said(), /152\u00a0ft[^]*10\u00a0ft[^]*100,000\u00a0ft[^]*10\u00a0mi/);
+  assert.match(said(), /152\u00a0ft[^]*10\u00a0ft[^]*100,000\u00a0ft[^]*10\u00a0mi[^]* 20\.0\u00a0ft[^]* 30\.00\u00a0ft[^]* 5\.0\u00a0ft/);
   keepUnits('metric');
-  assert.match(said(), /46\u00a0m[^]*3\u00a0m[^]*30,480\u00a0m[^]*16\u00a0km/);
+  assert.match(said(), /46\u00a0m[^]*3\u00a0m[^]*30,480\u00a0m[^]*16\u00a0km[^]* 6\.1\u00a0m[^]* 9\.14\u00a0m[^]* 1\.5\u00a0m/);
 });
 
 test('accuracies of a map have the units that are chosen', () => {

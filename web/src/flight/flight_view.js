@@ -19,7 +19,7 @@ import { linksView } from '../sharing/links_view.js';
 import { reportView } from './report_view.js';
 import { isGuessed } from './result_verdict.js';
 import { strings } from '../shared/flight_strings.js';
-import { units_chosen } from '../shared/units.js';
+import { inUnits, units_chosen } from '../shared/units.js';
 import { forgetUpload } from '../upload/upload_memory.js';
 import { uploadOf } from '../upload/drop_zone.js';
 import { uploadView } from '../upload/upload_view.js';
@@ -248,14 +248,14 @@ export class FlightView {
   /** @param {Flight} flight */
   #drawFailure(flight) {
     const error = flight.error ?? flight.job?.error ?? null;
-    const text = typeof error === 'string' ? error : (error ? serverWords(error.code, error.message, error.reason) : '');
+    const text = () => (typeof error === 'string' ? error : error ? serverWords(error.code, error.message, error.reason) : '');
     put(
       this.#work,
       h(
         'div',
         { class: 'callout callout-error', role: 'alert', id: 'failure' },
         h('p', { class: 'callout-title' }, icon('warning'), failedWords(flight.job)),
-        text && h('p', {}, text),
+        text() && inUnits(() => h('p', {}, text())),
         mayChange(flight) && h('div', { class: 'row' }, ...this.#waysOn(flight)),
       ),
     );

@@ -8,7 +8,7 @@ import { coveragePicture, errorPicture, timingPicture } from './report_pictures.
 import { number } from '../shared/language.js';
 import { saidOf, whyLeftOut } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
-import { areaIn, chosenUnits, units_chosen } from '../shared/units.js';
+import { areaIn, chosenUnits, inUnits } from '../shared/units.js';
 import { absoluteWords, relativeWords } from './flight_words.js';
 import { hasScale, resultView } from './result_verdict.js';
 import { glanceAtPhoto } from '../upload/exif_reader.js';
@@ -34,22 +34,6 @@ function placementBar(photos) {
 
 /** @param {string} term @param {string} value */
 const fact = (term, value) => h('div', {}, h('dt', {}, term), h('dd', {}, value));
-
-/** Made again when other units are chosen. @param {() => HTMLElement|null} make */
-function inUnits(make) {
-  let shown = make();
-  const update = () => {
-    if (!shown?.isConnected) {
-      units_chosen.removeEventListener('change', update);
-      return;
-    }
-    const anew = make();
-    if (anew) shown.replaceWith(anew);
-    shown = anew;
-  };
-  units_chosen.addEventListener('change', update);
-  return shown;
-}
 
 // A photo's first bytes hold the name of its camera.
 const kModelBytes = 8192;

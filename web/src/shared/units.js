@@ -1,5 +1,5 @@
 // Lengths, areas and volumes in the units of who reads: metres and hectares, or feet and acres.
-import { chosenUnits, formatArea, formatDistance, formatLength, formatVolume, kFoot_m, threeDigits } from './format.js';
+import { chosenUnits, formatArea, formatDistance, formatLength, formatVolume, kFoot_m, threeDigits, units_chosen } from './format.js';
 import { fixed, number } from './language.js';
 import { strings } from './strings.js';
 
@@ -62,3 +62,19 @@ export function distanceTold(metres) {
 
 /** @param {number} metres @param {number} digits */
 export const metresTold = (metres, digits) => heightIn(metres, chosenUnits(), [], digits);
+
+/** Made again when other units are chosen. @param {() => HTMLElement|null} make */
+export function inUnits(make) {
+  let shown = make();
+  const update = () => {
+    if (!shown?.isConnected) {
+      units_chosen.removeEventListener('change', update);
+      return;
+    }
+    const anew = make();
+    if (anew) shown.replaceWith(anew);
+    shown = anew;
+  };
+  units_chosen.addEventListener('change', update);
+  return shown;
+}

@@ -1,6 +1,7 @@
 // Deutsch: warum nichts daraus wurde, oder eine Datei oder ein Bild nicht verwendet wird.
 import { count, fixed, number } from '../../shared/language.js';
 import { formatDuration } from '../../shared/format.js';
+import { metresTold } from '../../shared/units.js';
 import { flight_words } from './flight.js';
 
 const damaged = 'Eine der Dateien kann beschädigt sein: Entfernen Sie, was kein gewöhnliches Foto ist';
@@ -42,11 +43,11 @@ export const failure_words = {
   fail_map_too_large: () => 'Die Karte hätte mehr als eine Million Megapixel. Wählen Sie eine gröbere Auflösung.',
   fail_map_changed: () => 'Die Karte lässt sich nicht platzieren: Ihre Fotos sind nicht mehr die Dateien, aus denen sie entstand, oder sie wurde nicht fertig. Erstellen Sie die Karte neu.',
   fail_places_too_near: (v) => `Die Punkte liegen innerhalb von ${fixed(v.share_percent, 0)}\u00a0% der Karte und damit zu nah beieinander, um Maßstab und Norden zu bestimmen. Wählen Sie Punkte nahe den Rändern.`,
-  fail_places_contradict: (v) => `Die Punkte widersprechen sich: Wie auch immer die Karte gedreht, skaliert und verschoben wird, einer bleibt ${fixed(v.apart_m, 1)}\u00a0m daneben. Prüfen Sie die Reihenfolge, und ob jeder auf der Karte und auf der Erde dasselbe bezeichnet.`,
+  fail_places_contradict: (v) => `Die Punkte widersprechen sich: Wie auch immer die Karte gedreht, skaliert und verschoben wird, einer bleibt ${metresTold(v.apart_m, 1)} daneben. Prüfen Sie die Reihenfolge, und ob jeder auf der Karte und auf der Erde dasselbe bezeichnet.`,
   fail_no_point_marked: () => 'Noch ist kein Passpunkt in einem Foto markiert. Markieren Sie mindestens drei, über die Karte verteilt und jeden in zwei oder mehr Fotos.',
   fail_few_points: (v) => `${number(v.used)} von ${number(v.points)} Passpunkten sind brauchbar; nötig sind ${number(v.needed)}, jeder in zwei oder mehr Fotos der Karte markiert.`,
   fail_points_too_near: (v) => `Die Passpunkte liegen innerhalb von ${fixed(v.share_percent, 0)}\u00a0% der Karte und damit zu nah beieinander, um Maßstab und Norden zu bestimmen. Markieren Sie Punkte nahe den Rändern.`,
-  fail_points_contradict: (v) => `Die Passpunkte widersprechen sich: Wie auch immer die Karte gedreht, skaliert und verschoben wird, die meisten bleiben mehr als ${fixed(v.apart_m, 2)}\u00a0m daneben. Prüfen Sie die Reihenfolge der Koordinaten, das Koordinatensystem und die Marken.`,
+  fail_points_contradict: (v) => `Die Passpunkte widersprechen sich: Wie auch immer die Karte gedreht, skaliert und verschoben wird, die meisten bleiben mehr als ${metresTold(v.apart_m, 2)} daneben. Prüfen Sie die Reihenfolge der Koordinaten, das Koordinatensystem und die Marken.`,
   fail_scale: (v) => `Bei diesem Maßstab würde ein Pixel der Fotos ${number(v.pixel_m, { maximumSignificantDigits: 3 })}\u00a0m Boden zeigen; möglich sind ${fixed(v.finest_m, 4)} bis ${fixed(v.coarsest_m, 0)}\u00a0m, zurzeit sind es ${fixed(v.now_m, 4)}\u00a0m.`,
   before_first_stage: () => 'vor dem ersten Schritt',
   in_stage: (v) => `im Schritt „${stage(v)}“`,
@@ -281,7 +282,7 @@ export const failure_words = {
   export_system_no_plane: (v) => `EPSG:${v.epsg} ist weder eine Kartenprojektion noch einfache Länge und Breite. ${system_of_region}`,
   export_system_elsewhere: (v) => `EPSG:${v.epsg} gilt für eine andere Region; die Karte liegt bei ${place(v.lat_deg, v.lon_deg)}. ${system_of_region}`,
   export_system_unreachable: (v) => `EPSG:${v.epsg} reicht nicht bis zur Karte. ${system_of_region}`,
-  export_system_inexact: (v) => `EPSG:${v.epsg} zählt von einem älteren Datum, dessen Lage auf der Erde hier nur auf etwa ${number(v.error_m, { maximumFractionDigits: 1 })}\u00a0m bekannt ist: So weit kann von dieser Datei abliegen, was in diesem System vermessen wurde. UTM oder das heutige System des Landes (etwa ETRS89) hat diesen Fehler nicht.`,
+  export_system_inexact: (v) => `EPSG:${v.epsg} zählt von einem älteren Datum, dessen Lage auf der Erde hier nur auf etwa ${metresTold(v.error_m, 1)} bekannt ist: So weit kann von dieser Datei abliegen, was in diesem System vermessen wurde. UTM oder das heutige System des Landes (etwa ETRS89) hat diesen Fehler nicht.`,
   export_without_printer: () => 'Auf diesem Server ist kein Programm, das PDF-Dateien erzeugt. Wer ihn betreibt, installiert eines (apt install weasyprint); bis dahin drucken Sie diese Seite im Browser.',
   report_not_printed: () => 'Der Bericht ließ sich nicht als PDF drucken: Das Programm, das druckt, ist gescheitert. Versuchen Sie es erneut; wer den Server betreibt, findet den Grund in dessen Protokoll.',
   index_without_value: () => 'Dieser Index hat nirgends auf der Karte einen Wert. Wählen Sie einen anderen.',

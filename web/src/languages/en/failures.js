@@ -2,6 +2,7 @@
 // option, and why a file or picture is not used. As remarks.js.
 import { count, fixed, number } from '../../shared/language.js';
 import { formatDuration } from '../../shared/format.js';
+import { metresTold } from '../../shared/units.js';
 import { flight_words } from './flight.js';
 
 const photos = { one: 'photo', other: 'photos' };
@@ -45,11 +46,11 @@ export const failure_words = {
   fail_map_too_large: () => 'The map would have more than a million megapixels. Choose a coarser resolution.',
   fail_map_changed: () => 'The map cannot be placed: its photos are no longer the files it was made from, or it was not finished. Make the map again.',
   fail_places_too_near: (v) => `The places lie within ${fixed(v.share_percent, 0)}\u00a0% of the map's extent, too near together to tell its scale and north. Choose places near its edges.`,
-  fail_places_contradict: (v) => `The places contradict each other: however the map is rotated, scaled and moved, one stays ${fixed(v.apart_m, 1)}\u00a0m off. Check their order, and that each is the same thing on the map and on Earth.`,
+  fail_places_contradict: (v) => `The places contradict each other: however the map is rotated, scaled and moved, one stays ${metresTold(v.apart_m, 1)} off. Check their order, and that each is the same thing on the map and on Earth.`,
   fail_no_point_marked: () => 'No control point is marked in a photo yet. Mark at least three, spread over the map, each in two or more photos.',
   fail_few_points: (v) => `${number(v.used)} of ${number(v.points)} control points can be used, and ${number(v.needed)} are needed, each marked in two or more photos of the map.`,
   fail_points_too_near: (v) => `The control points lie within ${fixed(v.share_percent, 0)}\u00a0% of the map's extent, too near together to tell its scale and north. Mark points near its edges.`,
-  fail_points_contradict: (v) => `The control points contradict each other: however the map is rotated, scaled and moved, most are more than ${fixed(v.apart_m, 2)}\u00a0m off. Check the order of the coordinates, the coordinate system, and the marks.`,
+  fail_points_contradict: (v) => `The control points contradict each other: however the map is rotated, scaled and moved, most are more than ${metresTold(v.apart_m, 2)} off. Check the order of the coordinates, the coordinate system, and the marks.`,
   fail_scale: (v) => `At this scale a pixel of a photo would show ${number(v.pixel_m, { maximumSignificantDigits: 3 })}\u00a0m of ground; possible are ${fixed(v.finest_m, 4)} to ${fixed(v.coarsest_m, 0)}\u00a0m, and now it is ${fixed(v.now_m, 4)}\u00a0m.`,
   before_first_stage: () => 'before the first step',
   in_stage: (v) => `in the step “${stage(v)}”`,
@@ -284,7 +285,7 @@ export const failure_words = {
   export_system_no_plane: (v) => `EPSG:${v.epsg} is neither a map projection nor plain longitude and latitude. ${system_of_region}`,
   export_system_elsewhere: (v) => `EPSG:${v.epsg} is for another region; the map lies at ${place(v.lat_deg, v.lon_deg)}. ${system_of_region}`,
   export_system_unreachable: (v) => `EPSG:${v.epsg} does not reach the map. ${system_of_region}`,
-  export_system_inexact: (v) => `EPSG:${v.epsg} counts from an older datum, whose place on Earth is known here to about ${number(v.error_m, { maximumFractionDigits: 1 })}\u00a0m: what was surveyed in this system may lie that far off this file. UTM or the country’s present system (such as ETRS89) does not have this error.`,
+  export_system_inexact: (v) => `EPSG:${v.epsg} counts from an older datum, whose place on Earth is known here to about ${metresTold(v.error_m, 1)}: what was surveyed in this system may lie that far off this file. UTM or the country’s present system (such as ETRS89) does not have this error.`,
   export_without_printer: () => 'This server has no program that makes a PDF. Whoever runs it installs one (apt install weasyprint); until then, print this page from the browser.',
   report_not_printed: () => 'The report could not be made a PDF: the program that prints failed. Ask again; whoever runs the server finds why in its log.',
   index_without_value: () => 'This index has no value anywhere on the map. Choose another.',
