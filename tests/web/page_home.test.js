@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { matches, orders, plain } from '../../web/src/home/flight_list.js';
 import { boxOf, fitted, gridOf, groups, outlinesOf, parted } from '../../web/src/home/overview_map.js';
+import { distanceTold, keepUnits, roundLength } from '../../web/src/shared/format.js';
 import { drag, kPhone, mapIdle, twoFrames } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 import { seedMany } from './support/mock_flight.js';
@@ -40,6 +41,14 @@ test('marks that would cover each other are one until the view parts them', () =
   assert.equal(groups(near, next, 800, 600).length, 2);
   const same = groups([at(7.4, 46.9), at(7.4, 46.9)], whole, 800, 600);
   assert.equal(parted(same[0], whole, 800, 600), null, 'the same place cannot be parted');
+});
+
+test('the scale is a round length in the units that are chosen', () => {
+  const scales = () => [40, 2000, 100_000].map((most_m) => distanceTold(roundLength(most_m)).replace('\u00a0', ' '));
+  keepUnits('imperial');
+  assert.deepEqual(scales(), ['100 ft', '1 mi', '50 mi']);
+  keepUnits('metric');
+  assert.deepEqual(scales(), ['30 m', '2 km', '100 km']);
 });
 
 test('three hundred flights are a light first view: 30 requests, 400 kB, pictures only in sight', options, async () => {

@@ -25,7 +25,7 @@ test('the server is asked what it makes of the first photos, and its doubts are 
   await assertAccessible(page, 'verdict of the server');
   await page.click('text=Stop');
   await page.waitForSelector('#waiting ~ * #server-verdict.verdict-amber');
-  assert.match((await page.textContent('#server-verdict')) ?? '', /2\.43.ha · about 21.s to process/);
+  assert.match((await page.textContent('#server-verdict')) ?? '', /6\.007.acres · about 21.s to process/);
 });
 
 test('a map with photos left out or placed by record alone is amber and says so; a whole one is green', options, async () => {

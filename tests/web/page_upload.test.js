@@ -30,7 +30,7 @@ test('dropped photos become a map, its photos open by click, and the flight can 
   await dropFiles(page, photoFiles(18));
   await page.waitForSelector('#upload-progress');
   await page.waitForSelector('#verdict');
-  assert.match(await page.textContent('#verdict'), /18 photos · FC300S · 132\.\d\sm across · flown in 51\ss.*Every photo has a position/);
+  assert.match(await page.textContent('#verdict'), /18 photos · FC300S · 43\d\.\d\sft across · flown in 51\ss.*Every photo has a position/);
   release();
   await page.waitForSelector('#job-progress');
   assert.match(await page.evaluate(() => location.hash), /^#\/flights\/f\d+/);

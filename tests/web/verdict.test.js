@@ -13,6 +13,7 @@ import { verdictOf } from '../../web/src/upload/verdict.js';
 import { boundsOf } from './support/mock_flight.js';
 import { startMockServer } from './support/mock_server.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
+import { keepUnits } from '../../web/src/shared/units.js';
 
 await loadFlightStrings();
 
@@ -79,10 +80,14 @@ const photo = (/** @type {number} */ i, more = {}) => ({
 
 test('a good flight is called good, with its size and time', () => {
   const verdict = { ...verdictOf(Array.from({ length: 20 }, (_, i) => photo(i))), logs: 0, archives: 0 };
+  keepUnits('metric');  // newer versions of Node speak American English
   const words = verdictWords(verdict);
   assert.deepEqual(words.warnings, []);
   assert.ok(Math.abs(verdict.span_m - 147) < 1);
   assert.match(words.facts, /^20 photos · FC300S · 147\.\d\sm across · flown in 57\ss$/);
+  keepUnits('imperial');
+  assert.match(verdictWords(verdict).facts, / 48\d\.\d\sft across /);
+  keepUnits('metric');
 });
 
 test('missing positions, a stray photo and a long pause are told', () => {

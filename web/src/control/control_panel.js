@@ -6,11 +6,11 @@
 import { showError, showNote } from '../shared/announce.js';
 import { messageOf } from '../shared/api.js';
 import { arrange, h, keptElements, put } from '../shared/dom.js';
-import { formatLength } from '../shared/format.js';
 import { button, icon, iconButton, onFirstClick } from '../shared/icons.js';
 import { fixed, number } from '../shared/language.js';
 import { inOneLine } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
+import { chosenUnits, inUnits, lengthIn, units_chosen } from '../shared/units.js';
 import { ControlDocument } from './control_document.js';
 import { openImport, openPointForm } from './control_forms.js';
 import { controlPlaces } from './control_places.js';
@@ -19,6 +19,9 @@ import { openMarking } from './marking_dialog.js';
 
 const kMinMarks = 2;
 const kMinPoints = { placed: 1, nowhere: 3 };
+
+/** @param {number} metres */
+const told = (metres) => lengthIn(metres, chosenUnits());
 
 /** @param {number} px */
 const pixels = (px) => `${fixed(px, px < 10 ? 1 : 0)}\u00a0px`;
@@ -81,10 +84,11 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
           iconButton('trash', words.remove(point.name), onFirstClick(() => remove(point.name)))),
     );
   };
-  const rowsOf = keptElements((/** @type {ControlPoint} */ point) => point.name, ({ name, x, y, height, marks }) => JSON.stringify([name, x, y, height, marks.length]), row);
+  const rowsOf = keptElements((/** @type {ControlPoint} */ point) => point.name, ({ name, x, y, height, marks }) => JSON.stringify([name, x, y, height, marks.length, chosenUnits()]), row);
+  const drawRows = () => arrange(body, rowsOf(control.points));
   const draw = () => {
     const focused = body.contains(document.activeElement) ? document.activeElement?.getAttribute('aria-label') : null;
-    arrange(body, rowsOf(control.points));
+    drawRows();
     if (focused && !body.contains(document.activeElement)) /** @type {HTMLElement|null} */ (body.querySelector(`[aria-label="${CSS.escape(focused)}"]`))?.focus();
     table.hidden = control.points.length === 0;
     const texts = control.points.length > 0 ? (may_change ? words.hint_mark : '') : may_change ? words.hint_empty : words.none;
@@ -174,12 +178,14 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
 
   control.addEventListener('change', draw);
   control.addEventListener('saved', drawState);
+  units_chosen.addEventListener('change', drawRows);
   go.hidden = true;
   void read();
   return {
     element,
     close() {
       is_closed = true;
+      units_chosen.removeEventListener('change', drawRows);
       control.close();
       stage.showControl([], () => undefined);
     },
@@ -190,7 +196,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
 const headings = (texts, more = false) => h('thead', {}, h('tr', {}, ...texts.map((text) => h('th', { scope: 'col' }, text)), more));
 
 /** @param {PointResidual} found */
-const residualText = (found) => (found.is_used ? `${formatLength(found.horizontal_m)} · ${pixels(found.px)}` : strings.control.not_used);
+const residualText = (found) => (found.is_used ? `${told(found.horizontal_m)} · ${pixels(found.px)}` : strings.control.not_used);
 
 /** @param {PointResidual[]} residuals @returns {HTMLElement|null} */
 function predictionTable(residuals) {
@@ -200,9 +206,9 @@ function predictionTable(residuals) {
   return h(
     'details',
     { class: 'control-residuals', id: 'control-predictions' },
-    h('summary', {}, words.predictions, h('span', { class: 'muted' }, ` ${words.predicted(formatLength(found.median_m), found.worst, formatLength(found.worst_m))}`)),
-    h('table', { class: 'control-table' }, headings([words.point, words.residual]),
-      h('tbody', {}, ...residuals.map(({ name, predicted_m }) => predicted_m !== null && h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, formatLength(predicted_m)))))),
+    h('summary', {}, words.predictions, inUnits(() => h('span', { class: 'muted' }, ` ${words.predicted(told(found.median_m), found.worst, told(found.worst_m))}`))),
+    inUnits(() => h('table', { class: 'control-table' }, headings([words.point, words.residual]),
+      h('tbody', {}, ...residuals.map(({ name, predicted_m }) => predicted_m !== null && h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, told(predicted_m))))))),
     h('p', { class: 'muted' }, words.predictions_hint),
   );
 }
@@ -218,9 +224,9 @@ function residualTable(residuals) {
     { class: 'control-residuals', id: 'control-residuals' },
     h('summary', {}, words.residuals, worst > 0 && h('span', { class: 'amber' }, ` ${words.outliers(worst)}`)),
     h('div', { class: 'control-scroll', role: 'group', 'aria-label': words.residuals, tabindex: 0 },
-      h('table', { class: 'control-table' }, headings([words.point, words.photo, words.residual]),
+      inUnits(() => h('table', { class: 'control-table' }, headings([words.point, words.photo, words.residual]),
         h('tbody', {}, ...marks.map(({ point, mark }) =>
-          h('tr', { class: mark.is_outlier ? 'outlier' : null }, h('th', { scope: 'row' }, point.name), h('td', {}, mark.photo), h('td', {}, `${pixels(mark.px)} · ${formatLength(mark.m)}`, mark.is_outlier && h('span', { class: 'control-flag' }, ` ${words.outlier}`))))))),
+          h('tr', { class: mark.is_outlier ? 'outlier' : null }, h('th', { scope: 'row' }, point.name), h('td', {}, mark.photo), h('td', {}, `${pixels(mark.px)} · ${told(mark.m)}`, mark.is_outlier && h('span', { class: 'control-flag' }, ` ${words.outlier}`)))))))),
     h('p', { class: 'muted' }, words.residuals_hint),
   );
 }

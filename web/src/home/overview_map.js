@@ -3,7 +3,7 @@
 /** @import { Bounds, Flight } from '../shared/types.js' */
 import { thumbnailPath } from '../shared/api.js';
 import { h, onEscape, put } from '../shared/dom.js';
-import { formatDistance } from '../shared/format.js';
+import { distanceTold, roundLength } from '../shared/format.js';
 import { button, toolButton } from '../shared/icons.js';
 import { parseRoute, routeHash } from '../shared/router.js';
 import { fixed, number } from '../shared/language.js';
@@ -225,10 +225,8 @@ function drawFootprint(mark, group, is_picture, width_px, height_px) {
 /** @param {HTMLElement} bar @param {View} view */
 function drawScale(bar, view) {
   const metres = metresOfPixel(view);
-  const power = 10 ** Math.floor(Math.log10(metres * kScale_px));
-  // Steps so close that the bar is never shorter than its own words.
-  const length_m = power * ([7, 5, 3, 2, 1.5].find((step) => metres * kScale_px >= step * power) ?? 1);
-  bar.textContent = formatDistance(length_m);
+  const length_m = roundLength(metres * kScale_px);
+  bar.textContent = distanceTold(length_m);
   bar.style.width = `${length_m / metres}px`;
 }
 

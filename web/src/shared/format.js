@@ -78,6 +78,7 @@ export function formatError(metres) {
 
 const kUnits = 'skyquilt.units';
 export const kFoot_m = 0.3048;
+export const kMile_ft = 5280;
 // Whose land is measured in feet and acres.
 const kImperial = new Set(['US', 'LR', 'MM']);
 
@@ -108,8 +109,24 @@ export function keepUnits(units) {
 /** The same. @param {number} metres @param {Units} units */
 export const errorIn = (metres, units) => (units === 'metric' ? formatError(metres) : `${number(metres / kFoot_m, { maximumSignificantDigits: 2, useGrouping: false })}\u00a0ft`);
 
-/** @param {number} metres */
+/** In the units that are chosen. @param {number} metres */
 export const errorTold = (metres) => errorIn(metres, chosenUnits());
+
+/** A round length, in the units that are chosen. @param {number} metres */
+export function distanceTold(metres) {
+  if (chosenUnits() === 'metric') return formatDistance(metres);
+  const feet = metres / kFoot_m;
+  return feet < kMile_ft ? `${fixed(feet, feet < 10 ? 1 : 0)}\u00a0ft` : `${number(feet / kMile_ft, { maximumFractionDigits: feet < 10 * kMile_ft ? 1 : 0 })}\u00a0mi`;
+}
+
+/** The longest round length that is no longer, in metres: round in the units that are chosen. @param {number} most_m */
+export function roundLength(most_m) {
+  const mile_m = kMile_ft * kFoot_m;
+  const unit_m = chosenUnits() === 'metric' ? 1 : most_m < mile_m ? kFoot_m : mile_m;
+  const power_m = unit_m * 10 ** Math.floor(Math.log10(most_m / unit_m));
+  // Steps so close that a scale's bar is never shorter than its own words.
+  return power_m * ([7, 5, 3, 2, 1.5].find((step) => most_m >= step * power_m) ?? 1);
+}
 
 /**
  * Ground size of a pixel: always in centimetres below a metre, as pilots say it.

@@ -1,14 +1,13 @@
 // Lengths, areas and volumes in the units of who reads: metres and hectares, or feet and acres.
-import { chosenUnits, formatArea, formatDistance, formatLength, formatVolume, kFoot_m, threeDigits, units_chosen } from './format.js';
-import { fixed, number } from './language.js';
+import { chosenUnits, formatArea, formatLength, formatVolume, kFoot_m, kMile_ft, threeDigits, units_chosen } from './format.js';
+import { fixed } from './language.js';
 import { strings } from './strings.js';
 
-export { chosenUnits, errorIn, errorTold, keepUnits, units_chosen, usualUnits } from './format.js';
+export { chosenUnits, distanceTold, errorIn, errorTold, keepUnits, units_chosen, usualUnits } from './format.js';
 
 /** @typedef {import('./format.js').Units} Units */
 
 const kAcre_m2 = 4046.8564224;
-const kMile_ft = 5280;
 const kYard_m = 3 * kFoot_m;
 
 /** @param {number} metres @param {Units} units */
@@ -51,16 +50,7 @@ export function volumeIn(cubic_metres, units) {
   return `${threeDigits(Number((cubic_metres / kYard_m ** 3).toFixed(2)) + 0)}\u00a0yd³`;
 }
 
-// Within sentences: in the units that are chosen.
-
-/** A round length. @param {number} metres */
-export function distanceTold(metres) {
-  if (chosenUnits() === 'metric') return formatDistance(metres);
-  const feet = metres / kFoot_m;
-  return feet < kMile_ft ? `${fixed(feet, feet < 10 ? 1 : 0)}\u00a0ft` : `${number(feet / kMile_ft, { maximumFractionDigits: feet < 10 * kMile_ft ? 1 : 0 })}\u00a0mi`;
-}
-
-/** @param {number} metres @param {number} digits */
+/** In the units that are chosen. @param {number} metres @param {number} digits */
 export const metresTold = (metres, digits) => heightIn(metres, chosenUnits(), [], digits);
 
 /** Made again when other units are chosen. @param {() => HTMLElement|null} make */

@@ -3,11 +3,12 @@
 /** @import { ServerVerdict } from '../shared/types.js' */
 /** @import { Verdict } from './verdict.js' */
 import { h } from '../shared/dom.js';
-import { dotted, formatArea, formatDuration, formatGsd, formatLength } from '../shared/format.js';
+import { dotted, formatDuration, formatGsd } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { list } from '../shared/language.js';
 import { saidOf, whyLeftOut } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
+import { areaIn, chosenUnits, inUnits, lengthIn } from '../shared/units.js';
 
 const kNamed = 3;
 
@@ -23,7 +24,7 @@ export function verdictWords(verdict) {
   const facts = dotted(
     verdict.photos > 0 || verdict.archives === 0 ? strings.flights.photos(verdict.photos) : '',
     verdict.camera,
-    verdict.span_m > 0 ? words.span(formatLength(verdict.span_m)) : '',
+    verdict.span_m > 0 ? words.span(lengthIn(verdict.span_m, chosenUnits())) : '',
     verdict.duration_s > 0 ? words.duration(formatDuration(verdict.duration_s)) : '',
     verdict.logs > 0 ? words.logs(verdict.logs) : '',
     verdict.archives > 0 ? words.archives(verdict.archives) : '',
@@ -48,10 +49,10 @@ export function verdictWords(verdict) {
  * @returns {HTMLElement}
  */
 export function verdictView(verdict) {
-  const { facts, warnings } = verdictWords(verdict);
+  const { warnings } = verdictWords(verdict);
   const notes = h('ul', { class: 'verdict-warnings' }, ...warnings.map((text) => h('li', {}, icon('warning'), h('span', {}, text))));
   const good = verdict.photos > 0 ? h('p', { class: 'muted' }, strings.verdict.good) : null;
-  return h('div', { class: 'verdict', id: 'verdict' }, h('p', { class: 'muted' }, facts), warnings.length > 0 ? notes : good);
+  return h('div', { class: 'verdict', id: 'verdict' }, inUnits(() => h('p', { class: 'muted' }, verdictWords(verdict).facts)), warnings.length > 0 ? notes : good);
 }
 
 const kShownReasons = 5;
@@ -75,18 +76,17 @@ function serverVerdictWords(verdict, is_of_all) {
     words.placeable(verdict.photos_placeable, verdict.photos_readable),
     verdict.gsd_m > 0 ? formatGsd(verdict.gsd_m) : '',
     // The ground and the time of the first photos say nothing of those of the flight.
-    is_of_all && verdict.area_m2 > 0 ? formatArea(verdict.area_m2) : '',
+    is_of_all && verdict.area_m2 > 0 ? areaIn(verdict.area_m2, chosenUnits()) : '',
     is_of_all && verdict.expected_seconds > 0 ? words.time(formatDuration(verdict.expected_seconds)) : '',
   );
   return { title: is_of_all ? words.title : words.title_of_first(verdict.photos_readable + left_out.length), facts, warnings, is_good };
 }
 
-/**
- * @param {ServerVerdict} verdict
- * @param {boolean} [is_of_all]
- * @returns {HTMLElement}
- */
-export function serverVerdictView(verdict, is_of_all = true) {
+/** @param {ServerVerdict} verdict @param {boolean} [is_of_all] */
+export const serverVerdictView = (verdict, is_of_all = true) => inUnits(() => serverVerdict(verdict, is_of_all));
+
+/** @param {ServerVerdict} verdict @param {boolean} is_of_all */
+function serverVerdict(verdict, is_of_all) {
   const { title, facts, warnings, is_good } = serverVerdictWords(verdict, is_of_all);
   return h(
     'div',
