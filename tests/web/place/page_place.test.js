@@ -168,6 +168,9 @@ test('what the server refuses is told in its words, and the points can be change
   await page.waitForSelector('#report');
   await page.click('#place-again');
   assert.equal(await page.inputValue('#place-is-1'), '46.8, 7.1');
+  await page.reload();
+  await page.waitForSelector('#place-again');
+  assert.match(await page.innerText('#failure'), /The map could not be moved/);
 });
 
 test('a true place is clicked on the basemap, through the map or near the points before', options, async () => {

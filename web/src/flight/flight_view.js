@@ -13,7 +13,7 @@ import { flightActions } from './flight_actions.js';
 import { tagRow } from './flight_tags.js';
 import { followFlight } from './follow_flight.js';
 import { button, icon, iconButton, onFirstClick } from '../shared/icons.js';
-import { isOver, watchJob } from './job_watch.js';
+import { isOver, movesMap, watchJob } from './job_watch.js';
 import { jobView } from './job_view.js';
 import { linksView } from '../sharing/links_view.js';
 import { reportView } from './report_view.js';
@@ -35,9 +35,6 @@ import { waitingView } from './waiting_view.js';
  * @property {() => string[]} tags of all flights of the list, as far as they are known
  * @property {() => void} show_map it is going to be worked on
  */
-
-/** Jobs that move a map; the server does not say which do. @type {Set<string>} */
-const placing_jobs = new Set();
 
 export class FlightView {
   /** @type {Flight|null} */
@@ -223,7 +220,7 @@ export class FlightView {
 
   /** @param {Flight} flight @param {Job} job */
   #followJob(flight, job) {
-    const view = jobView(job.id, mayChange(flight), placing_jobs.has(job.id) ? strings.job.placing : undefined);
+    const view = jobView(job.id, mayChange(flight), movesMap(job) ? strings.job.placing : undefined);
     const abort = new AbortController();
     this.#closers.push(() => abort.abort());
     view.update(job);
@@ -266,7 +263,7 @@ export class FlightView {
     if (isImported(flight) && flight.file_count === 0) return [];
     // A map of others is taken over as it is.
     if (flight.job?.options?.import_file) return [this.#startButton(flight, strings.job.again)];
-    if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), optionsButton(flight.id, () => this.stage.outlines()), this.#addButton()];
+    if (!movesMap(flight.job)) return [this.#startButton(flight, strings.job.again), optionsButton(flight.id, () => this.stage.outlines()), this.#addButton()];
     const change = button(strings.place.change, () => {
       if (this.#report) this.#place(flight, this.#report, change);
     }, { class: 'button small primary', id: 'place-again' });
@@ -294,7 +291,7 @@ export class FlightView {
 
   /** @param {Promise<Job>} begun moves the map */
   async #followMoving(begun) {
-    placing_jobs.add((await begun).id);
+    await begun;
     this.stage.fitNext();
     await this.refresh();
   }
@@ -411,4 +408,4 @@ export class FlightView {
 let notes_style = null;
 
 /** @param {Job|null|undefined} job that has failed */
-const failedWords = (job) => (job && placing_jobs.has(job.id) ? strings.job.placing_failed : strings.job.failed);
+const failedWords = (job) => (movesMap(job) ? strings.job.placing_failed : strings.job.failed);

@@ -33,3 +33,6 @@ export async function watchJob(job_id, listener, signal) {
 
 /** @param {{state: string}} work a job, or an export */
 export const isOver = ({ state }) => ['successful', 'failed', 'dismissed'].includes(state);
+
+/** Does it move the map that is there, rather than make one? @param {Job|null|undefined} job */
+export const movesMap = (job) => job?.options?.place !== undefined;

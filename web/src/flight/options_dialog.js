@@ -12,6 +12,7 @@ import { strings } from '../shared/flight_strings.js';
 import { button } from '../shared/icons.js';
 import { areaChoice } from './area_choice.js';
 import { confirmCoarse } from './coarse_map.js';
+import { movesMap } from './job_watch.js';
 import { chosenIn, chooseOptions, chosenOptions, formOf, jobArea, kChoiceNames, kChoices, keepPreset, keptPresets, kLimits, kPresets, optionsOf } from './job_options.js';
 
 const kOwn = 'own:';  // before the names of the user's presets, which may be called as ours are
@@ -209,7 +210,7 @@ export function optionWords(options) {
 }
 
 /** What a finished map was made with, as far as is known. @param {Flight} flight @returns {JobOptions} */
-export const lastOptions = ({ id, job }) => (job?.options && !('place' in job.options) ? job.options : chosenOptions(id));
+export const lastOptions = ({ id, job }) => (job?.options && !movesMap(job) ? job.options : chosenOptions(id));
 
 /**
  * For a map that is still to be made: what is chosen stands beside the button and counts when the job is begun.
