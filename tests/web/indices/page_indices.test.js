@@ -136,8 +136,11 @@ test('a formula of one\'s own is shown, and where it cannot be read the page say
   await page.fill('#index-expression', 'green+');
   await page.waitForSelector('#index-fault:not([hidden])');
   assert.match((await page.textContent('#index-fault')) ?? '', /character 7/);
+  assert.equal(await page.locator('#index-histogram rect, #zones-geojson[href], #index-geotiff:enabled').count(), 0, 'of the one before');
   await page.fill('#index-expression', 'green+blue');
   await page.waitForSelector('#index-fault', { state: 'hidden' });
+  await page.waitForSelector('#zones-geojson[href*="green%2Bblue"]');
+  assert.ok(await page.isEnabled('#index-geotiff'));
 });
 
 test('what was asked about one map is not laid over the next', options, async () => {

@@ -120,6 +120,7 @@ export function indexSection(view, download) {
     const query = `${indexQuery(shown)}&classes=${zones.value}`;
     geojson.href = zonesPath(view.flight_id, `${query}&format=geojson`);
     shapefile.href = zonesPath(view.flight_id, `${query}&format=shp`);
+    geotiff.disabled = false;
   };
   const recolourSoon = afterPause(recolour, kTypingPause_ms);
 
@@ -139,6 +140,9 @@ export function indexSection(view, download) {
     shown = null;
     statistics = null;
     view.hideIndex();
+    for (const link of [geojson, shapefile]) link.removeAttribute('href');
+    geotiff.disabled = true;
+    drawHistogram();
     refuse('');
     put(value);
     put(calibration);
