@@ -4,20 +4,26 @@ import { byId, h } from './dom.js';
 import { button, iconButton } from './icons.js';
 import { strings } from './strings.js';
 
+const kSame_ms = 1000;
+const kProgress_ms = 5000;
+
 let last_text = '';
 let last_ms = 0;
 
 /**
- * Says a text politely. The same text is not said twice; running progress is said at most every few seconds.
+ * Says a text politely. The same text is not said twice at once; running progress is said at most every few seconds, and not
+ * while it stands still.
  * @param {string} text
  * @param {{is_progress?: boolean}} [options]
  */
 export function announce(text, options = {}) {
   const now_ms = performance.now();
-  if (text === last_text || (options.is_progress && now_ms - last_ms < 5000)) return;
+  const passed_ms = now_ms - last_ms;
+  if (options.is_progress ? text === last_text || passed_ms < kProgress_ms : text === last_text && passed_ms < kSame_ms) return;
   last_text = text;
   last_ms = now_ms;
-  byId('live').textContent = text;
+  const live = byId('live');
+  live.textContent = live.textContent === text ? `${text}\u00a0` : text;  // what stays as it is is read to nobody
 }
 
 /**
