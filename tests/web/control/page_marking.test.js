@@ -91,4 +91,10 @@ test('a removed point comes back by its own Undo, and what was changed after it 
   await page.click('.note:has-text("P1") .note-action');
   assert.deepEqual(await shown(), ['P1', 'P2']);
   await until(() => kept.points.map(({ name }) => name).join() === 'P1,P2');
+  // The page is left without a question where the server has all of it, and only there.
+  await page.waitForFunction(() => dispatchEvent(new Event('beforeunload', { cancelable: true })));
+  assert.ok(await page.evaluate(() => {
+    /** @type {HTMLElement} */ (document.querySelector('#control-points [aria-label="Remove P1"]')).click();
+    return !dispatchEvent(new Event('beforeunload', { cancelable: true }));
+  }));
 });

@@ -21,10 +21,15 @@ export class ControlDocument extends SavedDocument {
   /** @type {Promise<void>|null} */
   #saving = null;
   #is_closed = false;
+  /** What the server does not have yet is not lost without a question. */
+  #onLeaving = (/** @type {Event} */ event) => {
+    if (this.#is_dirty || this.#saving) event.preventDefault();
+  };
 
   /** @param {string} id of the flight */
   constructor(id) {
     super(id, 'control', 'auto');
+    addEventListener('beforeunload', this.#onLeaving);
   }
 
   get points() {
@@ -145,8 +150,8 @@ export class ControlDocument extends SavedDocument {
   /** Saves what is left. */
   close() {
     this.#is_closed = true;
-    if (!this.#is_dirty && !this.#saving) return;
     const last = this.flush().catch(() => undefined).then(() => {
+      if (!this.#is_dirty) removeEventListener('beforeunload', this.#onLeaving);
       if (leaving.get(this.id) === last) leaving.delete(this.id);
     });
     leaving.set(this.id, last);
