@@ -11,12 +11,12 @@ FLAGS = re.compile(r"\bvector<\s*char\s*>")
 CAST = re.compile(r"\bstatic_cast<(?:std::)?size_t>")
 TYPE = re.compile(r"^(?:struct|class) (\w+)[^;\n]*$", re.M)  # of a header, not within another type
 
-MOST_TYPES = 27
+MOST_TYPES = 25
 STANDS_FOR = {
     "photo": """AlignPhotoReport AlignedPhoto BundlePhoto FoundPose PhotoFeatures PhotoFindings
         PhotoGround PhotoRecord RegistrationPhoto View""",
     "point": "GroundKeypoint Keypoint Observation PointObservation Track TrackElement",
-    "pair": "AlignPairReport KeypointMatch PhotoPair PlacePair RayPair",
+    "pair": "AlignPairReport PhotoPair PlacePair",
     "flight": "AlignedFlight Attempt BundleProblem ExtractedFlight MatchedFlight Registration",
 }
 # Options and questions, verdicts and reports, surveyed points, lenses, pictures, and what is computed with.

@@ -177,7 +177,7 @@ std::vector<KeypointMatch> MatchOnGround(const std::vector<const PhotoFeatures*>
     const BestTwo& back = of_second[forth.index];
     if (back.index != i) continue;
     if (forth.best > max_ratio * forth.second || back.best > max_ratio * back.second) continue;
-    matches.push_back(MatchOf(i, forth.index));
+    matches.emplace_back(i, forth.index);
   }
   return matches;
 }

@@ -106,7 +106,7 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
                 b.count, distances.data());
     for (int r = 0; r < kRowsAtOnce && i + r < a.count; ++r) {
       const int j = StandsOut(distances.data() + r * b.count, b.count, a.square[i + r], kMaxRatio2, second);
-      if (j >= 0) forth.push_back(MatchOf(i + r, j));
+      if (j >= 0) forth.emplace_back(i + r, j);
     }
   }
   // Back again, only for those: the second's view of all of the first.

@@ -16,23 +16,13 @@
 
 namespace skyquilt::alignment {
 
-// Half the size of two ints: a flight of thousands holds tens of millions.
-struct KeypointMatch {
-  std::uint16_t first = 0;   // keypoint of the first photo
-  std::uint16_t second = 0;  // keypoint of the second
-};
+// A keypoint of the first photo and one of the second. Half the size of two ints: a flight of thousands holds
+// tens of millions.
+using KeypointMatch = std::pair<std::uint16_t, std::uint16_t>;
 inline constexpr int kMaxKeypoints = 1 << 16;  // of a photo
 
-inline KeypointMatch MatchOf(int first, int second) {
-  return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(second)};
-}
-
 // One place as two photos show it: rays (x, y, 1) of both, or pixels.
-struct RayPair {
-  Eigen::Vector2d first = Eigen::Vector2d::Zero(), second = Eigen::Vector2d::Zero();
-
-  bool operator==(const RayPair&) const = default;
-};
+using RayPair = std::pair<Eigen::Vector2d, Eigen::Vector2d>;
 
 // z -> turn_and_scale * z + shift on the ground, E + iN.
 struct GroundSimilarity {
