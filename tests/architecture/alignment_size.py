@@ -11,10 +11,10 @@ FLAGS = re.compile(r"\bvector<\s*char\s*>")
 CAST = re.compile(r"\bstatic_cast<(?:std::)?size_t>")
 TYPE = re.compile(r"^(?:struct|class) (\w+)[^;\n]*$", re.M)  # of a header, not within another type
 
-MOST_TYPES = 25
+MOST_TYPES = 24
 STANDS_FOR = {
     "photo": """AlignPhotoReport AlignedPhoto BundlePhoto FoundPose PhotoFeatures PhotoFindings
-        PhotoGround PhotoRecord RegistrationPhoto View""",
+        PhotoGround PhotoRecord View""",
     "point": "GroundKeypoint Keypoint Observation PointObservation Track TrackElement",
     "pair": "AlignPairReport PhotoPair PlacePair",
     "flight": "AlignedFlight Attempt BundleProblem ExtractedFlight MatchedFlight Registration",

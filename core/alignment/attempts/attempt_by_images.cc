@@ -98,8 +98,8 @@ std::vector<PlacePair> ControlOf(const Registration& registration, const PhotoSe
                                  const std::vector<std::string>& names, const geo::LocalFrame& frame,
                                  const std::vector<ControlPoint>& control) {
   std::vector<View> views;
-  for (const RegistrationPhoto& photo : registration.photos)
-    views.push_back({registration.lenses[photo.lens].intrinsics, photo.cam_from_world, kMedianDepth, {}});
+  for (std::size_t i = 0; i < registration.Photos(); ++i)
+    views.push_back({registration.LensOf(i), registration.cam_from_world[i], kMedianDepth, {}});
   const MarkedPhotos marked(names, views, of_block);
   std::vector<PlacePair> pairs;
   for (const ControlPoint& point : control) {
@@ -120,8 +120,8 @@ std::vector<PlacePair> ControlOf(const Registration& registration, const PhotoSe
 // Where a block's place puts the cameras; it says nothing of those of other blocks.
 std::vector<Eigen::Vector3d> CentersInEnu(const Registration& registration, const BlockPlace& place) {
   std::vector<Eigen::Vector3d> centers_in_enu;
-  for (const RegistrationPhoto& photo : registration.photos)
-    centers_in_enu.push_back(place.enu_from_world * photo.cam_from_world.TargetOriginInSource());
+  for (const geo::Rigid3& cam_from_world : registration.cam_from_world)
+    centers_in_enu.push_back(place.enu_from_world * cam_from_world.TargetOriginInSource());
   return centers_in_enu;
 }
 
@@ -129,10 +129,8 @@ Registration InputOf(const ExtractedFlight& extracted, const BundleProblem& prob
   Registration input;
   input.lenses = problem.lenses;
   for (BundleLens& lens : input.lenses) lens.intrinsics = lens.recorded;
-  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
-    input.photos.push_back(
-        {extracted.readable[i], problem.photos[i].lens, extracted.records[i].center_in_enu, {}});
-  }
+  for (std::size_t i = 0; i < problem.photos.size(); ++i)
+    input.Add(extracted.readable[i], problem.photos[i].lens, extracted.records[i].center_in_enu);
   return input;
 }
 
@@ -171,7 +169,7 @@ flight::Remark HowHigh(double found_m, std::optional<double> expected_m) {
 bool MergePhoto(const Registration& registration, const BlockPlace& place, const PhotoRecord& record,
                 double height_offset_m, double height_spread_m, std::size_t i, Attempt& second) {
   poses::PosedPhoto& photo = second.posed.photos[i];
-  const geo::Rigid3 pose = place.enu_from_world.Moved(registration.photos[i].cam_from_world);
+  const geo::Rigid3 pose = place.enu_from_world.Moved(registration.cam_from_world[i]);
   const Eigen::Vector3d center = pose.TargetOriginInSource();
   photo.height_above_ground_m = std::max(0.5, center.z() - second.posed.ground_z_in_enu_m);
   const double unknown_m = kUnknownShare * photo.height_above_ground_m;
@@ -312,7 +310,7 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
   for (std::size_t b = 0; b < registration.block_sizes.size(); ++b) {
     const int block = static_cast<int>(b);
     PhotoSet of_block;
-    for (const RegistrationPhoto& photo : registration.photos) of_block.Append(photo.block == block);
+    for (const int of : registration.block_of) of_block.Append(of == block);
     records.control = ControlOf(registration, of_block, names, posed.frame, control);
     BlockPlace place = Georeference(registration, block, records);
     std::vector<Eigen::Vector3d> centers_in_enu = CentersInEnu(registration, place);

@@ -228,11 +228,11 @@ void TakeMatches(const std::vector<KeypointMatch>& matches, const std::vector<in
 }  // namespace
 
 KeypointRays RaysOf(const Registration& input, int most, int threads) {
-  KeypointRays rays(input.photos.size());
-  ParallelFor(input.photos.size(), threads, [&](std::size_t i) {
-    const PhotoFeatures* features = input.photos[i].features;
+  KeypointRays rays(input.Photos());
+  ParallelFor(input.Photos(), threads, [&](std::size_t i) {
+    const PhotoFeatures* features = input.features[i];
     if (!features) return;
-    const camera::Intrinsics& lens = input.lenses[input.photos[i].lens].intrinsics;
+    const camera::Intrinsics& lens = input.LensOf(i);
     const std::size_t count = std::min<std::size_t>(most, features->keypoints.size());
     rays[i].reserve(count);
     for (std::size_t k = 0; k < count; ++k) {
@@ -248,20 +248,19 @@ std::optional<PhotoPair> VerifyTwoViews(const Registration& input, const Keypoin
   const std::vector<KeypointMatch>& matches = compared.matches;
   const int least = kMinTwoViewMatches;
   if (static_cast<int>(matches.size()) < least) return std::nullopt;
-  const RegistrationPhoto& first = input.photos[compared.first];
-  const RegistrationPhoto& second = input.photos[compared.second];
-  const camera::Intrinsics& first_lens = input.lenses[first.lens].intrinsics;
-  const camera::Intrinsics& second_lens = input.lenses[second.lens].intrinsics;
-  const std::vector<int> loose = FollowLoosely(*first.features, *second.features, second_lens, matches);
+  const PhotoFeatures& first = *input.features[compared.first];
+  const PhotoFeatures& second = *input.features[compared.second];
+  const camera::Intrinsics& first_lens = input.LensOf(compared.first);
+  const camera::Intrinsics& second_lens = input.LensOf(compared.second);
+  const std::vector<int> loose = FollowLoosely(first, second, second_lens, matches);
   if (static_cast<int>(loose.size()) < least) return std::nullopt;
   std::vector<RayPair> pairs;
   pairs.reserve(matches.size());
   for (const KeypointMatch& match : matches) {
     pairs.push_back({rays[compared.first][match.first], rays[compared.second][match.second]});
   }
-  const double tolerance =
-      tolerance_sigmas * std::hypot(first.features->sigma_px / first_lens.MeanFocalPx(),
-                                    second.features->sigma_px / second_lens.MeanFocalPx());
+  const double tolerance = tolerance_sigmas * std::hypot(first.sigma_px / first_lens.MeanFocalPx(),
+                                                         second.sigma_px / second_lens.MeanFocalPx());
   Sampler sampler(static_cast<std::uint64_t>(compared.first) * 1000003U +
                   static_cast<std::uint64_t>(compared.second));
   const RobustFit flat = FindHomography(pairs, loose, 2.0 * tolerance, sampler);

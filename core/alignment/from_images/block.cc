@@ -22,26 +22,24 @@ constexpr int kCellsAcross = 8;
 Block::Block(const Registration& input, std::vector<BundleLens> lenses)
     : input_(&input),
       lenses_(std::move(lenses)),
-      placed_(input.photos.size()),
-      cam_from_world_(input.photos.size()),
-      rays_(input.photos.size()),
+      placed_(input.Photos()),
+      cam_from_world_(input.Photos()),
+      rays_(input.Photos()),
       point_(input.scene.size(), Eigen::Vector3d::Zero()),
       seen_by_(input.scene.size()) {}
 
-const camera::Intrinsics& Block::Lens(int photo) const {
-  return lenses_[input_->photos[photo].lens].intrinsics;
-}
+const camera::Intrinsics& Block::Lens(int photo) const { return lenses_[input_->lens_of[photo]].intrinsics; }
 
 Observation Block::ObservationOf(const TrackElement& element) const {
-  return alignment::ObservationOf(*input_->photos[element.photo].features, element);
+  return alignment::ObservationOf(*input_->features[element.photo], element);
 }
 
 void Block::FindRays(int photo) {
   const camera::Intrinsics& lens = Lens(photo);
-  const PhotoFeatures& features = *input_->photos[photo].features;
+  const PhotoFeatures& features = *input_->features[photo];
   std::vector<Eigen::Vector3d>& rays = rays_[photo];
   rays.assign(features.keypoints.size(), Eigen::Vector3d::Zero());
-  for (const int t : input_->photos[photo].tracks) {
+  for (const int t : input_->tracks_of[photo]) {
     for (const TrackElement& element : scene()[t]) {
       if (element.photo == photo) {
         rays[element.keypoint] = lens.Unproject(ObservationOf(element).pixel_in_image).normalized();
@@ -121,7 +119,7 @@ void Block::TriangulateAll(int threads) {
 void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
   std::vector<int> tracks;
   for (const int photo : photos) {
-    const std::vector<int>& seen = input_->photos[photo].tracks;
+    const std::vector<int>& seen = input_->tracks_of[photo];
     tracks.insert(tracks.end(), seen.begin(), seen.end());
   }
   std::sort(tracks.begin(), tracks.end());
@@ -147,7 +145,7 @@ std::vector<int> Block::ChooseTracks(const PhotoSet& adjusted, int observations_
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return SeenBy(a).size() > SeenBy(b).size(); });
-  TrackSpread spread(input_->photos.size(), observations_per_photo, kCellsAcross);
+  TrackSpread spread(input_->Photos(), observations_per_photo, kCellsAcross);
   for (const int t : order) {
     spread.BeginTrack();
     for (const int s : SeenBy(t)) {
@@ -181,7 +179,7 @@ void Block::Adjust(const std::vector<int>& free, BundleOptions options, int obse
     bundled.cam_from_enu = bundled.prior_cam_from_enu = Pose(photo);
     bundled.sigma_position_m.setConstant(kUnheldSigma);
     bundled.sigma_attitude_rad.setConstant(kUnheldSigma);
-    bundled.lens = input_->photos[photo].lens;
+    bundled.lens = input_->lens_of[photo];
     bundled.height_above_ground_m = kMedianDepth;
     bundled.is_fixed = !adjusted.Has(photo);
     problem.photos.push_back(bundled);

@@ -31,8 +31,8 @@ constexpr double kMaxHeightShare = 0.25;
 
 std::vector<std::size_t> PhotosOf(const Registration& registration, int block) {
   std::vector<std::size_t> photos;
-  for (std::size_t i = 0; i < registration.photos.size(); ++i) {
-    if (registration.photos[i].block == block) photos.push_back(i);
+  for (std::size_t i = 0; i < registration.Photos(); ++i) {
+    if (registration.block_of[i] == block) photos.push_back(i);
   }
   return photos;
 }
@@ -41,7 +41,7 @@ std::vector<Vector3d> PointsOf(const Registration& registration, int block) {
   std::vector<Vector3d> points;
   for (const Track& track : registration.tracks) {
     const int first = track.observations.front().photo;
-    if (registration.photos[first].block == block) points.push_back(track.point_in_enu);
+    if (registration.block_of[first] == block) points.push_back(track.point_in_enu);
   }
   return points;
 }
@@ -71,7 +71,7 @@ std::optional<Vector3d> ByAttitudes(const Registration& registration, const std:
   std::vector<Vector3d> directions;
   for (const std::size_t i : photos) {
     if (!records.photos[i].cam_from_enu) continue;
-    directions.push_back(registration.photos[i].cam_from_world.rotation.conjugate() *
+    directions.push_back(registration.cam_from_world[i].rotation.conjugate() *
                          (*records.photos[i].cam_from_enu * in_enu));
   }
   return Shared(directions);
@@ -82,8 +82,7 @@ Quaterniond Orientation(const Registration& registration, const std::vector<std:
                         const GeoreferenceRecords& records, const Vector3d& up, bool* knows_north) {
   std::optional<Vector3d> north = ByAttitudes(registration, photos, records, Vector3d::UnitY());
   *knows_north = north.has_value();
-  if (!north)
-    north = registration.photos[photos.front()].cam_from_world.rotation.conjugate() * -Vector3d::UnitY();
+  if (!north) north = registration.cam_from_world[photos.front()].rotation.conjugate() * -Vector3d::UnitY();
   Vector3d level = *north - north->dot(up) * up;
   if (level.norm() < 1e-3) level = up.unitOrthogonal();
   level.normalize();
@@ -151,12 +150,11 @@ std::optional<UpDirection> UpOfGround(const std::vector<Vector3d>& points,
 
 BlockPlace Georeference(const Registration& registration, int block, const GeoreferenceRecords& records) {
   BlockPlace place;
-  place.holding = PhotoSet(registration.photos.size());
+  place.holding = PhotoSet(registration.Photos());
   const std::vector<std::size_t> photos = PhotosOf(registration, block);
   const std::vector<Vector3d> points = PointsOf(registration, block);
   std::vector<Vector3d> centers;
-  for (const std::size_t i : photos)
-    centers.push_back(registration.photos[i].cam_from_world.TargetOriginInSource());
+  for (const std::size_t i : photos) centers.push_back(registration.cam_from_world[i].TargetOriginInSource());
 
   std::optional<UpDirection> up = UpOfGround(points, centers);
   if (const std::optional<Vector3d> told = ByAttitudes(registration, photos, records, Vector3d::UnitZ())) {
@@ -167,7 +165,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     // Nothing but that cameras look down.
     Vector3d sum = Vector3d::Zero();
     for (const std::size_t i : photos) {
-      sum -= registration.photos[i].cam_from_world.rotation.conjugate() * Vector3d::UnitZ();
+      sum -= registration.cam_from_world[i].rotation.conjugate() * Vector3d::UnitZ();
     }
     up = UpDirection{sum.norm() > 1e-6 ? Vector3d(sum.normalized()) : Vector3d::UnitZ(), 0.3};
   }
@@ -249,7 +247,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   } else {
     std::vector<double> widths;
     for (std::size_t k = 0; k < photos.size(); ++k) {
-      const camera::Intrinsics& lens = registration.lenses[registration.photos[photos[k]].lens].intrinsics;
+      const camera::Intrinsics& lens = registration.LensOf(photos[k]);
       const double in_world = std::max(1e-6, (enu_from_world * centers[k]).z() - ground);
       widths.push_back(in_world / lens.MeanFocalPx() * std::max(lens.width_px, lens.height_px));
     }

@@ -66,7 +66,7 @@ std::vector<NextPhoto> PhotosThatSee(const Block& block, const PhotoSet& used) {
   for (std::size_t i = 0; i < used.Photos(); ++i) {
     if (used.Has(i) || block.Has(i)) continue;
     NextPhoto one{static_cast<int>(i), {}};
-    for (const int t : block.input().photos[i].tracks) {
+    for (const int t : block.input().tracks_of[i]) {
       if (block.HasPoint(t)) one.tracks.push_back(t);
     }
     if (one.tracks.size() >= kMinAgreeing) candidates.push_back(std::move(one));
@@ -93,9 +93,9 @@ std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidate) 
 
 // Photos that see most of what these see.
 std::vector<int> WithNeighbours(const Block& block, const std::vector<int>& photos) {
-  std::vector<int> shared(block.input().photos.size(), 0);
+  std::vector<int> shared(block.input().Photos(), 0);
   for (const int photo : photos) {
-    for (const int t : block.input().photos[photo].tracks) {
+    for (const int t : block.input().tracks_of[photo]) {
       for (const int s : block.SeenBy(t)) {
         ++shared[block.scene()[t][s].photo];
       }
@@ -206,7 +206,7 @@ std::optional<Tried> Try(const Registration& input, const std::vector<BundleLens
   if (block.PointsSeen()[pair.first] < kEnoughPoints) return std::nullopt;
   block.Normalise();
   AdjustAll(threads, block);
-  Rounds rounds{std::vector<int>(input.photos.size(), 0)};
+  Rounds rounds{std::vector<int>(input.Photos(), 0)};
   for (int round = 0; round < kPhotosAfterInitialPair && block.size() < 2 + kPhotosAfterInitialPair;
        ++round) {
     const std::vector<int> taken = TakeRound(used, 2, threads, rounds, block);

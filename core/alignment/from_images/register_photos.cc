@@ -59,7 +59,7 @@ std::optional<Similarity3> FindJoint(const Block& larger, const Block& smaller) 
 // Takes the smaller one's photos over.
 void JoinBlocks(const Similarity3& larger_from_smaller, const Block& smaller, int threads, Block& larger) {
   std::vector<int> taken;
-  for (std::size_t i = 0; i < smaller.input().photos.size(); ++i) {
+  for (std::size_t i = 0; i < smaller.input().Photos(); ++i) {
     const int photo = static_cast<int>(i);
     if (!smaller.Has(photo) || larger.Has(photo)) continue;
     larger.Place(photo, larger_from_smaller.Moved(smaller.Pose(photo)));
@@ -96,6 +96,8 @@ void JoinAll(int threads, std::vector<Block>& blocks) {
 
 void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>& pairs,
                  Registration& registration) {
+  registration.cam_from_world.resize(registration.Photos());
+  registration.block_of.assign(registration.Photos(), -1);
   double square = 0.0;
   int observations = 0;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -103,11 +105,10 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
     const std::vector<int> seen = block.PointsSeen();
     const std::vector<double> residuals = block.ResidualsPx();
     int size = 0;
-    for (std::size_t i = 0; i < registration.photos.size(); ++i) {
+    for (std::size_t i = 0; i < registration.Photos(); ++i) {
       if (!block.Has(i) || seen[i] < kMinSeen) continue;
-      RegistrationPhoto& photo = registration.photos[i];
-      photo.cam_from_world = block.Pose(i);
-      photo.block = static_cast<int>(b);
+      registration.cam_from_world[i] = block.Pose(i);
+      registration.block_of[i] = static_cast<int>(b);
       square += residuals[i] * residuals[i] * seen[i];
       observations += seen[i];
       ++size;
@@ -117,8 +118,8 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
   }
   registration.residual_rms_px = observations > 0 ? std::sqrt(square / observations) : 0.0;
   for (const PhotoPair& pair : pairs) {
-    const int block = registration.photos[pair.first].block;
-    if (block < 0 || block != registration.photos[pair.second].block) continue;
+    const int block = registration.block_of[pair.first];
+    if (block < 0 || block != registration.block_of[pair.second]) continue;
     registration.links.push_back(pair);
   }
 }
@@ -126,16 +127,16 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
 // The scene of the links, and what each photo shows of it.
 void JoinLinks(Registration& input) {
   input.scene = {};  // not both at a time
-  for (RegistrationPhoto& photo : input.photos) photo.tracks = {};
-  input.scene = JoinMatches(input.Features(), input.links);
+  input.tracks_of.assign(input.Photos(), {});
+  input.scene = JoinMatches(input.features, input.links);
   for (std::size_t t = 0; t < input.scene.size(); ++t) {
     for (const TrackElement& element : input.scene[t])
-      input.photos[element.photo].tracks.push_back(static_cast<int>(t));
+      input.tracks_of[element.photo].push_back(static_cast<int>(t));
   }
 }
 
 std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& progress) {
-  PhotoSet used(input.photos.size());
+  PhotoSet used(input.Photos());
   std::vector<Block> blocks;
   std::vector<BundleLens> lenses = input.lenses;
   while (!progress.IsCancelled()) {

@@ -23,7 +23,7 @@ constexpr double kMinSteepness = 0.2;  // sine of the angle between a ray and le
 // reference to its block, which must not move meanwhile.
 class BlockGround {
  public:
-  explicit BlockGround(const Block& block) : block_(&block), level_(block.input().photos.size(), 0.0) {
+  explicit BlockGround(const Block& block) : block_(&block), level_(block.input().Photos(), 0.0) {
     std::vector<int> points;
     for (std::size_t t = 0; t < block.scene().size(); ++t) {
       if (!block.HasPoint(t)) continue;
@@ -96,7 +96,7 @@ std::vector<PointObservation> ShownOnGround(const Block& block, const BlockGroun
                                             std::vector<int>& partners) {
   std::vector<PointObservation> shown;
   const auto keypoint = [&](int of, int k) -> const Keypoint& {
-    return block.input().photos[of].features->keypoints[k];
+    return block.input().features[of]->keypoints[k];
   };
   for (const PhotoPair* pair : pairs) {
     const bool leads = pair->first == photo;
@@ -106,7 +106,7 @@ std::vector<PointObservation> ShownOnGround(const Block& block, const BlockGroun
       const Keypoint& other = keypoint(partner, leads ? match.second : match.first);
       const auto point = ground.Lift(partner, {other.x_px, other.y_px});
       if (!point) continue;
-      const double sigma_px = kGroundSigmas * block.input().photos[photo].features->sigma_px;
+      const double sigma_px = kGroundSigmas * block.input().features[photo]->sigma_px;
       shown.push_back({{own.x_px, own.y_px}, *point, sigma_px});
       partners.push_back(partner);
     }

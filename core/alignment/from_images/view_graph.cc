@@ -49,7 +49,7 @@ class Verifier {
   }
 
  private:
-  const PhotoFeatures& FeaturesOf(int i) const { return *input_.photos[i].features; }
+  const PhotoFeatures& FeaturesOf(int i) const { return *input_.features[i]; }
 
   Registration& input_;
   int threads_;
@@ -57,10 +57,9 @@ class Verifier {
 };
 
 PhotoSet WithFewerPartners(const Registration& input, int enough) {
-  const std::vector<int> partners = CountPairs(input.photos.size(), input.links);
+  const std::vector<int> partners = CountPairs(input.Photos(), input.links);
   PhotoSet fewer;
-  for (std::size_t i = 0; i < partners.size(); ++i)
-    fewer.Append(input.photos[i].features && partners[i] < enough);
+  for (std::size_t i = 0; i < partners.size(); ++i) fewer.Append(input.features[i] && partners[i] < enough);
   return fewer;
 }
 
@@ -116,7 +115,7 @@ void SortOnce(std::vector<PhotoPair>& pairs) {
 
 // Each pair once, in order, its pose by what the others say; and out with those that have none.
 void AgreeOnRotations(Registration& input) {
-  const int photos = static_cast<int>(input.photos.size());
+  const int photos = static_cast<int>(input.Photos());
   SortOnce(input.links);
   input.pairs_verified = static_cast<int>(input.links.size());
   input.pairs_refused = 0;
@@ -142,10 +141,10 @@ void AgreeOnRotations(Registration& input) {
 }  // namespace
 
 void BuildViewGraph(int threads, Progress& progress, Registration& input) {
-  const int count = static_cast<int>(input.photos.size());
-  const Appearance appearance = Appearance::Learn(input.Features(), threads);
+  const int count = static_cast<int>(input.Photos());
+  const Appearance appearance = Appearance::Learn(input.features, threads);
   Verifier verifier(input, threads);
-  const std::vector<Pair> candidates = CandidatePairs({input.photos, appearance, {}, {}, threads});
+  const std::vector<Pair> candidates = CandidatePairs({input, appearance, {}, {}, threads});
   verifier.Compare(candidates, kFeatures);
   std::set<Pair> tried(candidates.begin(), candidates.end());
   for (const bool is_last : {false, true}) {
@@ -153,7 +152,7 @@ void BuildViewGraph(int threads, Progress& progress, Registration& input) {
     const PhotoSet wanted = WithFewerPartners(input, is_last ? kFewPartners : kEnoughPartners);
     if (wanted.Count() == 0) break;
     std::vector<Pair> more =
-        CandidatePairs({input.photos, appearance, CandidateOptions::Generous(), wanted, threads});
+        CandidatePairs({input, appearance, CandidateOptions::Generous(), wanted, threads});
     // The last time all of their features are compared, also with those that did not agree by the first.
     std::set<Pair> done;
     for (const PhotoPair& pair : input.links) done.emplace(pair.first, pair.second);

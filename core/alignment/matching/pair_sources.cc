@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <set>
 
 #include "core/base/median.h"
@@ -10,7 +11,7 @@
 namespace skyquilt::alignment {
 
 PartnersByPhoto NextInOrder(const PairQuestion& question) {
-  PartnersByPhoto partners(question.photos.size());
+  PartnersByPhoto partners(question.input.Photos());
   for (int i = 0; i < static_cast<int>(partners.size()); ++i) {
     for (const int step : question.options.steps) partners[i].insert(partners[i].end(), {i - step, i + step});
   }
@@ -18,15 +19,14 @@ PartnersByPhoto NextInOrder(const PairQuestion& question) {
 }
 
 PartnersByPhoto NearestByPosition(const PairQuestion& question) {
-  const std::vector<RegistrationPhoto>& photos = question.photos;
-  PartnersByPhoto partners(photos.size());
-  ParallelFor(photos.size(), question.threads, [&](std::size_t i) {
-    if (!photos[i].position_in_enu || !question.IsWanted(i)) return;
+  const std::vector<std::optional<Eigen::Vector3d>>& places = question.input.position_in_enu;
+  PartnersByPhoto partners(places.size());
+  ParallelFor(places.size(), question.threads, [&](std::size_t i) {
+    if (!places[i] || !question.IsWanted(i)) return;
     std::vector<std::pair<double, int>> ranked;
-    for (std::size_t j = 0; j < photos.size(); ++j) {
-      if (j == i || !photos[j].position_in_enu || !photos[j].features) continue;
-      ranked.emplace_back((*photos[j].position_in_enu - *photos[i].position_in_enu).head<2>().squaredNorm(),
-                          static_cast<int>(j));
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      if (j == i || !places[j] || !question.input.features[j]) continue;
+      ranked.emplace_back((*places[j] - *places[i]).head<2>().squaredNorm(), static_cast<int>(j));
     }
     partners[i] = LeastFew(std::move(ranked), question.options.nearest);
   });
@@ -39,7 +39,7 @@ PartnersByPhoto LookingAlike(const PairQuestion& question) {
                         2 * options.apart_in_order;
   PartnersByPhoto partners = question.appearance.MostAlike(looked_at, question.threads);
   for (int i = 0; i < static_cast<int>(partners.size()); ++i) {
-    const int most = question.photos[i].position_in_enu ? options.alike : options.alike_unplaced;
+    const int most = question.input.position_in_enu[i] ? options.alike : options.alike_unplaced;
     // The likest first, without those that another stands for.
     std::vector<int> chosen;
     for (const int j : partners[i]) {
@@ -56,14 +56,14 @@ PartnersByPhoto LookingAlike(const PairQuestion& question) {
 }
 
 std::vector<std::pair<int, int>> CandidatePairs(const PairQuestion& question) {
-  const int count = static_cast<int>(question.photos.size());
+  const int count = static_cast<int>(question.input.Photos());
   std::set<std::pair<int, int>> chosen;
   for (const PairSource& source : kPairSources) {
     const PartnersByPhoto partners = source(question);
     for (int i = 0; i < count; ++i) {
       if (!question.IsWanted(i)) continue;
       for (const int j : partners[i]) {
-        if (j >= 0 && j < count && j != i && question.photos[j].features)
+        if (j >= 0 && j < count && j != i && question.input.features[j])
           chosen.emplace(std::min(i, j), std::max(i, j));
       }
     }

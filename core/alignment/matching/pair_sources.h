@@ -27,14 +27,14 @@ struct CandidateOptions {
 };
 
 struct PairQuestion {
-  const std::vector<RegistrationPhoto>& photos;  // in the order of capture
+  const Registration& input;  // its photos
   const Appearance& appearance;
   const CandidateOptions& options;
   const PhotoSet& wanted;  // only pairs with one of these; of no photos: all
   int threads = 0;
 
   bool IsWanted(std::size_t photo) const {
-    return photos[photo].features && (wanted.Photos() == 0 || wanted.Has(photo));
+    return input.features[photo] && (wanted.Photos() == 0 || wanted.Has(photo));
   }
 };
 

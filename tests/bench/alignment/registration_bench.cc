@@ -55,22 +55,18 @@ int main(int argc, char** argv) {
       added.sigma_center_px = 0.004 * photos[i].intrinsics.width_px;
       input.lenses.push_back(added);
     }
-    alignment::RegistrationPhoto photo;
-    photo.features = is_read[i] ? &features[i] : nullptr;
-    photo.lens = lens->second;
+    std::optional<Eigen::Vector3d> position_in_enu;
     if (photos[i].position) {
       const flight::RecordedPosition& at = *photos[i].position;
       const geo::Wgs84 here{at.position.lat_deg, at.position.lon_deg,
                             at.height_ellipsoid_m.value_or(at.height_amsl_m.value_or(0.0))};
       if (!frame) frame.emplace(here);
-      photo.position_in_enu = frame->EnuFromWgs84(here);
+      position_in_enu = frame->EnuFromWgs84(here);
     }
-    input.photos.push_back(photo);
+    input.Add(is_read[i] ? &features[i] : nullptr, lens->second, position_in_enu);
   }
   alignment::Registration blind = input;
-  if (!with_positions) {
-    for (alignment::RegistrationPhoto& photo : blind.photos) photo.position_in_enu.reset();
-  }
+  if (!with_positions) blind.position_in_enu.assign(photos.size(), {});
   const alignment::Registration found = alignment::RegisterPhotos(blind, threads, progress);
   fmt::print("registration: cpu {:.2f} s\n", CpuSeconds() - cpu);
   fmt::print("pairs: {} compared, {} verified, {} refused; {} tracks\n", found.pairs_compared,
@@ -79,9 +75,9 @@ int main(int argc, char** argv) {
   for (std::size_t b = 0; b < found.block_sizes.size(); ++b) {
     std::vector<alignment::PlacePair> pairs;
     for (std::size_t i = 0; i < photos.size(); ++i) {
-      if (found.photos[i].block != static_cast<int>(b) || !input.photos[i].position_in_enu) continue;
-      pairs.push_back({found.photos[i].cam_from_world.TargetOriginInSource(),
-                       *input.photos[i].position_in_enu, Eigen::Vector3d(2.0, 2.0, 5.0)});
+      if (found.block_of[i] != static_cast<int>(b) || !input.position_in_enu[i]) continue;
+      pairs.push_back({found.cam_from_world[i].TargetOriginInSource(), *input.position_in_enu[i],
+                       Eigen::Vector3d(2.0, 2.0, 5.0)});
     }
     fmt::print("block {}: {} photos", b, found.block_sizes[b]);
     if (const auto fitted = alignment::FitRobustly(pairs, {})) {
@@ -92,9 +88,9 @@ int main(int argc, char** argv) {
     fmt::print("\n");
   }
   for (std::size_t i = 0; i < photos.size(); ++i) {
-    if (found.photos[i].block == 0) continue;
-    fmt::print("  not in block 0: {} (block {}, {} links, {} features)\n", photos[i].name,
-               found.photos[i].block, links[i], features[i].keypoints.size());
+    if (found.block_of[i] == 0) continue;
+    fmt::print("  not in block 0: {} (block {}, {} links, {} features)\n", photos[i].name, found.block_of[i],
+               links[i], features[i].keypoints.size());
   }
   for (const alignment::BundleLens& lens : found.lenses) {
     fmt::print("lens: focal {:.1f} -> {:.1f} px, k1 {:.4f} k2 {:.4f}\n", lens.recorded.focal_x_px,

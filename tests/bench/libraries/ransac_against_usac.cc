@@ -157,8 +157,7 @@ Solver OurTwoViews() {
     const camera::Intrinsics lens = camera::Intrinsics::Centered(kWidthPx, kHeightPx, kFocalPx);
     Registration input;
     input.lenses.emplace_back().intrinsics = lens;
-    for (const PhotoFeatures* features : {&problem.first, &problem.second})
-      input.photos.emplace_back().features = features;
+    for (const PhotoFeatures* features : {&problem.first, &problem.second}) input.Add(features, 0, {});
     const auto view = VerifyTwoViews(input, RaysOf(input, kPairs, 1), {0, 1, {}, problem.matches}, 3.0);
     if (!view || view->poses.front().translation.squaredNorm() < 0.5) return std::nullopt;
     Outcome best = JudgePose(problem, view->poses.front().rotation, view->poses.front().translation);

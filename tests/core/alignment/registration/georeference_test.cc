@@ -42,10 +42,9 @@ Case MakeCase() {
     const Eigen::Vector3d center(15.0 * (i % 8), 20.0 * (i / 8), 60.0);
     made.centers_in_enu.push_back(center);
     const geo::Rigid3 pose = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond(down), center);
-    RegistrationPhoto photo;
-    photo.block = 0;
-    photo.cam_from_world = world_from_enu.Moved(pose);
-    made.registration.photos.push_back(photo);
+    made.registration.Add(nullptr, 0, {});
+    made.registration.block_of.push_back(0);
+    made.registration.cam_from_world.push_back(world_from_enu.Moved(pose));
     PhotoRecord record;
     record.center_in_enu =
         center + Eigen::Vector3d(Uniform(sampler) - 0.5, Uniform(sampler) - 0.5, Uniform(sampler) - 0.5);
@@ -67,7 +66,7 @@ Case MakeCase() {
 double WorstM(const Case& made, const BlockPlace& place) {
   double worst = 0.0;
   for (std::size_t i = 0; i < made.centers_in_enu.size(); ++i) {
-    const Eigen::Vector3d center = made.registration.photos[i].cam_from_world.TargetOriginInSource();
+    const Eigen::Vector3d center = made.registration.cam_from_world[i].TargetOriginInSource();
     worst = std::max(worst, (place.enu_from_world * center - made.centers_in_enu[i]).norm());
   }
   return worst;
@@ -150,7 +149,7 @@ TEST(Georeference, WithoutAnythingAPhotoShowsTheStatedWidth) {
   EXPECT_EQ(place.placing, Placing::kByGuess);
   EXPECT_FALSE(place.knows_north);
   const Eigen::Vector3d center =
-      place.enu_from_world * made.registration.photos[0].cam_from_world.TargetOriginInSource();
+      place.enu_from_world * made.registration.cam_from_world[0].TargetOriginInSource();
   EXPECT_NEAR(center.z() / 3000.0 * 4000.0, kGuessedWidthM, 3.0);
 }
 

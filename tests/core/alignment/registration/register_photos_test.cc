@@ -19,8 +19,8 @@ Judged Judge(const SyntheticScene& scene, const Registration& found) {
   std::vector<PlacePair> pairs;
   std::vector<std::size_t> photos;
   for (std::size_t i = 0; i < scene.cam_from_enu.size(); ++i) {
-    if (found.photos[i].block != 0) continue;
-    pairs.push_back({found.photos[i].cam_from_world.TargetOriginInSource(),
+    if (found.block_of[i] != 0) continue;
+    pairs.push_back({found.cam_from_world[i].TargetOriginInSource(),
                      scene.cam_from_enu[i].TargetOriginInSource(), Eigen::Vector3d::Ones()});
     photos.push_back(i);
   }
@@ -28,7 +28,7 @@ Judged Judge(const SyntheticScene& scene, const Registration& found) {
   const auto fitted = FitSimilarity3(pairs);
   if (!fitted) return judged;
   for (const std::size_t i : photos) {
-    const geo::Rigid3 moved = fitted->Moved(found.photos[i].cam_from_world);
+    const geo::Rigid3 moved = fitted->Moved(found.cam_from_world[i]);
     judged.worst_center_m =
         std::max(judged.worst_center_m,
                  (moved.TargetOriginInSource() - scene.cam_from_enu[i].TargetOriginInSource()).norm());
@@ -87,20 +87,19 @@ TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
   options.seed = 2;
   const SyntheticScene there = MakeScene(options);
   Registration input = InputOf(here);
-  for (const PhotoFeatures& features : there.features) input.photos.push_back({&features, 0, {}, {}});
+  for (const PhotoFeatures& features : there.features) input.Add(&features, 0, {});
   const Registration found = Register(input);
   ASSERT_EQ(found.block_sizes, (std::vector<int>{10, 8}));
-  for (std::size_t i = 0; i < input.photos.size(); ++i) EXPECT_EQ(found.photos[i].block, i < 10 ? 0 : 1) << i;
+  for (std::size_t i = 0; i < input.Photos(); ++i) EXPECT_EQ(found.block_of[i], i < 10 ? 0 : 1) << i;
 }
 
 TEST(RegisterPhotos, TheSameForAnyNumberOfThreads) {
   const SyntheticScene scene = MakeScene({.columns = 4, .rows = 2});
   const Registration one = Register(InputOf(scene), 1), three = Register(InputOf(scene), 3);
-  ASSERT_EQ(one.photos.size(), three.photos.size());
-  for (std::size_t i = 0; i < one.photos.size(); ++i) {
-    EXPECT_EQ(one.photos[i].cam_from_world.translation, three.photos[i].cam_from_world.translation);
-    EXPECT_EQ(one.photos[i].cam_from_world.rotation.coeffs(),
-              three.photos[i].cam_from_world.rotation.coeffs());
+  ASSERT_EQ(one.Photos(), three.Photos());
+  for (std::size_t i = 0; i < one.Photos(); ++i) {
+    EXPECT_EQ(one.cam_from_world[i].translation, three.cam_from_world[i].translation);
+    EXPECT_EQ(one.cam_from_world[i].rotation.coeffs(), three.cam_from_world[i].rotation.coeffs());
   }
 }
 
@@ -109,7 +108,7 @@ TEST(RegisterPhotos, NothingComesOfNothing) {
   Registration input;
   input.lenses.resize(1);
   input.lenses[0].recorded = input.lenses[0].intrinsics = camera::Intrinsics::Centered(400, 300, 300.0);
-  input.photos.resize(3);
+  for (int i = 0; i < 3; ++i) input.Add(nullptr, 0, {});
   EXPECT_TRUE(Register(input).block_sizes.empty());
 }
 

@@ -133,11 +133,7 @@ Registration InputOf(const SyntheticScene& scene, double focal_factor) {
   lens.sigma_p = 0.0003;
   lens.sigma_center_px = 8.0;
   input.lenses.push_back(lens);
-  for (const PhotoFeatures& features : scene.features) {
-    RegistrationPhoto photo;
-    photo.features = &features;
-    input.photos.push_back(photo);
-  }
+  for (const PhotoFeatures& features : scene.features) input.Add(&features, 0, {});
   return input;
 }
 
