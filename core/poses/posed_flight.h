@@ -64,6 +64,12 @@ struct PosedFlight {
   std::optional<double> dem_zero_m;
   bool is_placed = true;  // false: the frame's origin is not known, only its scale
   PoseReport report;
+
+  std::vector<std::string> Names() const {
+    std::vector<std::string> names;
+    for (const PosedPhoto& photo : photos) names.push_back(photo.photo.name);
+    return names;
+  }
 };
 
 }  // namespace skyquilt::poses

@@ -2,7 +2,6 @@
 // records, and Attempt, one alignment of it as far as it has come. Values; any thread.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
@@ -26,12 +25,6 @@ struct ExtractedFlight {
   std::vector<PhotoFeatures> features;         // by photo
   std::vector<GyroReport> gyros;               // by camera with a gyro: how its clock was tied to the rows
   std::vector<const PhotoFeatures*> readable;  // into `features`; null where a photo could not be read
-
-  std::vector<std::string> Names() const {
-    std::vector<std::string> names;
-    for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
-    return names;
-  }
 };
 
 struct Attempt {

@@ -305,7 +305,7 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
     PhotoFindings& corrected = second.matched.findings.emplace_back();
     corrected.start_cam_from_enu = corrected.prior_cam_from_enu = photo.cam_from_enu;
   }
-  const std::vector<std::string> names = extracted.Names();
+  const std::vector<std::string> names = posed.Names();
   PhotoSet placed(count), without_record(count);
   for (std::size_t b = 0; b < registration.block_sizes.size(); ++b) {
     const int block = static_cast<int>(b);

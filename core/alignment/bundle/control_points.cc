@@ -216,8 +216,7 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
   problem.control.clear();
   reports.clear();
   const PhotoSet tied_photos = ObservingPhotos(problem.photos.size(), problem.tracks);
-  std::vector<std::string> names;
-  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
+  const std::vector<std::string> names = posed.Names();
   const std::vector<View> views = ViewsOf(problem);
   const MarkedPhotos photos(names, views, tied_photos);
 

@@ -138,7 +138,7 @@ int TiePointsOfNew(const BundleProblem& problem) {
 }
 
 void ReportAttempt(const ExtractedFlight& extracted, const Attempt& attempt, AlignReport& report) {
-  const std::vector<std::string> names = extracted.Names();
+  const std::vector<std::string> names = extracted.posed.Names();
   report.photos = static_cast<int>(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const PhotoFeatures& features = extracted.features[i];

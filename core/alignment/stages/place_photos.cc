@@ -180,7 +180,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
   AlignedFlight flight = WithoutPhotos(posed);
 
   const std::optional<double> shared_error_m = ControlErrorM(report);
-  const std::vector<std::string> names = extracted.Names();
+  const std::vector<std::string> names = posed.Names();
   std::vector<Support> support;
   const std::vector<int> component = FindAligned(problem, support);
   const std::vector<int> direct = CountTies(ViewsOf(problem), problem.soft_tracks);
