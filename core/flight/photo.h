@@ -81,8 +81,7 @@ struct RecordedAttitude {
 };
 
 // Where the top of the picture as it is stored points, seen from above, by a compass: all that cameras
-// without angles say. Of a camera that looks ahead it is where it looks, which is the same once it is tipped
-// down.
+// without angles say. Of a camera that looks ahead it is where it looks: the same once it is tipped down.
 struct RecordedDirection {
   double yaw_rad = 0.0;
   bool is_from_true_north = false;  // false: from magnetic north, or it is not said

@@ -195,8 +195,7 @@ poses::PosedFlight PartOf(const FlightFacts& known, const std::set<std::size_t>&
   return part;
 }
 
-// Which photos of `part` stay, in the order of its alignment: as they are, or of capture where some have no
-// place.
+// Which photos of `part` stay, in the order of its alignment: as is, or of capture where some have no place.
 alignment::PhotoSet FixedOf(const poses::PosedFlight& part, const std::set<std::string>& finished) {
   std::vector<const flight::Photo*> order;
   for (const poses::PosedPhoto& photo : part.photos) order.push_back(&photo.photo);

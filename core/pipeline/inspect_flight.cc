@@ -28,8 +28,7 @@ namespace {
 
 using flight::RemarkCode;
 
-// CPU seconds, measured with tests/bench on two cores of 2020s laptop class: an order of magnitude, not a
-// promise.
+// CPU seconds, measured with tests/bench on two cores of 2020s laptop class: an order of magnitude.
 constexpr double kAlignSecondsPerPhoto = 0.45;
 constexpr double kDecodeSecondsPerMegapixel = 0.012;
 constexpr double kRenderSecondsPerMegapixel = 0.10;

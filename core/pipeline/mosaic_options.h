@@ -28,8 +28,7 @@ enum class AlignMethod { kAuto = 0, kImu = 1, kImages = 4 };
 // whichever the flight asks for (surface/choose_ground.h).
 enum class MapGround { kSmooth, kDense, kAuto };
 
-// Which heights are written beside the map: none, of all that stands there (DSM), or those and of the ground
-// below (DTM).
+// Which heights are written beside the map: none, of all that stands there (DSM), or the ground's too (DTM).
 enum class MapHeights { kNone, kSurface, kGround };
 
 // As users write them.

@@ -20,8 +20,7 @@ double UsualIntervalS(const std::vector<Sample>& samples) {
   return MedianIfAny(std::move(intervals_s)).value_or(0.0);
 }
 
-// The two samples around a time and the weight of the later one; the end samples hold outside. Null where
-// there are none.
+// The two samples around a time and the weight of the later; the end samples hold outside. Null without.
 template <typename Sample>
 struct Around {
   const Sample* before = nullptr;

@@ -22,8 +22,7 @@ struct PhotoRowsUse {
 PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vector<flight::Photo>& photos);
 
 // Camera events matched to photos. An event's position is taken where it was surveyed (RTK), where the photo
-// has none, or where `log_has_track` is false; its angles where the photo has none. Answers how many photos
-// took a position.
+// has none, or where `log_has_track` is false; its angles where the photo has none. Says how many took one.
 int ApplyEvents(const flight::FlightLog& log, const TimeSync& sync, bool log_has_track,
                 std::vector<flight::Photo>& photos);
 

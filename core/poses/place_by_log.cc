@@ -23,8 +23,7 @@ double CenterErrorM(const PosedPhoto& camera, double ground_z) {
   const Vector3d axis = enu_from_cam * Vector3d::UnitZ();
   const double along = (ground_z - center.z()) / std::min(axis.z(), -0.1);
   const Vector3d ray = along * axis;
-  // Position moves the point as it is; a turn moves it by turn x ray; both then slide along the axis to the
-  // plane.
+  // Position moves the point as is, a turn by turn x ray; both then slide along the axis to the plane.
   Matrix3d to_plane = Matrix3d::Identity();
   to_plane.col(2) -= axis / std::min(axis.z(), -0.1);
   Eigen::Matrix<double, 3, 6> by_pose;
@@ -51,8 +50,7 @@ std::vector<PosedPhoto> PlaceCameras(const PreparedSmoothing& prepared, const Sm
     camera.attitude_origin = prepared.attitude_origins[k];
     Quaterniond enu_from_cam = pose.enu_from_body * prepared.cam_from_body[k].conjugate();
     if (const std::optional<Quaterniond>& recorded = prepared.recorded_enu_from_cam[k]) {
-      // Measured airframe = Exp(level axes * bias) R: the attitude system is turned by that, and the gimbal
-      // too.
+      // Measured airframe = Exp(level axes * bias) R: attitude system and gimbal are turned by that.
       const Vector3d turned = LevelAxes(pose.enu_from_body) * pose.attitude_bias_rad;
       enu_from_cam = geo::RotationFromVector(-turned) * *recorded;
       camera.covariance.topLeftCorner<3, 3>().diagonal().array() += kGimbalWhiteRad * kGimbalWhiteRad;

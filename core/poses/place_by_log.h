@@ -14,8 +14,7 @@
 namespace skyquilt::poses {
 
 // One pose per photo, without the photo itself: the camera in the body, or its own recorded rotation where a
-// gimbal held it, turned by the attitude system's error. `ground_z_in_enu_m`: the plane for the height and
-// the error radius.
+// gimbal held it, turned by the attitude system's error. `ground_z_in_enu_m`: the plane for height and error.
 std::vector<PosedPhoto> PlaceCameras(const PreparedSmoothing& prepared, const SmootherOutput& smoothed,
                                      double ground_z_in_enu_m);
 

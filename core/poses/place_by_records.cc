@@ -37,8 +37,7 @@ AttitudeChoice ChooseAttitude(const Photo& photo, const std::optional<double>& c
   }
   constexpr double kLeanDeg = 5.0;
   if (direction) {
-    // What compasses of phones, and beside motors, err by; the declination, which nothing here knows, adds to
-    // it.
+    // What compasses of phones, and beside motors, err by; the unknown declination adds to it.
     const double sigma_deg = direction->is_from_true_north ? 15.0 : 25.0;
     return {NadirCamFromEnu(direction->yaw_rad), AttitudeOrigin::kDirection, geo::DegToRad(kLeanDeg),
             geo::DegToRad(sigma_deg)};

@@ -1,5 +1,4 @@
-// PoseReport: what the pose stage had, what it chose and how sure it is, for the report and the verdict. A
-// value; any thread.
+// PoseReport: what the pose stage had, what it chose and how sure it is, for report and verdict. A value.
 #pragma once
 
 #include <optional>
@@ -19,8 +18,7 @@ struct PoseReport {
   std::string convention;  // which reading of the recorded angles was taken, and why
   std::string height_rule;
   std::optional<bool> is_height_guessed;  // of photos without one, by their spacing
-  // What the flight's heights count from; false: take-off. Nothing: no record says any, or an earlier version
-  // did not tell.
+  // What the flight's heights count from; false: take-off. Nothing: no record, or an earlier version, tells.
   std::optional<bool> heights_above_ellipsoid;
   bool is_placed = true;  // false: nothing says where on Earth the flight was
   // How far lists that name part of the photos lie from the photos' own positions, by no shift in common and

@@ -55,8 +55,7 @@ struct PosedFlight {
   bool hangs_on_cameras = false;
   std::vector<PosedPhoto> photos;  // in the order of capture
   std::vector<flight::LeftOutPhoto> left_out;
-  // Photos whose records place them nowhere, where that was asked for: what they show may. Listed in left_out
-  // too.
+  // Photos whose records place them nowhere, where asked for: what they show may. Listed in left_out too.
   std::vector<flight::Photo> unplaced;
   std::vector<flight::Remark> warnings;
   std::vector<Assumption> assumptions;  // not among the warnings: what becomes of them, the alignment says

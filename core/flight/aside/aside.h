@@ -45,8 +45,7 @@ std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_ou
 // The same as one remark: three of them, and how many more.
 Remark FirstLeftOut(const std::vector<LeftOutPhoto>& left_out);
 
-// The format of a raw picture whose file begins so (16 bytes are enough): "RAF", "CR3"; empty for what has no
-// such mark.
+// The format of a raw picture whose file begins so (16 bytes are enough): "RAF", "CR3"; empty for all else.
 std::string_view RawFormatOf(std::span<const std::uint8_t> head);
 
 // Which picture of the containers of films (ISO/IEC 14496-12, 23008-12) begins so, by the brands of its first

@@ -137,8 +137,7 @@ class CopyFinder {
     CopyMark mark = CopyMark::kNone;  // that its name has beyond the stem
   };
 
-  // The stem of a name, then without one mark of a copy after the other; the surest of those taken beside
-  // each.
+  // The stem of a name, then without one mark of a copy after the other; beside each the surest taken.
   static std::vector<Unmarked> StemsOf(const Picture& picture) {
     std::vector<Unmarked> stems{{picture.name.stem, CopyMark::kNone}};
     while (stems.size() <= kMaxMarks) {

@@ -152,8 +152,7 @@ class StayingPhotos {
     }
   }
 
-  // The camera that saw what most photos of `camera` show; nothing where most of them have a view of their
-  // own.
+  // The camera that saw what most photos of `camera` show; nothing where most have a view of their own.
   std::optional<std::size_t> PartnerOf(std::size_t camera) const {
     std::map<std::size_t, std::size_t> shared;
     std::size_t all = 0, most = 0;

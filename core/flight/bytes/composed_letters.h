@@ -1,6 +1,5 @@
 // WithComposedLetters: names of files as most systems write them. macOS writes a letter with a mark ("ü") as
-// two characters, the letter and the mark, others as one, and to a person both look the same. Pure; any
-// thread.
+// two characters, the letter and the mark, others as one, which looks the same. Pure; any thread.
 #pragma once
 
 #include <string>

@@ -190,8 +190,7 @@ std::vector<std::optional<std::size_t>> FindDuplicates(const std::vector<InputFi
     }
     for (const auto& [fingerprint, candidates] : alike) {
       if (candidates.size() < 2) continue;
-      // Each is read once for its digest, however many are alike, and once more beside the first of its
-      // digest.
+      // Each is read once for its digest, and once more beside the first that has the same.
       std::map<Digest, std::size_t> firsts;
       for (const std::size_t i : candidates) {
         const Result<Digest> digest = DigestOfFile(files[i].path);

@@ -1,6 +1,5 @@
 // Why a file that RecogniseLog does not know is not read, though it looks like a table, a list or a track, so
-// that nobody looks for its effect in vain. `head` are its first bytes; nothing for other files. Pure; any
-// thread.
+// that nobody looks for its effect in vain. `head`: its first bytes; nothing for other files. Pure.
 #pragma once
 
 #include <optional>

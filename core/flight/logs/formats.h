@@ -96,8 +96,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
 // Geolocation CSV of Pix4D without a header line (with one it is a table): "image,latitude,longitude,height[,
 // three angles][,accH,accV]"; coordinates of a projected system stand east first, as "image,x,y,z". Without
 // names yaw-pitch-roll and omega-phi-kappa look alike: they are left out with a warning. What the rows say is
-// kept as written; which reading of it is true, core/poses/lists judges. Rows become camera events without a
-// time.
+// kept as written; core/poses/lists judges how to read it. Rows become camera events without a time.
 bool LooksLikePix4dCsv(LogBytes head);
 Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
 
@@ -112,8 +111,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes,
 // Alpha
 // (.ASS); cue_text.h says what is read of their words. Fixes become GNSS samples whose sigma follows the
 // digits written; the camera's clock is kept as local_at_zero. t_s is the time in the film; where the clock
-// runs ahead of it (a time lapse, films joined) t_s follows the clock. Error: kNoPosition when none holds a
-// position.
+// runs ahead of it (a time lapse, films joined) t_s follows the clock. Error: kNoPosition without any.
 bool LooksLikeDjiSrt(LogBytes head);
 Result<FlightLog> ParseDjiSrt(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
 bool LooksLikeAss(LogBytes head);
@@ -149,8 +147,7 @@ Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const Cons
 
 // NMEA 0183 recordings: GGA and GNS (position, fix, height and geoid separation), RMC (date; the position too
 // where no sentence has a height), ZDA (date), GST (sigma), from any talker, alone in a line or behind what a
-// recorder puts before it. Sentences with a wrong checksum are skipped; without one they count. UTC is known
-// when a date was.
+// recorder puts before it. Those with a wrong checksum are skipped; without one they count. UTC needs a date.
 bool LooksLikeNmea(LogBytes head);
 Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
 

@@ -100,8 +100,7 @@ RecordedAttitude Gimbal(const Degrees& angles, std::string_view source) {
 }
 
 // From nadir this would be a look backwards, 60 degrees up from straight down, which no survey's camera
-// takes: such a pitch counts from the horizon, as some firmware writes it under the names of the other
-// scheme.
+// takes: such a pitch counts from the horizon, as some firmware writes it in the other's names.
 constexpr double kFarthestBackDeg = -60.0;
 
 bool IsAutel(const std::string& make) { return LowerCase(make).find("autel") != std::string::npos; }

@@ -54,8 +54,7 @@ std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
 // devices write that do not know it.
 std::optional<RecordedDirection> DirectionFromTags(const ExifRecord& exif);
 
-// East, north, up from drone-dji Flight{X,Y,Z}Speed (north, east, down), Camera:IMULinearVelocity (east,
-// north, up).
+// East, north, up from drone-dji Flight{X,Y,Z}Speed (NED), Camera:IMULinearVelocity (ENU).
 std::optional<Eigen::Vector3d> VelocityFromTags(const XmpTags& xmp);
 
 // How a camera turned while it read its rows, by the gyro that it recorded into the photo.

@@ -90,8 +90,7 @@ std::optional<Angle> ReadAngle(const ExifValue* value) {
   return angle;
 }
 
-// +1 or -1 by the first letter, whatever its case and whatever follows ("N", "n", "North"); 0 when it says
-// nothing.
+// +1 or -1 by the first letter in any case, whatever follows ("N", "n", "North"); 0 when it says nothing.
 int HemisphereSign(const std::string& reference, char positive, char negative) {
   if (reference.empty()) return 0;
   const char letter = static_cast<char>(std::toupper(static_cast<unsigned char>(reference[0])));
@@ -204,8 +203,7 @@ std::optional<std::chrono::minutes> ParseZone(const std::string& text) {
   return sign == '-' ? -offset : offset;
 }
 
-// "05" is 0.05 s: the digits behind the point; MicaSense's cameras write "-05" too, which is before the
-// second.
+// "05" is 0.05 s: the digits behind the point; MicaSense writes "-05" too: before the second.
 std::chrono::microseconds ReadSubSeconds(std::string_view text) {
   const bool is_before = text.starts_with('-');
   if (is_before) text.remove_prefix(1);

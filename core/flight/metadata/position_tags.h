@@ -3,8 +3,7 @@
 // hemisphere, or is written in coarser steps. Heights: drone-dji AbsoluteAltitude is above sea level, with
 // RTK above the ellipsoid; RelativeAltitude is above take-off, and so is xmp:GPSAltitude of Yuneec's CGO3+;
 // EXIF's GPSAltitude counts only when nothing contradicts it, from the ellipsoid where Camera:VertCS says so
-// or the maker does (senseFly, Skydio X10, ANAFI Ai), else from the sea. drone-skydio:GpsMslHeight is above
-// the sea.
+// or the maker does (senseFly, Skydio X10, ANAFI Ai), else from the sea, as drone-skydio:GpsMslHeight is.
 #pragma once
 
 #include <optional>

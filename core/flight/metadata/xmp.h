@@ -37,8 +37,7 @@ class XmpTags {
 // One number out of text, as XmpTags::Number reads it.
 std::optional<double> ParseXmpNumber(std::string_view text);
 
-// Numbers with ',' or ';' between them, as items of a list or in one text; nothing for what is no number. At
-// most 64.
+// Numbers with ',' or ';' between them, as items of a list or in one text; nothing for others. At most 64.
 std::vector<std::optional<double>> ParseXmpNumbers(std::string_view text);
 // The same where all are numbers, and none is missing of `count` (0: any count); nothing otherwise.
 std::optional<std::vector<double>> AllXmpNumbers(std::string_view text, std::size_t count = 0);

@@ -274,8 +274,7 @@ ChosenIntrinsics DoubtedForZoom(const Intrinsics& camera, const ExifRecord& exif
 }
 
 // Calibrations are of the lens, and some writers have counted the digital zoom in them: which it is the
-// sensor and the lens tell, else the 35 mm equivalent where that counts the zoom and the calibration does
-// not.
+// sensor and the lens tell, else the 35 mm equivalent where that alone counts the zoom.
 ChosenIntrinsics CalibratedWithZoom(Intrinsics camera, FocalSource source, const ExifRecord& exif,
                                     std::vector<Remark>& notes) {
   if (!IsZoomed(exif)) return {camera, source};

@@ -129,8 +129,7 @@ struct CorrectedZero {
   RemarkCode told_by = RemarkCode::kFromEllipsoidAssumed;
 };
 
-// How far the altitudes in XMP lie from EXIF's in the median, with these counted from one zero and from the
-// other.
+// How far the altitudes in XMP lie from EXIF's in the median, with these counted from either zero.
 struct ByZero {
   double ellipsoid_m = 0.0;
   double sea_m = 0.0;

@@ -28,8 +28,7 @@ struct JpegSegments {
 Result<JpegSegments> ScanJpegSegments(ByteSource& source);
 
 // Whether an end marker (EOI) follows the first scan. Coded pixels never contain one, so that without it the
-// file was cut off; bytes behind it (previews, padding) do no harm. Reads backwards, so that whole
-// files are quick.
+// file was cut off; bytes behind it (previews, padding) do no harm. Reads backwards, quickly.
 bool HasEndOfImage(ByteSource& source, std::uint64_t scan_offset);
 
 }  // namespace skyquilt::flight

@@ -39,8 +39,7 @@ inline constexpr std::size_t kSampleValues = 1 << 16;
 std::optional<SampleRange> RangeOf(std::vector<float> values, SampleKind kind);
 
 // One range for all photos of a camera, so that neighbours agree, by pictures spread over the flight. The
-// same whatever the number of threads. A picture that cannot be decoded says nothing here. Memory: 4 MiB a
-// camera.
+// same whatever the number of threads. A picture that cannot be decoded says nothing. Memory: 4 MiB a camera.
 void ChooseSampleRanges(std::vector<Photo>& photos, const PhotoSource& source, int threads);
 
 }  // namespace skyquilt::flight

@@ -1,8 +1,7 @@
 // Remark: one thing that whoever asked for a map is to know, as a code with numbers and names. Whoever
 // decides looks at the code. The English sentence is made by InWords (remark_words.h) alone, from
 // remarks_on_*.inc; those of the page stand in web/src/languages/*/remarks.js and failures.js. A value's name
-// ends with its unit (`apart_m`), or with `_words` where it is English that no code stands for. Values; any
-// thread.
+// ends with its unit (`apart_m`), or with `_words` where it is English without a code. Values; any thread.
 #pragma once
 
 #include <concepts>

@@ -1,5 +1,4 @@
-// The sentences of remarks, for reports and terminals, and the names of their codes, for JSON. Pure; any
-// thread.
+// Sentences of remarks, for reports and terminals, and names of their codes, for JSON. Pure; any thread.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,4 @@
-// The surveyed points of a flight (ODM's gcp_list format) as the alignment and as the API want them. Pure;
-// any thread.
+// Surveyed points of a flight (ODM's gcp_list format) as alignment and API want them. Pure; any thread.
 #pragma once
 
 #include <string>

@@ -31,8 +31,7 @@ struct MarkedPoint {
   std::size_t report = 0;  // number of its report
 };
 
-// The points that two or more aligned photos show; every point has a report, which says why one is not among
-// them.
+// The points that two or more aligned photos show; every point has a report, which says why one is not.
 std::vector<MarkedPoint> MarkedPointsOf(const FlightFacts& known,
                                         const std::vector<alignment::ControlPoint>& control,
                                         std::vector<alignment::ControlReport>& reports);

@@ -23,8 +23,7 @@ struct PlaceRequest {
   std::string origin_photo;
   std::optional<double> photo_pixel_m;  // ground that a photo's pixel shows, in the median
   std::optional<double> factor;         // the map is to become so many times larger; not with photo_pixel_m
-  // The direction on the map as it is that is north, clockwise from its top; nothing: its top, for all that
-  // is known.
+  // The direction on the map as it is that is north, clockwise from its top; nothing: its top, so far.
   std::optional<double> north_deg;
   std::vector<flight::GcpList> control;  // instead of all above
   std::vector<ShownPair> pairs;          // instead of all above

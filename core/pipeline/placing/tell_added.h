@@ -19,12 +19,10 @@ namespace skyquilt::pipeline {
 void AddFigures(const alignment::AlignReport& part, const std::set<std::string>& added,
                 const std::vector<alignment::AlignedPhoto>& photos, alignment::AlignReport& known);
 
-// `now` takes the place of what is said of the same with other numbers, also within a sentence; whether it is
-// said.
+// `now` takes the place of the same with other numbers, also within a sentence; whether it is said.
 bool SayAnew(const flight::Remark& now, std::vector<flight::Remark>& warnings);
 
-// `posed`: of all photos together as they were posed now. `is_placed`: something says where the map lies,
-// maybe since.
+// `posed`: of all photos together as they were posed now. `is_placed`: something says, maybe since, where.
 void TellPosed(const std::vector<flight::Remark>& posed, bool is_placed,
                std::vector<flight::Remark>& warnings);
 

@@ -58,8 +58,7 @@ render::KnownExposure ToExposure(const Cbor& json) {
   return exposure;
 }
 
-// Reports are kept as text, as report.json has them; bytes of names that are not UTF-8 are replaced there
-// too.
+// Reports are kept as report.json has them; bytes of names that are not UTF-8 are replaced there too.
 template <typename Report>
 std::string ReportText(const Report& report) {
   return JsonText(JsonOf<nlohmann::ordered_json>(report));

@@ -60,8 +60,7 @@ struct FlightFacts {
   std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
   std::optional<geo::Boundary> boundary;               // that the map is cut to
   std::optional<MapAppearance> appearance;             // absent: the run was killed before
-  // As the map with this appearance shows them; none in maps of earlier versions, or of a run that was
-  // killed.
+  // As the map with this appearance shows them; none in maps of earlier versions or killed runs.
   std::optional<render::SeamShift> seams;
 };
 

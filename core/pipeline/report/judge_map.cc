@@ -139,8 +139,7 @@ alignment::PhotoSet BesideSurvey(const JudgedMap& map, const TiedGroups& groups)
   return beside;
 }
 
-// Photos of groups whose positions are without corrections where most of the flight's have them, or the other
-// way round.
+// Photos of groups whose positions lack corrections where most of the flight's have them, or the reverse.
 alignment::PhotoSet OfOtherReceivers(const JudgedMap& map, const TiedGroups& groups) {
   std::vector<const flight::RecordedPosition*> all;
   std::map<int, std::vector<const flight::RecordedPosition*>> of_group;
@@ -234,8 +233,7 @@ double FewPointsWiden(double count) {
   return std::sqrt(count * (std::pow(kBeyondStated, -1.0 / count) - 1.0) / -std::log(kBeyondStated));
 }
 
-// Checks near one place show the shift that positions share, but not what turns, scales and bends the map
-// elsewhere.
+// Checks near one place show the shift that positions share, not what turns, scales and bends the map.
 double ElsewhereToo(const JudgedMap& map, double at_checks_m, const AbsoluteAccuracy& placed) {
   if (!IsByReceiver(placed) || !IsAnyAligned(map) || AreContradicted(map, placed))
     return std::max(at_checks_m, *placed.sigma_m);
@@ -275,8 +273,7 @@ AbsoluteAccuracy AbsoluteOf(const JudgedMap& map) {
   return by_checks ? OfGroups(map, *by_checks) : placed;
 }
 
-// What the photos may contradict: what is stated, and the positions of a map whose survey does not tell of
-// all of it.
+// What the photos may contradict: what is stated, and the positions where the survey tells of a part.
 AbsoluteAccuracy Contradictable(const JudgedMap& map, const AbsoluteAccuracy& absolute) {
   if (absolute.by != AbsoluteSupport::kControlPoints && absolute.by != AbsoluteSupport::kCheckPoints)
     return absolute;

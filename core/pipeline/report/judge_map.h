@@ -7,8 +7,7 @@
 // error of two axes. Of check points it is the root mean square of what the map misses them by, no less than
 // survey and marks err by, and wider where they are few; where they do not tell of all of the map (fewer than
 // three, or side by side), with what else is known of it, and they silence nothing that limits it. Of groups
-// of photos without ties between them it holds that share of all photos, each by what places its group. Pure;
-// any thread.
+// of photos without ties between them it holds that share of all photos, by what places each group. Pure.
 #pragma once
 
 #include <map>

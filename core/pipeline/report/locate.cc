@@ -25,8 +25,7 @@ double QualityOf(const std::optional<double>& sharpness, double off_nadir_rad) {
   return std::clamp(sharpness.value_or(1.0) / kSharp, 0.0, 1.0) * vertical * vertical;
 }
 
-// A placement error moves the point by its radius across the ray, and by more where the ray meets the ground
-// slantingly.
+// A placement error moves the point by its radius across the ray, by more where this meets ground aslant.
 std::optional<double> SigmaUnder(const std::optional<double>& error_radius_m, double off_nadir_rad) {
   if (!error_radius_m) return std::nullopt;
   return *error_radius_m / std::cos(off_nadir_rad);

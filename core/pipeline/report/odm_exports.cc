@@ -43,8 +43,7 @@ std::string CameraId(const flight::Photo& photo) {
                                        lens.focal_x_px / std::max(lens.width_px, lens.height_px)));
 }
 
-// Angles of the airframe that a down-looking camera would be fixed to: zero where gimbal angles turn
-// singular.
+// Of the airframe that a down-looking camera would be fixed to: zero where gimbal angles turn singular.
 Eigen::Vector3d AirframeAngles(const Eigen::Quaterniond& cam_from_enu) {
   return flight::YawPitchRollFromNed(poses::EnuFromNed().conjugate() * cam_from_enu.conjugate() *
                                      poses::CamFromBody());

@@ -10,8 +10,7 @@
 // either; but where many are refuted, or several by one shift, what the map misses all of them by counts
 // whole, where most are missed by far more than they claim, the radius is no less than that, nor less than
 // what positions jump by (core/poses/evidence/position_jump.h). All of these limit the map, as does a jump of
-// corrected heights alone, which leaves the radius as it is. Frame `enu` of the flight, metres. Pure; any
-// thread.
+// corrected heights alone, which leaves the radius as it is. Frame `enu` of the flight, metres. Pure.
 #pragma once
 
 #include <Eigen/Core>

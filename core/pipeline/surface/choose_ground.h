@@ -1,8 +1,7 @@
 // ChooseGround: whether --surface auto lays photos on heights of every cell or on the smooth ground: on
 // heights where what stands on the ground leans by more than two pixels, and three photos see most of it.
 // Frame enu. Needs the tie points of an alignment, so it is asked once, when a flight is placed; what came of
-// it is kept. Any thread; the same on any processor. Nothing fails: without tie points nothing is known to
-// lean.
+// it is kept. Any thread; the same on any processor. Without tie points nothing leans.
 #pragma once
 
 #include "core/alignment/scene/aligned_flight.h"

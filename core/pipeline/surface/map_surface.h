@@ -37,8 +37,7 @@ bool StandsUpright(const FlightFacts& facts);
 
 surface::SurfaceOptions SurfaceWithin(const MosaicOptions& options);
 
-// Ground size of the map's pixels, or of the photos' where those are coarser. `gsd_m`: where somebody said
-// it.
+// Ground size of the map's pixels, or of the photos' where coarser. `gsd_m`: where somebody said it.
 double FinestShownM(const render::MosaicPlan& plan, const std::optional<double>& gsd_m,
                     const alignment::AlignedFlight& flight);
 

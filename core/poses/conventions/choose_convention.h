@@ -32,8 +32,7 @@ struct ConventionChoice {
   bool is_changed = false;  // another reading than the recorded one was taken
 };
 
-// Changes the angles of `photos` where another reading was chosen. airframe_yaw_rad: by the log, one per
-// photo or empty.
+// Changes the angles of `photos` where another reading was chosen. airframe_yaw_rad: by the log, or empty.
 ConventionChoice ChooseConvention(std::vector<flight::Photo>& photos,
                                   const std::vector<std::optional<double>>& airframe_yaw_rad);
 

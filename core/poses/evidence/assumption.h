@@ -18,8 +18,7 @@ struct Assumption {
 // Where poses alone place the photos.
 std::vector<flight::Remark> AssumptionsByPoses(const std::vector<Assumption>& assumptions);
 
-// Where photos are aligned: `found_height_m` above the ground in the median, `by_pose` of the photos still by
-// their poses alone.
+// Where photos are aligned: `found_height_m` above ground in the median, `by_pose` of them by poses alone.
 std::vector<flight::Remark> AssumptionsAfterAlignment(const std::vector<Assumption>& assumptions,
                                                       double found_height_m, int by_pose);
 

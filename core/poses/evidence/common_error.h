@@ -1,8 +1,7 @@
 // CommonErrorOf: what the recorded positions of one flight have in common: of which kind they are, and how
 // far off all of them lie together, which no comparison among them can show. Assumed, one sigma a horizontal
 // axis: 1.5 m without corrections (consumer receivers are off by 1 to 3 m for minutes to hours), what the
-// records state of themselves where they do, and 0.02 m with corrections (RTK, PPK; base and antenna). Pure;
-// any thread.
+// records state of themselves where they do, and 0.02 m with corrections (RTK, PPK; base and antenna). Pure.
 #pragma once
 
 #include <vector>

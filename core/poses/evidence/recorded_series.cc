@@ -33,8 +33,7 @@ Vector3d WhiteSigma(bool series_is_rtk, bool fix_is_rtk, double sigma_horizontal
   constexpr double kCoarseM = 3.0;
   if (!series_is_rtk && sigma_horizontal > kCoarseM) return kConsumerWhite * (sigma_horizontal / 0.15);
   if (!series_is_rtk) return kConsumerWhite;
-  // A float or single fix in a fixed flight carries its whole error, as the flight's slow error is a fixed
-  // one's.
+  // A float or single fix in a fixed flight carries its whole error: the flight's slow one is a fixed fix's.
   return fix_is_rtk ? kRtkWhite : Vector3d(Vector3d(1.0, 1.0, 1.8) * std::max(0.3, sigma_horizontal));
 }
 
@@ -94,8 +93,7 @@ GnssSeries GnssOfPhotos(const std::vector<PhotoAtTime>& photos, const geo::Local
       PositionFix fix;
       fix.t_s = at.t_s;
       fix.sigma_m = WhiteSigma(series.is_rtk, p.is_rtk_fixed, p.sigma_horizontal_m.value_or(1.5));
-      // Heights of receivers without RTK are not what they say they are: the relative height is taken
-      // instead.
+      // Heights of receivers without RTK are not what they say: the relative one is taken.
       const bool has_height = p.is_rtk_fixed && p.height_ellipsoid_m.has_value();
       if (!has_height) fix.sigma_m.z() = kUnknownHeightSigmaM;
       fix.position_in_enu_m =
@@ -172,8 +170,7 @@ std::optional<ImuNoise> JudgeImu(const std::vector<flight::ImuSample>& samples) 
   }
   const double dt = Median(std::move(steps));
   if (!(dt > 0.0) || dt > 0.05) return std::nullopt;
-  // The second difference of white noise has six times its variance; the median of a sum of three squares
-  // is 2.37.
+  // A second difference of white noise has six times its variance; a sum of three squares the median 2.37.
   const double fold = dt > 0.0125 ? 2.0 : 1.0;
   const double gyro = std::sqrt(Median(std::move(rates)) / (6.0 * 2.37) * dt) * fold;
   const double accel = std::sqrt(Median(std::move(forces)) / (6.0 * 2.37) * dt) * fold;

@@ -39,8 +39,7 @@ std::vector<HeightFix> HeightsOfLog(const std::vector<flight::BaroSample>& sampl
 std::vector<RangeFix> RangesOfLog(const std::vector<flight::RangeSample>& samples);
 
 // White noise at the sample rate from the second differences of the samples (motion is smooth over three
-// samples, vibration is not); doubled where slow sampling folds vibration. Nothing where the samples are too
-// slow to use.
+// samples, vibration is not); doubled where slow sampling folds vibration. Nothing of too slow samples.
 std::optional<ImuNoise> JudgeImu(const std::vector<flight::ImuSample>& samples);
 
 // Where the samples neither turn nor shake: on the ground before and after the flight.

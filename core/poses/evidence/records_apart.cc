@@ -10,8 +10,7 @@ namespace skyquilt::poses {
 namespace {
 
 constexpr double kRefutingSigmas = 5.0;
-// With corrections: survey and base may count from frames that are decimetres apart, and antennas are not
-// cameras.
+// With corrections: frames of survey and base may lie decimetres apart, antennas are no cameras.
 constexpr double kMinCorrectedM = 0.5;
 constexpr double kMinPlainM = 15.0;  // what a receiver below trees or in a street may be off by for a flight
 constexpr std::size_t kMinRecords = 3;

@@ -197,8 +197,7 @@ class Preparation {
       }
       any = true;
       const Quaterniond cam_from_enu = CamFromEnu(*p.photo->attitude);
-      // A level body under the camera: the slow error's yaw part is then about the vertical, whatever the
-      // tilt.
+      // A level body under the camera: the slow error's yaw part is then about the vertical.
       const double yaw_rad = AnglesOf(cam_from_enu).yaw_rad;
       const Quaterniond enu_from_body = EnuFromNed() * flight::NedFromYawPitchRoll(yaw_rad, 0.0, 0.0);
       out_.cam_from_body.push_back((cam_from_enu * enu_from_body).normalized());

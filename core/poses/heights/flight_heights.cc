@@ -185,16 +185,14 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
                                     {flight::RemarkCode::kHeightBySpacing, {{"height_m", above_ground_m}}},
                                     above_ground_m};
   }
-  // Surveyed heights differ from each other far more truly than a barometer's; it only sets their common
-  // zero.
+  // Surveyed heights differ far more truly than a barometer's; it only sets their common zero.
   for (std::size_t i = 0; known > 0 && takeoff_m && i < photos.size(); ++i) {
     if (!photos[i].position || !photos[i].position->is_rtk_fixed || !photos[i].position->height_ellipsoid_m)
       continue;
     heights.above_ground_m[i] = *photos[i].position->height_ellipsoid_m - *takeoff_m;
   }
   // Photos without a relative height are tied to the others through their absolute one. Where others are up
-  // in the air, one below the take-off is down a slope: only an elevation model knows how far above the
-  // ground.
+  // in the air, one below the take-off is down a slope: only an elevation model knows how far.
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (heights.above_ground_m[i] || !photos[i].position) continue;
     const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position);

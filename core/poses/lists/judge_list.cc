@@ -35,8 +35,7 @@ constexpr double kMinExtentM = 5.0;  // photos that stand still have no layout
 constexpr std::size_t kMinRowsOfShape = 4;
 constexpr double kOnePlaneM = 100'000.0;  // further away no shape is compared: one plane does not hold both
 // A flight, its take-off and its last fix lie within this; surveyed points are seen by the photos. Where
-// these say where they were, all lie within kFarFromPhotosM; these are for one place of the flight as a
-// whole.
+// these say where they were, all lie within kFarFromPhotosM; these are for one place of the flight.
 constexpr double kFlightM = 50'000.0, kSurveyOfFlightM = 20'000.0;
 constexpr double kMinShareOfPlaces = 0.5;
 // Flights at a zone's edge are written in the neighbour's zone; the origin of a zone, where degrees taken for

@@ -11,8 +11,7 @@ namespace {
 using flight::GcpSighting;
 using flight::RemarkCode;
 
-// One mark may be mistyped; of pixels of larger pictures, or of lines taken for columns, a share lies
-// outside.
+// One mark may be mistyped; of larger pictures' pixels, or lines taken for columns, a share lies outside.
 constexpr std::size_t kFewestOutside = 2;
 constexpr std::size_t kOutsideOneIn = 10;
 
@@ -25,8 +24,7 @@ struct LeftOut {
   }
 };
 
-// What is not known of a photo's size is not held against a mark. The list counts from the first pixel's
-// corner.
+// An unknown size of a photo is not held against a mark. The list counts from the first pixel's corner.
 bool IsOutside(const GcpSighting& mark, const flight::Photo& photo) {
   const camera::Intrinsics& lens = photo.intrinsics;
   return lens.width_px > 0 && lens.height_px > 0 && !lens.IsInImage({mark.pixel_x - 0.5, mark.pixel_y - 0.5});

@@ -1,6 +1,5 @@
 // FindMarkedPhotos: the photos that a list of surveyed points has marks in, found as NamedPhotos finds them.
-// Marks that are in no photo of the flight leave the list, and the remarks say which and why. Pure; any
-// thread.
+// Marks that are in no photo of the flight leave the list; the remarks say which and why. Pure.
 #pragma once
 
 #include <cstddef>

@@ -47,8 +47,7 @@ std::string_view WithoutNumber(std::string_view stem) {
   return number.empty() || !IsOneWord(number) ? std::string_view() : flight::Trim(stem.substr(0, bracket));
 }
 
-// What a file of this name may have been called before folders were joined to its name or it was numbered,
-// without ending.
+// What a file may have been called before folders were joined to its name or it was numbered; no ending.
 std::vector<std::string_view> OriginalsOf(std::string_view plain) {
   const std::string_view stem = WithoutEndingOfFile(plain);
   std::vector<std::string_view> originals;
@@ -110,8 +109,7 @@ const NamedPhotos::Numbers* NamedPhotos::Called(std::string_view plain) const {
   return called == photos_of_.end() ? nullptr : &called->second;
 }
 
-// The photos whose names have the folders of `path` joined to them, or those of the list's name: as many as
-// there are.
+// Photos whose names have the folders of `path`, or of the list's name, joined to them: as many as can be.
 const NamedPhotos::Numbers* NamedPhotos::CalledWithFolder(std::string_view path, const List& list) const {
   const std::string_view plain = FileOf(path);
   std::vector<std::string> joined;  // from the file upwards

@@ -16,8 +16,7 @@ namespace skyquilt::poses {
 
 struct OneFrame {
   std::vector<flight::Remark> warnings;  // what was moved or doubted, and by how much
-  // From the photos' own positions, where these are not moved, are more than a few, and no receiver errs by
-  // as much.
+  // From the photos' own positions, where these stay, are more than a few, and no receiver errs so much.
   std::optional<double> contradict_m;
 };
 

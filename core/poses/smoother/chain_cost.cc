@@ -212,8 +212,7 @@ void ChainProblem::VisitFixes(const ChainGuess& guess, Sink& sink) const {
       sink.template Add<1>("course", k, -1, CourseFactor(StateAtKnot(knot), kAssumptionSigmaRad), true);
     }
     if (course_evidence_ && course_evidence_->runs_straight[Index(k)]) {
-      // A nose errs about its course for as long as a compass does: white noise of the same density stands
-      // for it.
+      // A nose errs about its course for as long as a compass does: white noise of the same density.
       const double step_s = 0.5 * (timeline_.times()[Index(k) + 1] - timeline_.times()[Index(k) - 1]);
       const double sigma = course_evidence_->sigma_rad * std::sqrt(2.0 * o.attitude_bias_time_s / step_s);
       StateBetween nose = StateAtKnot(knot);

@@ -26,8 +26,7 @@ struct StateBetween {
   Eigen::Vector3d rate_radps = Eigen::Vector3d::Zero();         // in body
   Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();  // in enu
   double weight = 0.0;                                          // of the second knot
-  // How far the truth may leave the interpolation, for each axis; zero at knots and where inertial samples
-  // carry.
+  // How far the truth may leave the interpolation, by axis; zero at knots and where inertial samples carry.
   double rotation_variance = 0.0;
   double velocity_variance = 0.0;
   double position_variance = 0.0;
@@ -47,8 +46,7 @@ Linear<9> ImuFactor(const KnotState& first, const KnotState& second, const ImuDe
                     const Matrix9d& whiten, double gravity_mps2);
 Linear<9> MotionPriorFactor(const KnotState& first, const KnotState& second, double duration_s,
                             double acceleration_density, double rotation_walk);
-// Walk of gyro and accelerometer bias, Gauss-Markov of GNSS and attitude bias, walk of baro bias, as one
-// factor.
+// Walk of gyro, accelerometer and baro bias, Gauss-Markov of GNSS and attitude bias, as one factor.
 struct BiasWalk {
   double gyro = 0.0, accel = 0.0, baro = 0.0;  // standard deviation over the interval
   Eigen::Vector3d gnss = Eigen::Vector3d::Ones(), attitude = Eigen::Vector3d::Ones();

@@ -56,8 +56,7 @@ StateBetween StateByMotionPrior(const KnotState& first, const KnotState& second,
                                 double density, double walk) {
   StateBetween s;
   s.weight = w;
-  // Variances of the bridges between the knots: Brownian for the rotation, integrated Brownian for the
-  // position.
+  // Variances of the bridges between knots: Brownian for rotation, integrated Brownian for position.
   const double u = w * (1.0 - w);
   s.rotation_variance = walk * walk * duration_s * u;
   s.velocity_variance = density * duration_s * u * (1.0 - 3.0 * u);

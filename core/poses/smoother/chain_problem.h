@@ -55,8 +55,7 @@ struct CourseEvidence {
   std::vector<bool> runs_straight;  // one per knot: fast enough and turning neither way nor nose
 };
 
-// knots: headings as recorded. Nothing where fewer than 10 knots run straight or the nose does not keep to
-// the course.
+// knots: headings as recorded. Nothing where fewer than 10 knots run straight or the nose leaves it.
 std::optional<CourseEvidence> JudgeCourse(const std::vector<KnotState>& knots,
                                           const std::vector<double>& times_s);
 
@@ -83,8 +82,7 @@ class ChainProblem {
   // Takes a guess as the point about which the inertial samples are summed (its biases), from which the weak
   // prior of the first rotation is taken, and whose speeds say where a course has a meaning.
   void ExpandAbout(const std::vector<KnotState>& knots);
-  // The outline of the system: neighbours, photo links, and, for covariances, each photo back to the one
-  // before.
+  // The outline of the system: neighbours, photo links, for covariances each photo to the one before.
   std::vector<int> Outline(bool with_photo_neighbours) const;
 
   // `report`: counts the factors where it is given.

@@ -186,8 +186,7 @@ bool BiasesMovedFar(const ChainProblem& problem, const ChainGuess& guess) {
   return false;
 }
 
-// Gauss-Newton with step halving. Marquardt's damping stalls from a start that is kilometres off; plain steps
-// do not.
+// Gauss-Newton with step halving. Marquardt's damping stalls from a start that is kilometres off.
 Result<void> Iterate(ChainProblem& problem, ChainGuess& guess, SmootherReport& report) {
   constexpr int kMaxIterations = 40;
   BlockSkyline matrix(problem.Outline(false));
@@ -332,8 +331,7 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kMoreThanADay);
   }
   if (input.imu.empty() && input.positions.empty()) {
-    // Only the photos' own motions say how far the flight went: a prior that dislikes acceleration would
-    // shrink it.
+    // Only the photos' motions say how far the flight went: a prior against acceleration would shrink it.
     input.options.acceleration_density = std::max(input.options.acceleration_density, 25.0);
   }
   ChainTimeline timeline(clean->begin_s, clean->end_s, input.photo_times_s, spacing);

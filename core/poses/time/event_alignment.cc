@@ -105,8 +105,7 @@ Pairing PairMonotonically(std::span<const double> stamps, std::span<const double
     raises.clear();
     for (std::size_t n = 0; n < kMaxEventsPerStamp && j < events.size() && events[j] <= at + half_window;
          ++n, ++j) {
-      // Inside the unit that was cut away every place is as likely; of two events there the first is the
-      // shutter's.
+      // Inside the unit that was cut away every place is as likely; of two events the first is the shutter's.
       const double z =
           std::max(0.0, std::abs(events[j] - at) - half_unit) / sigma + 0.05 * static_cast<double>(n);
       const auto [score, previous] = best.Before(j);
@@ -153,8 +152,7 @@ Candidate Settle(std::span<const double> stamps, std::span<const double> events,
 }  // namespace
 
 OffsetFit FitOffset(std::span<const double> differences, const StampModel& model) {
-  // Posterior on a grid, flat prior: the difference is the offset less a uniform share of a unit, with
-  // jitter.
+  // Posterior on a grid, flat prior: a difference is the offset less a uniform share of a unit, with jitter.
   const double resolution = std::max(model.resolution_s, 1e-3);
   const double jitter = std::max(model.jitter_s, 2e-3);
   const double middle =
@@ -221,8 +219,7 @@ std::optional<EventAlignment> AlignEvents(std::span<const double> stamps, std::s
 
 namespace {
 
-// Phase and interval that keep every stamp of a run inside its unit, if there are any: the middle of their
-// region.
+// Phase and interval that keep every stamp of a run inside its unit, if any do: the middle of their region.
 struct Interval {
   double interval_s = 0.0;
   double first_s = 0.0;
@@ -288,8 +285,7 @@ RefinedStamps RefineByTriggerInterval(std::span<const double> stamps, double res
   if (resolution < 0.05 || stamps.empty()) return refined;
   double shared = 0.0;       // sum over stamps of the variance that the stamps of their run share
   double independent = 0.0;  // sum over the other stamps
-  // The longest of the runs that start here or soon after: a first shot out of step must not bend the run
-  // behind it.
+  // The longest of the runs that start here or soon after: a first shot out of step must not bend a run.
   constexpr std::size_t kStartsTried = 6;
   for (std::size_t start = 0; start + kShortestRun <= stamps.size();) {
     std::size_t begin = start;

@@ -51,8 +51,7 @@ struct RefinedStamps {
       times_s;  // on the camera's clock; half a unit after the stamp where no interval was found
   std::vector<double> sigmas_s;
   std::size_t refined = 0;  // how many stamps belong to a run
-  // The part of the error that all stamps share: an interval of whole seconds leaves the fraction of a second
-  // open.
+  // The part of the error that all stamps share: an interval of whole seconds leaves the fraction open.
   double common_sigma_s = 0.0;
 };
 RefinedStamps RefineByTriggerInterval(std::span<const double> stamps_s, double resolution_s);

@@ -142,8 +142,7 @@ std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> phot
   };
   auto found = Search(errors_at, photos.size(), range);
   if (!found) return std::nullopt;
-  // Along-track errors over the sum of squared speeds; positions of one receiver err together for some
-  // seconds.
+  // Along-track errors over the sum of squared speeds; of one receiver they err together for seconds.
   double speeds = 0.0, along = 0.0;
   std::size_t used = 0;
   for (const TimedPosition& photo : photos) {

@@ -1,7 +1,6 @@
 // FindClockOffset: how far a camera's clock is from a log's where no events tell: by the offset at which the
 // photos' own positions fit the log's track best, or from the two clocks as they stand. Constant-speed legs
-// say nothing about time; turns, stops and changes of speed do, and the sigma shows it. Deterministic; any
-// thread.
+// say nothing about time; turns, stops and changes of speed do, and the sigma shows it. Deterministic.
 #pragma once
 
 #include <vector>

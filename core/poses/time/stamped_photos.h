@@ -1,5 +1,4 @@
-// The capture times that cameras wrote into their photos, camera by camera, as seconds. Pure functions; any
-// thread.
+// The capture times that cameras wrote into their photos, camera by camera, as seconds. Pure; any thread.
 #pragma once
 
 #include <optional>

@@ -6,8 +6,7 @@
 // the constant trigger interval. What was done is said in words, with a sigma; ambiguity raises the sigma.
 // Photos in the order of capture. Deterministic; any thread. Error: kUnprocessable when nothing ties the two
 // together, with advice; also where positions of events are all that the log has, and several shifts of them
-// fit as well, and where photos whose time is the receiver's would have been taken on another day than the
-// log.
+// fit as well, and where photos with the receiver's time would have been taken on another day than the log.
 #pragma once
 
 #include <optional>

@@ -29,8 +29,7 @@ enum class DataflashKind {
 };
 inline constexpr std::size_t kDataflashKinds = static_cast<std::size_t>(DataflashKind::kCamera) + 1;
 
-// What a message is for us, from its name: "IMU2" is instance 1 of IMU where the layout has no instance
-// field.
+// What a message is for us, from its name: "IMU2" is instance 1 of IMU where no field says it.
 struct DataflashMeaning {
   DataflashKind kind = DataflashKind::kOther;
   int instance = 0;

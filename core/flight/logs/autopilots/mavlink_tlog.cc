@@ -15,8 +15,7 @@
 namespace skyquilt::flight {
 namespace {
 
-// Numbers of messages that are counted apart; vehicles send some hundred kinds. The others count as
-// kOtherMavlink.
+// Messages that are counted apart; vehicles send some hundred kinds. The others count as kOtherMavlink.
 constexpr std::size_t kMaxMavlinkKinds = 1000;
 constexpr std::uint32_t kOtherMavlink = 0xFFFFFFFF;  // numbers have 24 bits
 
@@ -101,8 +100,7 @@ UtcTime FromUnixUs(std::uint64_t us) {
 // are placed by the ground station's clock.
 class MavlinkVehicle {
  public:
-  // `has_gps`: raw fixes are among the packets, so that the autopilot's own solution is not taken beside
-  // them.
+  // `has_gps`: raw fixes are among the packets: the autopilot's own solution is not taken beside them.
   MavlinkVehicle(LogBuilder& builder, std::uint8_t system_id, bool has_gps)
       : builder_(builder), system_(system_id), has_gps_(has_gps) {}
 

@@ -233,8 +233,7 @@ struct UlogReaders {
         event.height_above_ground_m = *above;
       if (const auto attitude = GetQuaternion(q, payload)) {
         event.yaw_pitch_roll_rad = YawPitchRollFromNed(*attitude);
-        // The message holds the gimbal's attitude where there is one; an airframe does not fly at -45 deg of
-        // pitch.
+        // The gimbal's attitude where there is one; an airframe does not fly at -45 deg of pitch.
         event.attitude_kind = event.yaw_pitch_roll_rad->y() < geo::DegToRad(-45.0) ? AttitudeKind::kGimbal
                                                                                    : AttitudeKind::kAirframe;
       }

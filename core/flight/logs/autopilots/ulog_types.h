@@ -61,8 +61,7 @@ class UlogTypes {
   int steps_ = 0;
 };
 
-// The number at an index of a field; nothing when the payload ends before it (trailing padding is not
-// written).
+// The number at an index of a field; nothing beyond the payload (padding at its end is not written).
 std::optional<double> UlogNumber(const UlogField& field, LogBytes payload, std::size_t index = 0);
 
 }  // namespace skyquilt::flight

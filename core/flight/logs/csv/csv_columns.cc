@@ -124,8 +124,7 @@ MeaningAndUnit CutUnit(const std::string& words) {
   return {};
 }
 
-// "height_navd88", "elevation  _egm96", "höhe über nhn": a height whose last words say above what it counts,
-// or in which unit.
+// "height_navd88", "elevation  _egm96", "höhe über nhn": a height whose last words say its zero or unit.
 MeaningAndUnit CutHeightWords(std::string base) {
   constexpr std::array<std::string_view, 6> kAbove = {"", "u", "ber", "ueber", "over", "above"};
   if (base.size() > kMaxColumnName) return {};
@@ -154,8 +153,7 @@ bool IsBareHeight(const std::string& letters) {
          !HoldsOneOf(letters, {"msl", "sea", "nn"});
 }
 
-// "deg, wgs 84", "deg min sec", "n/s": the cells are degrees. Not "w": it is not said which sign that asks
-// for.
+// "deg, wgs 84", "deg min sec", "n/s": the cells are degrees. Not "w": which sign is that?
 bool SaysDegrees(std::string words) {
   constexpr std::array<std::string_view, 11> kBeside = {"wgs", "84",      "min",     "sec", "dms",  "n/s",
                                                         "e/w", "minutes", "seconds", "n",   "north"};

@@ -32,8 +32,7 @@ struct CsvColumn {
   bool is_elapsed_text = false;  // "0:12:05" or "12m 5s" as a time
 };
 
-// By a header that is not canonical. Several columns may have one meaning until SettleColumns has seen their
-// cells.
+// By a header that is not canonical. Several columns may have one meaning until SettleColumns sees cells.
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header);
 
 // Whether a word beside a height says above what it counts: "ell", "nhn", "navd88".

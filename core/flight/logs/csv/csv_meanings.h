@@ -1,5 +1,4 @@
-// What a column of a CSV log can mean, and the names under which programs write it. Pure functions; any
-// thread.
+// What a column of a CSV log can mean, and the names that programs give it. Pure functions; any thread.
 #pragma once
 
 #include <string_view>

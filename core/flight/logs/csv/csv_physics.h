@@ -32,8 +32,7 @@ struct SensorAxes {
   std::vector<std::string> notes;  // for FlightLog::mapping
 };
 
-// Specific force in g, mg or m/s2, rates in degrees or radians a second, and which way the axes point. Error:
-// Contradiction.
+// Force in g, mg or m/s2, rates in degrees or radians a second, where the axes point. Error: Contradiction.
 Result<SensorAxes> SettleInertialUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview,
                                        double seconds_per_time);
 

@@ -325,8 +325,7 @@ void CsvSampler::Finish(const std::vector<CsvColumn>& columns, const SampledRows
     zero = fit->utc_at_zero;
     sigma_s = std::hypot(clock_resolution_s_, fit->scatter_s);
     newest_offset_s_ = std::clamp(newest_offset_s_, -1e9, 1e9);
-    // A stamp cut to whole seconds is never late: the newest one against the fine clock has the least cut
-    // off.
+    // A stamp cut to whole seconds is never late: of the newest against the fine clock least is cut off.
     const UtcTime newest = LaterBy(*first_utc_, newest_offset_s_);
     const double gain_s = SecondsBetween(fit->utc_at_zero, newest);
     if (gain_s >= 0.0 && gain_s <= clock_resolution_s_) {

@@ -148,8 +148,7 @@ std::optional<char> SeparatorOfRows(const ListHeading& heading, std::string_view
 }
 
 // Whatever their column is called ("id", "camera"): files of pictures below it are the photos. Rows may be
-// cut otherwise than the names: then the first cell alone tells. Metashape's "PhotoID" are names without
-// their endings.
+// cut otherwise than the names: then the first cell alone tells. Metashape's "PhotoID" are without endings.
 void TakePicturesBelow(std::string_view row, char separator, std::vector<CsvColumn>& columns) {
   if (NamesPhotos(columns) || columns.empty()) return;
   std::vector<std::string_view> cells;

@@ -61,8 +61,7 @@ bool HasPixelColumns(const std::vector<std::string_view>& columns) {
                      [&](std::string_view column) { return IsOneOf(LowerCase(column), kNames); });
 }
 
-// The number of the column that says which points are only to check the map; past all columns where none
-// does.
+// The number of the column that says which points only check the map; past all columns where none does.
 std::size_t CheckColumn(const std::vector<std::string_view>& columns) {
   std::size_t number = 0;
   while (number < columns.size() && LowerCase(Trim(columns[number])) != kCheckEnding) ++number;

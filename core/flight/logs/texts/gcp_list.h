@@ -1,8 +1,7 @@
 // Ground control points as ODM lists them (gcp_list.txt): a reference system in the first line, then
 // "x y z pixel_x pixel_y image [name]" per sighting, cut at tabs, semicolons, commas or blanks; a line of
 // column names may stand below the system, and say that the northing comes first. Rows that are not cut at
-// blanks may have blanks within their names; one whose image is "-" is a point that no photo is marked with
-// yet. Any thread.
+// blanks may have blanks within their names; one whose image is "-" is a point without a mark. Any thread.
 #pragma once
 
 #include <optional>

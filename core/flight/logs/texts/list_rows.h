@@ -45,8 +45,7 @@ std::vector<std::string_view> ColumnNames(std::string_view line);
 // Three of such names are known, or half: no title, whose words may be names by chance.
 bool AreNamesOfColumns(const std::vector<std::string_view>& columns);
 
-// The order that names of columns give a pair of coordinates; nothing where they name none, or only "x" and
-// "y".
+// The order that names of columns give a pair of coordinates; nothing where none, or "x" and "y", do.
 enum class NamedOrder { kEastFirst, kNorthFirst };
 std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& columns);
 

@@ -1,8 +1,7 @@
 // TrackPoints: gathers the points of a track file, in any order and each with what of it could be read, into
 // a FlightLog: GNSS samples in the order of time, t_s = 0 at the first. Heights above mean sea level, above
 // the ellipsoid or above the place of take-off, metres. At most 2 million points. One thread; used once.
-// Fails with kNoPosition, in words that say what the points lack: a time, one that can be read, a place on
-// Earth.
+// Fails with kNoPosition, saying what the points lack: a time, one that can be read, a place on Earth.
 #pragma once
 
 #include <optional>

@@ -19,8 +19,7 @@ std::string_view WithoutPrefix(std::string_view name) {
   return colon == std::string_view::npos ? name : name.substr(colon + 1);
 }
 
-// What "amp" or "#65" stands for. Of numbers only ASCII: whatever else was said is neither a number nor a
-// time.
+// What "amp" or "#65" stands for. Of numbers only ASCII: all else is neither a number nor a time.
 char CharacterOf(std::string_view entity) {
   constexpr std::array<std::pair<std::string_view, char>, 5> kNamed = {
       {{"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}}};
