@@ -26,8 +26,7 @@ LIBRARIES = {
     r"sqlite3\.h": {"storage"},
     r"(libpq-fe|libpq/|postgres_ext)": {"storage/db/postgres"},
     r"(gdal|cpl_|ogr)": {"storage"},
-    r"opencv2/": {"core/alignment", "core/surface", "core/render", "core/pyramid", "core/simulate", "core/video", "core/flight/photos/photo_decoder.cc",
-                  "core/flight/photos/thermal_picture.cc"},
+    r"opencv2/": {"core/alignment", "core/surface", "core/render", "core/pyramid", "core/simulate", "core/video", "core/flight/photos/photo_decoder.cc"},
     r"lib(av|sws)": {"core/video"},
     r"ceres/": {"core/poses", "core/alignment"},
 }

@@ -40,7 +40,7 @@ Result<image::DecodedImage> DecodePhotoBytes(const std::vector<std::uint8_t>& by
                                              int height_px, int denominator);
 
 // A TIFF or PNG of one channel, all 16 bits of it; one of 8 bits is brought to 16. Of a thermal camera's JPEG
-// the levels of its sensor (thermal_picture).
+// the levels of its sensor.
 Result<image::SampleImage> DecodeSampleBytes(const std::vector<std::uint8_t>& bytes, int width_px,
                                              int height_px, std::int64_t max_bytes = kMaxDecodeBytes);
 
