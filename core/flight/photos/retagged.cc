@@ -2,6 +2,7 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -80,10 +81,7 @@ void LeaveOutRetagged(std::vector<Photo>& photos, std::vector<LeftOutPhoto>& lef
   };
   std::vector<bool> is_out(photos.size(), false);
   for (const auto& [picture, files] : pictures) {
-    std::size_t best = files.front();
-    for (const std::size_t i : files) {
-      if (rank(i) < rank(best)) best = i;
-    }
+    const std::size_t best = *std::ranges::min_element(files, {}, rank);
     for (const std::size_t i : files) {
       if (i == best) continue;
       is_out[i] = true;

@@ -13,10 +13,8 @@ namespace skyquilt::pipeline {
 namespace {
 
 const LocatedCamera* FindCamera(const LocatedMap& map, std::string_view photo) {
-  for (const LocatedCamera& camera : map.cameras) {
-    if (camera.name == photo) return &camera;
-  }
-  return nullptr;
+  const auto found = std::ranges::find(map.cameras, photo, &LocatedCamera::name);
+  return found == map.cameras.end() ? nullptr : &*found;
 }
 
 double QualityOf(const std::optional<double>& sharpness, double off_nadir_rad) {

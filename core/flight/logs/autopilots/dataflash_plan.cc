@@ -136,15 +136,8 @@ int DataflashCensus::BestImu() const {
 }
 
 int DataflashCensus::BestGps() const {
-  int best = 0;
-  double quality = -1.0;
-  for (const auto& [instance, sum] : gps_quality) {
-    if (sum > quality) {
-      best = instance;
-      quality = sum;
-    }
-  }
-  return best;
+  const auto best = std::ranges::max_element(gps_quality, {}, [](const auto& one) { return one.second; });
+  return best == gps_quality.end() ? 0 : best->first;
 }
 
 bool DataflashCensus::HasRawImu(int instance) const {
