@@ -26,5 +26,6 @@ function(skyquilt_load_late library)
   add_library(${library}_late STATIC ${trampolines})
   target_include_directories(${library}_late PRIVATE ${CMAKE_SOURCE_DIR})
   target_link_libraries(${library}_late PRIVATE skyquilt_base)
-  target_link_libraries(${library} INTERFACE ${library}_late)
+  # By its file: what is compiled against a target waits for all that the target makes by a command, here for `library` compiled.
+  target_link_libraries(${library} INTERFACE $<TARGET_FILE:${library}_late> skyquilt_base)
 endfunction()

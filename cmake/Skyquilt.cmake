@@ -86,7 +86,7 @@ endfunction()
 
 # skyquilt_library(name [LARGE] [COLD | PIXELS] SOURCES a.cc ... [HOT b.cc ... [HOT_OPTIONS ...]] HEADERS a.h ...
 # DEPS public... PRIVATE_DEPS private...)
-# A COLD library has no loop that a user waits for (texts, documents, options, statements): -O1 compiles it in half the time.
+# A COLD library has no loop that a user waits for (texts, documents, options, statements): -Og compiles it in half the time.
 # One of PIXELS is loops over pixels or cells: -O3 makes vector instructions of them. HOT: sources apart from the others,
 # which every tile, point or pixel runs through.
 function(skyquilt_library name)
@@ -107,7 +107,7 @@ function(skyquilt_library name)
     target_link_libraries(${name} PUBLIC skyquilt_flags ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
     skyquilt_unity(${name} ${ARG_LARGE})
     if(ARG_COLD)
-      skyquilt_optimise(${name} -O1)
+      skyquilt_optimise(${name} -Og)
     elseif(ARG_PIXELS)
       target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3>)
     else()
