@@ -38,10 +38,6 @@ TEST(IfRangeMatches, TakesStrongTagsOnly) {
   EXPECT_FALSE(IfRangeMatches("Sat, 21 Nov 2026 03:57:55 GMT", "\"a\""));
 }
 
-}  // namespace
-
-namespace {
-
 struct Case {
   std::string header;
   std::uint64_t body;
@@ -82,10 +78,6 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"bytes=1--2", 10, kWhole, 0, 0}, Case{"bytes=--1", 10, kWhole, 0, 0},
                     Case{"", 10, kWhole, 0, 0}));
 
-}  // namespace
-
-namespace {
-
 TEST(Problem, HasAStatusForEveryErrorKind) {
   for (const ErrorCode code : kAllErrorCodes) {
     const int status = StatusOf(code);
@@ -124,10 +116,6 @@ TEST(Problem, TellsWhenToComeBack) {
   EXPECT_EQ(Problem({ErrorCode::kUnavailable, "", ""}, "", "").headers.Find("Retry-After"), "2");
 }
 
-}  // namespace
-
-namespace {
-
 TEST(LinkTo, GoesOnWithTheTokenOfTheQuery) {
   Request request;
   request.base_url = "https://maps.example";
@@ -148,10 +136,6 @@ TEST(LinkTo, WritesNothingElseIntoDocuments) {
   header.headers.Add("Authorization", "Bearer sq_secret");
   EXPECT_EQ(LinkTo(header, "/x"), "/x");
 }
-
-}  // namespace
-
-namespace {
 
 TEST(ParseTarget, DecodesSegmentsAndQuery) {
   const auto target = ParseTarget("/a/b%20c/%C3%A6.jpg?x=1&y=a%2Fb+c&flag&=v");
