@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "api/json/job_options.h"
 #include "core/pipeline/mosaic_options.h"
@@ -29,28 +30,11 @@ TEST(NodeOptions, OfferTheUsualNamesAndSayWhatDoesNothing) {
     EXPECT_FALSE(option["help"].get<std::string>().empty()) << option;
     EXPECT_TRUE(names.insert(option["name"]).second) << option;
   }
-  for (const char* usual : {"dsm",
-                            "dtm",
-                            "fast-orthophoto",
-                            "mesh-size",
-                            "feature-quality",
-                            "pc-quality",
-                            "orthophoto-resolution",
-                            "auto-boundary",
-                            "skip-3dmodel",
-                            "orthophoto-png",
-                            "cog",
-                            "build-overviews",
-                            "max-concurrency",
-                            "split",
-                            "gps-accuracy",
-                            "ignore-gsd",
-                            "crop",
-                            "dem-resolution",
-                            "min-num-features",
-                            "camera-lens"}) {
-    EXPECT_TRUE(names.contains(usual)) << usual;
-  }
+  std::istringstream usual(
+      "dsm dtm fast-orthophoto mesh-size feature-quality pc-quality orthophoto-resolution auto-boundary"
+      " skip-3dmodel orthophoto-png cog build-overviews max-concurrency split gps-accuracy ignore-gsd crop"
+      " dem-resolution min-num-features camera-lens");
+  for (std::string name; usual >> name;) EXPECT_TRUE(names.contains(name)) << name;
 }
 
 TEST(NodeOptions, ThoseWithoutEffectAreTakenAndShownInTheirTypes) {

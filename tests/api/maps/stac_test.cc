@@ -196,27 +196,12 @@ TEST_F(StacTest, AcrossTheAntimeridianBoxesAreThoseOfGeoJson) {
 
 TEST_F(StacTest, RefusesWhatCannotBeMeant) {
   Add({1, 1, 2, 2});
+  for (const char* box : {"1,2,3", "1,2,3,x", "nan,0,1,1", "0,0,1e9,1", "0,5,1,4", "inf,0,1,1", ""})
+    EXPECT_EQ(sample_.Get(std::string("/stac/search?bbox=") + box).status, 400) << box;
   for (const char* query :
-       {"bbox=1,2,3",
-        "bbox=1,2,3,x",
-        "bbox=nan,0,1,1",
-        "bbox=0,0,1e9,1",
-        "bbox=0,5,1,4",
-        "bbox=inf,0,1,1",
-        "bbox=",
-        "limit=-1",
-        "limit=0",
-        "limit=x",
-        "limit=99999999999999999999",
-        "cursor=x",
-        "datetime=yesterday",
-        "datetime=2024-06-02T00:00:00Z/2024-06-01T00:00:00Z",
-        "datetime=../..",
-        "datetime=/",
-        "intersects=%7B%7D",
-        "intersects=x",
-        "query=%7B%7D",
-        "filter=a%3D1",
+       {"limit=-1", "limit=0", "limit=x", "limit=99999999999999999999", "cursor=x", "datetime=yesterday",
+        "datetime=2024-06-02T00:00:00Z/2024-06-01T00:00:00Z", "datetime=../..", "datetime=/",
+        "intersects=%7B%7D", "intersects=x", "query=%7B%7D", "filter=a%3D1",
         "bbox=0,0,1,1&intersects=%7B%22type%22:%22Point%22,%22coordinates%22:%5B1,1%5D%7D"}) {
     EXPECT_EQ(sample_.Get(std::string("/stac/search?") + query).status, 400) << query;
   }
