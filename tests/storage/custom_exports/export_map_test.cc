@@ -4,12 +4,13 @@
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/flight/remarks/because.h"
@@ -25,6 +26,7 @@
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/rasters/band_file.h"
+#include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -94,9 +96,15 @@ class ExportMapTest : public testing::Test {
     return flight::NameOf(flight::WhyOf(Refused(wish)).code);
   }
   fs::path Out(const std::string& name) const { return folder_.path() / name; }
-  std::unique_ptr<GDALDataset> Open(const std::string& name) const {
-    return std::unique_ptr<GDALDataset>(
-        GDALDataset::Open(Out(name).c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+  std::unique_ptr<GDALDataset> Open(const std::string& name) const { return test::OpenByGdal(Out(name)); }
+  // Red and near infrared, so many tiles south-east of the map's corner.
+  void WriteBands(int tiles, int width_px, int height_px, std::function<float(int, int, int)> value) const {
+    const double tile_m = geo::TileSizeInMercM(kZoom);
+    const double west_m = (kFirstColumn + tiles) * tile_m - geo::kMercHalfWidthM;
+    const double north_m = geo::kMercHalfWidthM - (kFirstRow + tiles) * tile_m;
+    const std::vector<std::string> bands{"red", "nir"};
+    test::WriteBandFile(Out("map") / "bands.tif",
+                        {west_m, north_m, tile_m / 256, width_px, height_px, bands, std::move(value)});
   }
   test::TemporaryFolder folder_;
 };
@@ -163,65 +171,45 @@ TEST_F(ExportMapTest, AGeotiffHasTheSystemResolutionAndAreaAskedFor) {
   ExportWell(R"({"format":"geotiff","crs":"EPSG:2056","resolution_m":0.5,"boundary":)" + BoxText(box) + "}",
              "ch.tif");
   const auto made = Open("ch.tif");
-  ASSERT_NE(made, nullptr);
   EXPECT_STREQ(made->GetSpatialRef()->GetAuthorityCode(nullptr), "2056");
-  std::array<double, 6> from{};
-  ASSERT_EQ(made->GetGeoTransform(from.data()), CE_None);
+  const auto from = test::TransformOf(*made);
   EXPECT_NEAR(from[1], 0.5, 1e-9);
   EXPECT_NEAR(from[5], -0.5, 1e-9);
   // Two tiles of 256 pixels of 0.204 m, and what the box's turn in the other grid adds.
   EXPECT_NEAR(made->GetRasterXSize(), 2 * 256 * 0.2045 / 0.5, 8);
   EXPECT_NEAR(made->GetRasterYSize(), 2 * 256 * 0.2045 / 0.5, 8);
   // What lies in the middle of the map lies in the middle of the export.
-  const auto merc_map = [&] {
-    ExportWell(R"({"format":"geotiff"})", "merc.tif");
-    return Open("merc.tif");
-  }();
-  std::array<double, 6> merc{};
-  ASSERT_EQ(merc_map->GetGeoTransform(merc.data()), CE_None);
+  ExportWell(R"({"format":"geotiff"})", "merc.tif");
+  const auto merc_map = Open("merc.tif");
+  const auto merc = test::TransformOf(*merc_map);
   const std::unique_ptr<OGRCoordinateTransformation> transform(
       OGRCreateCoordinateTransformation(made->GetSpatialRef(), merc_map->GetSpatialRef()));
   for (int at = 20; at < 190; at += 17) {
     double x = from[0] + (at + 0.5) * from[1], y = from[3] + (at + 0.5) * from[5];
     ASSERT_TRUE(transform->Transform(1, &x, &y));
     for (int band = 1; band <= 3; ++band) {
-      std::uint8_t got = 0, wanted = 0;
-      ASSERT_EQ(made->GetRasterBand(band)->RasterIO(GF_Read, at, at, 1, 1, &got, 1, 1, GDT_Byte, 0, 0),
-                CE_None);
-      ASSERT_EQ(merc_map->GetRasterBand(band)->RasterIO(GF_Read, static_cast<int>((x - merc[0]) / merc[1]),
-                                                        static_cast<int>((y - merc[3]) / merc[5]), 1, 1,
-                                                        &wanted, 1, 1, GDT_Byte, 0, 0),
-                CE_None);
-      EXPECT_NEAR(got, wanted, 12) << at;
+      const int wanted =
+          test::PixelAt(*merc_map->GetRasterBand(band), static_cast<int>((x - merc[0]) / merc[1]),
+                        static_cast<int>((y - merc[3]) / merc[5]));
+      EXPECT_NEAR(test::PixelAt(*made->GetRasterBand(band), at, at), wanted, 12) << at;
     }
   }
 }
 
 TEST_F(ExportMapTest, UtmAndDegreesWork) {
   ExportWell(R"({"format":"geotiff","crs":"utm"})", "utm.tif");
-  std::array<double, 6> from{};
-  ASSERT_EQ(Open("utm.tif")->GetGeoTransform(from.data()), CE_None);
-  EXPECT_NEAR(from[1], 0.25, 1e-9);  // the photos' own: nothing finer was seen
+  EXPECT_NEAR(test::TransformOf(*Open("utm.tif"))[1], 0.25, 1e-9);  // the photos' own: nothing finer was seen
   ExportWell(R"({"format":"geotiff","crs":"EPSG:4326","resolution_m":0.3})", "degrees.tif");
-  ASSERT_EQ(Open("degrees.tif")->GetGeoTransform(from.data()), CE_None);
+  const auto from = test::TransformOf(*Open("degrees.tif"));
   EXPECT_NEAR(from[1] * 111320 * std::cos(46.8 * M_PI / 180), 0.3, 0.002);
   EXPECT_NEAR(-from[5] * 111180, 0.3, 0.002);
 }
 
-std::vector<float> ValuesIn(GDALDataset& file) {
-  std::vector<float> values(static_cast<std::size_t>(file.GetRasterXSize()) *
-                            static_cast<std::size_t>(file.GetRasterYSize()));
-  EXPECT_EQ(file.GetRasterBand(1)->RasterIO(GF_Read, 0, 0, file.GetRasterXSize(), file.GetRasterYSize(),
-                                            values.data(), file.GetRasterXSize(), file.GetRasterYSize(),
-                                            GDT_Float32, 0, 0, nullptr),
-            CE_None);
-  return values;
-}
+std::vector<float> ValuesIn(GDALDataset& file) { return test::PixelsOf<float>(*file.GetRasterBand(1)); }
 
 TEST_F(ExportMapTest, AnIndexHasTheValuesOfThePixels) {
   ExportWell(R"({"format":"geotiff","expression":"red-0.5"})", "red.tif");
   const auto file = Open("red.tif");
-  ASSERT_NE(file, nullptr);
   constexpr int kSide = kTiles * 256;
   ASSERT_EQ(file->GetRasterXSize(), kSide);
   ASSERT_EQ(file->GetRasterYSize(), kSide);
@@ -261,9 +249,7 @@ TEST_F(ExportMapTest, AnIndexIsCutAndBroughtToOtherSystems) {
                  BoxText(box) + "}",
              "cut.tif");
   const auto file = Open("cut.tif");
-  ASSERT_NE(file, nullptr);
-  std::array<double, 6> from{};
-  ASSERT_EQ(file->GetGeoTransform(from.data()), CE_None);
+  const auto from = test::TransformOf(*file);
   EXPECT_NEAR(from[1], 0.5, 1e-9);
   double square_m = 0.0;
   for (const float value : ValuesIn(*file)) {
@@ -278,22 +264,12 @@ TEST_F(ExportMapTest, AnIndexIsCutAndBroughtToOtherSystems) {
 
 TEST_F(ExportMapTest, AnIndexOfBandsComesFromTheirFile) {
   EXPECT_NE(Refusal(R"({"format":"geotiff","index":"ndvi"})").find("no band \"nir\""), std::string::npos);
-  const double tile_m = geo::TileSizeInMercM(kZoom);
-  test::BandFile bands;
-  bands.west_m = (kFirstColumn + 1) * tile_m - geo::kMercHalfWidthM;
-  bands.north_m = geo::kMercHalfWidthM - (kFirstRow + 1) * tile_m;
-  bands.pixel_m = tile_m / 256;
-  bands.width_px = 300;
-  bands.height_px = 200;
-  bands.bands = {"red", "nir"};
-  bands.value = [](int band, int column, int row) {
+  WriteBands(1, 300, 200, [](int band, int column, int row) {
     if (column < 10) return std::nanf("");
     return band == 0 ? 0.1f : 0.1f + 0.001f * static_cast<float>(row);
-  };
-  test::WriteBandFile(Out("map") / "bands.tif", bands);
+  });
   ExportWell(R"({"format":"geotiff","index":"ndvi"})", "ndvi.tif");
   const auto file = Open("ndvi.tif");
-  ASSERT_NE(file, nullptr);
   EXPECT_STREQ(file->GetRasterBand(1)->GetDescription(), "NDVI");
   ASSERT_EQ(file->GetRasterXSize(), 300);
   ASSERT_EQ(file->GetRasterYSize(), 200);
@@ -309,20 +285,10 @@ TEST_F(ExportMapTest, NothingIsLostAtTheSidesWhereNorthLeans) {
   // Full to its corners, two degrees off the zone's middle meridian.
   constexpr int kSide = kTiles * 256;
   const double tile_m = geo::TileSizeInMercM(kZoom);
-  test::BandFile bands;
-  bands.west_m = kFirstColumn * tile_m - geo::kMercHalfWidthM;
-  bands.north_m = geo::kMercHalfWidthM - kFirstRow * tile_m;
-  bands.pixel_m = tile_m / 256;
-  bands.width_px = kSide;
-  bands.height_px = kSide;
-  bands.bands = {"red", "nir"};
-  bands.value = [](int band, int, int) { return band == 0 ? 1.0f : 3.0f; };
-  test::WriteBandFile(Out("map") / "bands.tif", bands);
+  WriteBands(0, kSide, kSide, [](int band, int, int) { return band == 0 ? 1.0f : 3.0f; });
   ExportWell(R"({"format":"geotiff","index":"ndvi","crs":"utm"})", "utm.tif");
   const auto file = Open("utm.tif");
-  ASSERT_NE(file, nullptr);
-  std::array<double, 6> from{};
-  ASSERT_EQ(file->GetGeoTransform(from.data()), CE_None);
+  const auto from = test::TransformOf(*file);
   double square_m = 0.0;
   for (const float value : ValuesIn(*file)) {
     if (!std::isnan(value)) square_m += -from[1] * from[5];

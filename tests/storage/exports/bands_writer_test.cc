@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
+#include <filesystem>
+#include <iterator>
 
 #include "storage/rasters/gdal_steps.h"
+#include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -51,13 +53,11 @@ TEST(BandsWriterTest, WritesACloudOptimisedRasterOfWhatIsCovered) {
     ASSERT_TRUE(writer.Publish().ok());
   }
   RegisterGdalOnce();
-  const std::unique_ptr<GDALDataset> read(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER));
-  ASSERT_TRUE(read);
+  const auto read = test::OpenByGdal(path);
   EXPECT_EQ(read->GetRasterXSize(), kBlock - 100);
   EXPECT_EQ(read->GetRasterYSize(), kBlock - 100);
   EXPECT_STREQ(read->GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE"), "COG");
-  double transform[6];
-  ASSERT_EQ(read->GetGeoTransform(transform), CE_None);
+  const auto transform = test::TransformOf(*read);
   EXPECT_DOUBLE_EQ(transform[0], 1000.0 + 0.5 * (kBlock + 100));
   EXPECT_DOUBLE_EQ(transform[3], 2000.0 - 0.5 * 100);
   ASSERT_EQ(read->GetRasterCount(), 2);
@@ -72,16 +72,9 @@ TEST(BandsWriterTest, WritesACloudOptimisedRasterOfWhatIsCovered) {
   EXPECT_GT(green.GetOverviewCount(), 0);
   EXPECT_STREQ(read->GetRasterBand(2)->GetDescription(), "nir");
   EXPECT_EQ(read->GetRasterBand(2)->GetMetadataItem("WAVELENGTH"), nullptr);
-  float value = 0.0F;
-  ASSERT_EQ(green.RasterIO(GF_Read, 7, 9, 1, 1, &value, 1, 1, GDT_Float32, 0, 0, nullptr), CE_None);
-  EXPECT_FLOAT_EQ(value, 107.0F);
-  ASSERT_EQ(read->GetRasterBand(2)->RasterIO(GF_Read, 910, 9, 1, 1, &value, 1, 1, GDT_Float32, 0, 0, nullptr),
-            CE_None);
-  EXPECT_TRUE(std::isnan(value));
-  int files = 0;
-  for (const auto& file : std::filesystem::directory_iterator(scratch.path()))
-    ++files, static_cast<void>(file);
-  EXPECT_EQ(files, 1);
+  EXPECT_FLOAT_EQ(test::PixelAt<float>(green, 7, 9), 107.0F);
+  EXPECT_TRUE(std::isnan(test::PixelAt<float>(*read->GetRasterBand(2), 910, 9)));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(scratch.path()), {}), 1);
 }
 
 TEST(BandsWriterTest, WithoutAnyValueThereIsNoFile) {

@@ -15,6 +15,7 @@
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
+#include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -39,7 +40,7 @@ std::unique_ptr<OpenedCog> WriteAndOpen(const PaintedTileset& tileset, int threa
   const Result<void> written = WriteCog(opened->mbtiles, opened->tif, {85, threads}, progress);
   EXPECT_TRUE(written.ok()) << (written ? "" : written.error().message);
   GDALAllRegister();
-  opened->dataset.reset(GDALDataset::Open(opened->tif.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR));
+  opened->dataset = test::OpenByGdal(opened->tif);
   return opened;
 }
 
@@ -53,7 +54,7 @@ std::unique_ptr<GDALDataset> PublishAndOpen(MbtilesWriter& writer, int zoom,
   EXPECT_TRUE(writer.Publish(metadata));
   EXPECT_TRUE(WriteCog(mbtiles, tif, {}, progress));
   GDALAllRegister();
-  return std::unique_ptr<GDALDataset>(GDALDataset::Open(tif.c_str(), GDAL_OF_RASTER));
+  return test::OpenByGdal(tif);
 }
 
 // Blue, green, red: what the stored tile decodes to.
@@ -70,12 +71,7 @@ struct Window {
 };
 
 std::vector<std::uint8_t> ReadBand(GDALRasterBand* band, const Window& window) {
-  const int height = window.bottom - window.top;
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(window.Width()) * height);
-  EXPECT_EQ(band->RasterIO(GF_Read, window.left, window.top, window.Width(), height, out.data(),
-                           window.Width(), height, GDT_Byte, 0, 0),
-            CE_None);
-  return out;
+  return test::PixelsOf(*band, window.left, window.top, window.Width(), window.bottom - window.top);
 }
 
 // Compares one level with every tile of the tileset that lies over it: copied tiles to the rounding of two
@@ -141,7 +137,6 @@ void ExpectLevelShowsTiles(OpenedCog& cog, const PaintedTileset& tileset, int le
 TEST(WriteCog, ShowsTheTilesetsOwnTilesAtEveryLevel) {
   const PaintedTileset tileset{18, 256, 1001, 2002, 7, 6};
   const auto cog = WriteAndOpen(tileset);
-  ASSERT_NE(cog->dataset, nullptr);
   // A small map keeps its corner; its overviews begin inside tiles.
   const int levels = cog->dataset->GetRasterBand(1)->GetOverviewCount();
   ASSERT_EQ(levels, 2);
@@ -151,7 +146,6 @@ TEST(WriteCog, ShowsTheTilesetsOwnTilesAtEveryLevel) {
 TEST(WriteCog, MovesTheCornerOfALargeMapToATileOfItsFinerOverviews) {
   const PaintedTileset tileset{12, 256, 1003, 2003, 33, 33};
   const auto cog = WriteAndOpen(tileset);
-  ASSERT_NE(cog->dataset, nullptr);
   const int levels = cog->dataset->GetRasterBand(1)->GetOverviewCount();
   ASSERT_EQ(levels, 4);
   EXPECT_EQ(cog->dataset->GetRasterXSize(), 36 * 256);
@@ -161,9 +155,7 @@ TEST(WriteCog, MovesTheCornerOfALargeMapToATileOfItsFinerOverviews) {
 TEST(WriteCog, LiesWhereTheTilesLie) {
   const PaintedTileset tileset{18, 512, 1001, 2002, 7, 6};
   const auto cog = WriteAndOpen(tileset);
-  ASSERT_NE(cog->dataset, nullptr);
-  std::array<double, 6> transform{};
-  ASSERT_EQ(cog->dataset->GetGeoTransform(transform.data()), CE_None);
+  const auto transform = test::TransformOf(*cog->dataset);
   const geo::Bounds2 corner = geo::TileId::Make(18, 1001, 2002)->BoundsInMerc();
   EXPECT_NEAR(transform[0], corner.min.x(), 1e-6);
   EXPECT_NEAR(transform[3], corner.max.y(), 1e-6);
@@ -177,7 +169,6 @@ TEST(WriteCog, LiesWhereTheTilesLie) {
 TEST(WriteCog, ShowsTilesWhoseFringeIsPng) {
   const PaintedTileset tileset{18, 256, 1001, 2002, 7, 6, image::TileEncoding::kJpegPng};
   const auto cog = WriteAndOpen(tileset);
-  ASSERT_NE(cog->dataset, nullptr);
   for (int level = 0; level <= cog->dataset->GetRasterBand(1)->GetOverviewCount(); ++level)
     ExpectLevelShowsTiles(*cog, tileset, level, 1001, 2002);
 }
@@ -197,7 +188,6 @@ TEST(WriteCog, MakesWebpOfWhatIsNotAmongTilesThatAre) {
   put(100, opaque, image::TileEncoding::kWebp);
   put(101, fringe, image::TileEncoding::kJpegPng);
   const auto cog = PublishAndOpen(*writer, 8, mbtiles);
-  ASSERT_NE(cog, nullptr);
   ASSERT_EQ(cog->GetRasterCount(), 4);
   const auto alpha = ReadBand(cog->GetRasterBand(4), {256, 0, 512, 256});
   for (std::size_t i = 0; i < alpha.size(); ++i) ASSERT_EQ(alpha[i], fringe.rgba[4 * i + 3]);
@@ -215,7 +205,6 @@ TEST(WriteCog, CopiesTheBytesOfOpaqueTiles) {
 TEST(WriteCog, KeepsWebpTilesWithTheirAlpha) {
   const PaintedTileset tileset{18, 256, 1000, 2000, 4, 4, image::TileEncoding::kWebp, 90};
   const auto cog = WriteAndOpen(tileset);
-  ASSERT_NE(cog->dataset, nullptr);
   ASSERT_EQ(cog->dataset->GetRasterCount(), 4);
   const image::RgbaImage truth = PaintedTile(tileset, 0, 1);
   const auto alpha = ReadBand(cog->dataset->GetRasterBand(4), {0, 256, 256, 512});
@@ -281,7 +270,6 @@ TEST(WriteCog, StaysInOnePieceAcrossTheDateLine) {
         writer->Put(*geo::TileId::Make(8, (254 + column) % 256, 100), encoded->format, encoded->bytes));
   }
   const auto cog = PublishAndOpen(*writer, 8, mbtiles);
-  ASSERT_NE(cog, nullptr);
   ASSERT_EQ(cog->GetRasterXSize(), 4 * 256);
   for (int column = 0; column < 4; ++column) {
     EXPECT_NEAR(ReadBand(cog->GetRasterBand(1), {256 * column, 0, 256 * column + 256, 256})[1000],

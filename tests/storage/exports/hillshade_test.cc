@@ -6,12 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <memory>
 
 #include "tests/storage/exports/heights_raster.h"
+#include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -29,35 +28,26 @@ double SteepConeAt(double east_m, double north_m) {
                              : 500.0 + std::max(0.0, 10.0 - away_m);
 }
 
-int At(GDALDataset& raster, int column, int row) {
-  std::uint8_t value = 0;
-  EXPECT_EQ(
-      raster.GetRasterBand(1)->RasterIO(GF_Read, column, row, 1, 1, &value, 1, 1, GDT_Byte, 0, 0, nullptr),
-      CE_None);
-  return value;
-}
-
 TEST(Hillshade, IsBrightTowardsTheLightAndEmptyWhereNothingIsKnown) {
   const test::TemporaryFolder folder;
   SilentProgress progress;
   WriteHeights(folder.path() / "dsm.tif", kShadeSide, SteepConeAt);
   const Result<void> written = WriteHillshade(folder.path() / "dsm.tif", 1, progress);
   ASSERT_TRUE(written) << written.error().message;
-  const std::unique_ptr<GDALDataset> shade(GDALDataset::Open((folder.path() / "dsm_hillshade.tif").c_str()));
-  ASSERT_NE(shade, nullptr);
+  const auto shade = test::OpenByGdal(folder / "dsm_hillshade.tif");
   EXPECT_STREQ(shade->GetSpatialRef()->GetAuthorityCode(nullptr), "32632");
   EXPECT_EQ(shade->GetRasterXSize(), kShadeSide);
   EXPECT_EQ(shade->GetRasterBand(1)->GetRasterDataType(), GDT_Byte);
   EXPECT_EQ(shade->GetRasterBand(1)->GetNoDataValue(), 0.0);
   EXPECT_GE(shade->GetRasterBand(1)->GetOverviewCount(), 1);
   constexpr int kMiddle = kShadeSide / 2, kAway = 50;
-  const int north_west = At(*shade, kMiddle - kAway, kMiddle - kAway),
-            south_east = At(*shade, kMiddle + kAway, kMiddle + kAway),
-            plain = At(*shade, kMiddle + 3 * kAway, kMiddle);
+  const auto at = [&](int column, int row) { return test::PixelAt(*shade->GetRasterBand(1), column, row); };
+  const int north_west = at(kMiddle - kAway, kMiddle - kAway),
+            south_east = at(kMiddle + kAway, kMiddle + kAway), plain = at(kMiddle + 3 * kAway, kMiddle);
   EXPECT_GT(north_west, plain);
   EXPECT_LT(south_east, plain - 60);
   EXPECT_GT(south_east, 0);
-  EXPECT_EQ(At(*shade, 2, 2), 0);
+  EXPECT_EQ(at(2, 2), 0);
 }
 
 TEST(Hillshade, OfNoFileIsAnErrorAndLeavesNothing) {

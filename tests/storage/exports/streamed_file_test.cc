@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <memory>
 #include <random>
 #include <string>
 #include <vector>
@@ -23,6 +22,7 @@
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
+#include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
@@ -93,14 +93,7 @@ TEST_F(StreamedFileTest, PmtilesAreWhatTheWriterWrites) {
               test::BytesOf(folder_.path() / "map.pmtiles"));
 }
 
-std::vector<std::uint8_t> Pixels(GDALRasterBand* band) {
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(band->GetXSize()) *
-                                static_cast<std::size_t>(band->GetYSize()));
-  EXPECT_EQ(band->RasterIO(GF_Read, 0, 0, band->GetXSize(), band->GetYSize(), out.data(), band->GetXSize(),
-                           band->GetYSize(), GDT_Byte, 0, 0),
-            CE_None);
-  return out;
-}
+std::vector<std::uint8_t> Pixels(GDALRasterBand* band) { return test::PixelsOf(*band); }
 
 double MeanDifference(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
   EXPECT_EQ(a.size(), b.size());
@@ -125,9 +118,8 @@ TEST_F(StreamedFileTest, GeotiffShowsWhatTheWritersShows) {
     ASSERT_TRUE(opened);
     ASSERT_TRUE(WriteFileAtomically(folder_.path() / "streamed.tif",
                                     ReadAll(*opened, 0, opened->file->length(), 1 << 16)));
-    const std::unique_ptr<GDALDataset> written(GDALDataset::Open((folder_.path() / "written.tif").c_str()));
-    const std::unique_ptr<GDALDataset> streamed(GDALDataset::Open((folder_.path() / "streamed.tif").c_str()));
-    ASSERT_TRUE(written && streamed);
+    const auto written = test::OpenByGdal(folder_ / "written.tif"),
+               streamed = test::OpenByGdal(folder_ / "streamed.tif");
     ASSERT_EQ(streamed->GetRasterCount(), written->GetRasterCount());
     for (int band = 1; band <= streamed->GetRasterCount(); ++band) {
       GDALRasterBand* ours = streamed->GetRasterBand(band);

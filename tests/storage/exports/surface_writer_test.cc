@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
 
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "core/surface/terrain/ground_sketch.h"
+#include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
@@ -42,14 +42,10 @@ surface::SurfaceBlock SlopeBlock(const surface::SurfaceGrid& grid, const surface
 }
 
 double ValueAt(GDALDataset& raster, double x, double y) {
-  std::array<double, 6> transform{};
-  EXPECT_EQ(raster.GetGeoTransform(transform.data()), CE_None);
-  const int column = static_cast<int>(std::floor((x - transform[0]) / transform[1])),
-            row = static_cast<int>(std::floor((y - transform[3]) / transform[5]));
-  double value = -1.0;
-  EXPECT_EQ(raster.GetRasterBand(1)->RasterIO(GF_Read, column, row, 1, 1, &value, 1, 1, GDT_Float64, 0, 0),
-            CE_None);
-  return value;
+  const auto transform = test::TransformOf(raster);
+  return test::PixelAt<double>(*raster.GetRasterBand(1),
+                               static_cast<int>(std::floor((x - transform[0]) / transform[1])),
+                               static_cast<int>(std::floor((y - transform[3]) / transform[5])));
 }
 
 Eigen::Vector2d UtmOf(GDALDataset& raster, const geo::Wgs84& place) {
@@ -75,10 +71,8 @@ TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
   ASSERT_TRUE(writer.Publish());
   EXPECT_NEAR(writer.MeasuredShare(), 95.0 / 115.0, 1e-9);
 
-  const std::unique_ptr<GDALDataset> heights(GDALDataset::Open((folder.path() / "dsm.tif").c_str()));
-  const std::unique_ptr<GDALDataset> photos(GDALDataset::Open((folder.path() / "dsm_photos.tif").c_str()));
-  ASSERT_NE(heights, nullptr);
-  ASSERT_NE(photos, nullptr);
+  const auto heights = test::OpenByGdal(folder / "dsm.tif"),
+             photos = test::OpenByGdal(folder / "dsm_photos.tif");
   EXPECT_STREQ(heights->GetSpatialRef()->GetAuthorityCode(nullptr), "32632");
   EXPECT_STREQ(heights->GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE"), "COG");
   EXPECT_EQ(heights->GetRasterBand(1)->GetRasterDataType(), GDT_Float32);
@@ -115,8 +109,7 @@ TEST(SurfaceWriter, CountsHeightsFromWhereASurveyDoes) {
   ASSERT_TRUE(writer.Begin());
   ASSERT_TRUE(writer.Put(SlopeBlock(grid, {0, 0, 120, 90})));
   ASSERT_TRUE(writer.Publish());
-  const std::unique_ptr<GDALDataset> heights(GDALDataset::Open((folder.path() / "dsm.tif").c_str()));
-  ASSERT_NE(heights, nullptr);
+  const auto heights = test::OpenByGdal(folder / "dsm.tif");
   const Eigen::Vector2d place = grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(50.0, 40.0);
   const geo::Wgs84 truth = frame.Wgs84FromEnu({place.x(), place.y(), TrueZ(place.x(), place.y())});
   const Eigen::Vector2d at = UtmOf(*heights, truth);
@@ -141,13 +134,10 @@ TEST(SurfaceWriter, WritesTheGroundBelowAsWell) {
   }
   ASSERT_TRUE(writer.Put(block));
   ASSERT_TRUE(writer.Publish());
-  const std::unique_ptr<GDALDataset> heights(GDALDataset::Open((folder.path() / "dsm.tif").c_str()));
-  const std::unique_ptr<GDALDataset> ground(GDALDataset::Open((folder.path() / "dtm.tif").c_str()));
-  const std::unique_ptr<GDALDataset> seen(GDALDataset::Open((folder.path() / "dtm_ground.tif").c_str()));
-  ASSERT_TRUE(heights && ground && seen);
+  const auto heights = test::OpenByGdal(folder / "dsm.tif"), ground = test::OpenByGdal(folder / "dtm.tif"),
+             seen = test::OpenByGdal(folder / "dtm_ground.tif");
   EXPECT_STREQ(ground->GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE"), "COG");
-  std::array<double, 6> transform{};
-  ASSERT_EQ(heights->GetGeoTransform(transform.data()), CE_None);
+  const auto transform = test::TransformOf(*heights);
   int below = 0, same = 0, unseen = 0;
   for (int row = 0; row < heights->GetRasterYSize(); ++row) {
     for (int column = 0; column < heights->GetRasterXSize(); ++column) {
@@ -207,9 +197,8 @@ TEST(SurfaceWriter, CountsInTheZoneOfTheMapsMiddle) {
   ASSERT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
   ASSERT_TRUE(writer.Publish());
   for (const char* name : {"dsm.tif", "dsm_photos.tif"}) {
-    const std::unique_ptr<GDALDataset> made(GDALDataset::Open((folder.path() / name).c_str()));
-    ASSERT_NE(made, nullptr);
-    EXPECT_STREQ(made->GetSpatialRef()->GetAuthorityCode(nullptr), "32734") << name;
+    EXPECT_STREQ(test::OpenByGdal(folder / name)->GetSpatialRef()->GetAuthorityCode(nullptr), "32734")
+        << name;
   }
 }
 

@@ -1,14 +1,13 @@
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 
-#include <array>
-
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/warped/warp_tiles.h"
 #include "storage/rasters/gdal_steps.h"
 #include "tests/storage/painted_tileset.h"
+#include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
@@ -41,13 +40,9 @@ TEST(WriteUtmGeotiff, KeepsEveryPlaceAndTheMask) {
       folder.path() / "map.mbtiles", folder.path() / "utm.tif",
       {geo::LatLonBoundsFromMerc(whole), 19, 19, {.pixel_x = 0.2, .pixel_y = 0.2}, 90, 1}, progress);
   ASSERT_TRUE(written.ok()) << written.error().message;
-  const std::unique_ptr<GDALDataset> merc(GDALDataset::Open((folder.path() / "map.tif").c_str()));
-  const std::unique_ptr<GDALDataset> utm(GDALDataset::Open((folder.path() / "utm.tif").c_str()));
-  ASSERT_NE(utm, nullptr);
+  const auto merc = test::OpenByGdal(folder / "map.tif"), utm = test::OpenByGdal(folder / "utm.tif");
   EXPECT_STREQ(utm->GetSpatialRef()->GetAuthorityCode(nullptr), std::to_string(*UtmEpsg(middle)).c_str());
-  std::array<double, 6> from_merc{}, from_utm{};
-  ASSERT_EQ(merc->GetGeoTransform(from_merc.data()), CE_None);
-  ASSERT_EQ(utm->GetGeoTransform(from_utm.data()), CE_None);
+  const auto from_merc = test::TransformOf(*merc), from_utm = test::TransformOf(*utm);
   EXPECT_NEAR(from_utm[1], 0.2, 1e-9);
   const std::unique_ptr<OGRCoordinateTransformation> utm_from_merc(
       OGRCreateCoordinateTransformation(merc->GetSpatialRef(), utm->GetSpatialRef()));
@@ -59,19 +54,15 @@ TEST(WriteUtmGeotiff, KeepsEveryPlaceAndTheMask) {
       ASSERT_TRUE(utm_from_merc->Transform(1, &east, &north));
       const int u = static_cast<int>(std::floor((east - from_utm[0]) / from_utm[1]));
       const int v = static_cast<int>(std::floor((north - from_utm[3]) / from_utm[5]));
-      const auto read = [](GDALRasterBand* band, int column, int row) {
-        std::uint8_t value = 0;
-        EXPECT_EQ(band->RasterIO(GF_Read, column, row, 1, 1, &value, 1, 1, GDT_Byte, 0, 0), CE_None);
-        return static_cast<int>(value);
-      };
       const double from_middle = std::hypot(x - 512.0, y - 512.0);
       if (from_middle > 480.0 && from_middle < 505.0) continue;  // the mask's edge itself
-      ASSERT_EQ(read(utm->GetRasterBand(1)->GetMaskBand(), u, v), from_middle < 490.0 ? 255 : 0);
+      ASSERT_EQ(test::PixelAt(*utm->GetRasterBand(1)->GetMaskBand(), u, v), from_middle < 490.0 ? 255 : 0);
       if (from_middle > 480.0) continue;
       ++compared;
       // The colours vary by at most 4 levels a pixel.
       for (int band = 1; band <= 3; ++band) {
-        EXPECT_NEAR(read(utm->GetRasterBand(band), u, v), read(merc->GetRasterBand(band), x, y), 12);
+        EXPECT_NEAR(test::PixelAt(*utm->GetRasterBand(band), u, v),
+                    test::PixelAt(*merc->GetRasterBand(band), x, y), 12);
       }
     }
   }

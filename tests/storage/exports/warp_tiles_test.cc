@@ -18,6 +18,7 @@
 #include "storage/rasters/gdal_steps.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
+#include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
@@ -26,6 +27,11 @@ namespace skyquilt::storage {
 namespace {
 
 constexpr int kZoom = 19, kColumn = 272500, kRow = 184700, kTiles = 8;
+
+double ShareShown(GDALDataset& map) {
+  const std::vector<std::uint8_t> mask = test::PixelsOf(*map.GetRasterBand(1)->GetMaskBand());
+  return static_cast<double>(std::count(mask.begin(), mask.end(), 255)) / static_cast<double>(mask.size());
+}
 
 class WarpTilesTest : public testing::Test {
  protected:
@@ -45,9 +51,7 @@ class WarpTilesTest : public testing::Test {
     options_.threads = threads;
     return WarpTiles(*tiles_, folder_.path() / name, options_, progress_);
   }
-  std::unique_ptr<GDALDataset> Open(const char* name) {
-    return std::unique_ptr<GDALDataset>(GDALDataset::Open((folder_.path() / name).c_str()));
-  }
+  std::unique_ptr<GDALDataset> Open(const char* name) { return test::OpenByGdal(folder_ / name); }
 
   test::TemporaryFolder folder_;
   std::shared_ptr<MbtilesReader> tiles_;
@@ -68,7 +72,6 @@ TEST_F(WarpTilesTest, MakesTheSameBytesWithAnyNumberOfThreads) {
 TEST_F(WarpTilesTest, OverviewsShowTheSameAtTheSamePlace) {
   ASSERT_TRUE(Warp("map.tif"));
   const auto map = Open("map.tif");
-  ASSERT_NE(map, nullptr);
   GDALRasterBand* green = map->GetRasterBand(2);
   ASSERT_EQ(green->GetOverviewCount(), 3);
   int compared = 0;
@@ -76,11 +79,8 @@ TEST_F(WarpTilesTest, OverviewsShowTheSameAtTheSamePlace) {
   const int width = map->GetRasterXSize(), height = map->GetRasterYSize();
   for (int y = height / 4; y < 3 * height / 4; y += 37) {
     for (int x = width / 4; x < 3 * width / 4; x += 41) {
-      std::uint8_t fine = 0, coarse = 0;
-      ASSERT_EQ(green->RasterIO(GF_Read, x, y, 1, 1, &fine, 1, 1, GDT_Byte, 0, 0), CE_None);
-      ASSERT_EQ(green->GetOverview(0)->RasterIO(GF_Read, x / 2, y / 2, 1, 1, &coarse, 1, 1, GDT_Byte, 0, 0),
-                CE_None);
-      EXPECT_NEAR(fine, coarse, 12) << x << " " << y;
+      EXPECT_NEAR(test::PixelAt(*green, x, y), test::PixelAt(*green->GetOverview(0), x / 2, y / 2), 12)
+          << x << " " << y;
       ++compared;
     }
   }
@@ -93,24 +93,17 @@ TEST_F(WarpTilesTest, LargerPixelsAreMadeOfTheOverviews) {
   options_.target.is_coarser = true;
   ASSERT_TRUE(Warp("coarse.tif"));
   const auto fine = Open("fine.tif"), coarse = Open("coarse.tif");
-  ASSERT_NE(coarse, nullptr);
   EXPECT_NEAR(coarse->GetRasterXSize(), fine->GetRasterXSize() / 8.0, 2.0);
   // The middle of the map, as both see it.
-  double from_fine[6] = {}, from_coarse[6] = {};
-  fine->GetGeoTransform(from_fine);
-  coarse->GetGeoTransform(from_coarse);
+  const auto from_fine = test::TransformOf(*fine), from_coarse = test::TransformOf(*coarse);
   const int x = coarse->GetRasterXSize() / 2, y = coarse->GetRasterYSize() / 2;
-  std::uint8_t value = 0;
-  ASSERT_EQ(coarse->GetRasterBand(1)->RasterIO(GF_Read, x, y, 1, 1, &value, 1, 1, GDT_Byte, 0, 0), CE_None);
   const int u =
       static_cast<int>(std::round((from_coarse[0] + x * from_coarse[1] - from_fine[0]) / from_fine[1]));
   const int v =
       static_cast<int>(std::round((from_coarse[3] + y * from_coarse[5] - from_fine[3]) / from_fine[5]));
-  std::uint8_t below[64] = {};
-  ASSERT_EQ(fine->GetRasterBand(1)->RasterIO(GF_Read, u, v, 8, 8, below, 8, 8, GDT_Byte, 0, 0), CE_None);
   double sum = 0.0;
-  for (const std::uint8_t level : below) sum += level;
-  EXPECT_NEAR(value, sum / 64.0, 6.0);
+  for (const std::uint8_t level : test::PixelsOf(*fine->GetRasterBand(1), u, v, 8, 8)) sum += level;
+  EXPECT_NEAR(test::PixelAt(*coarse->GetRasterBand(1), x, y), sum / 64.0, 6.0);
 }
 
 TEST_F(WarpTilesTest, PixelsLargerThanThoseOfAnyOverview) {
@@ -118,18 +111,9 @@ TEST_F(WarpTilesTest, PixelsLargerThanThoseOfAnyOverview) {
   options_.target.is_coarser = true;
   ASSERT_TRUE(Warp("coarse.tif"));
   const auto map = Open("coarse.tif");
-  ASSERT_NE(map, nullptr);
   ASSERT_GT(map->GetRasterXSize(), 8);
-  std::vector<std::uint8_t> levels(static_cast<std::size_t>(map->GetRasterXSize()) * map->GetRasterYSize());
-  const auto read = [&](GDALRasterBand* band) {
-    return band->RasterIO(GF_Read, 0, 0, map->GetRasterXSize(), map->GetRasterYSize(), levels.data(),
-                          map->GetRasterXSize(), map->GetRasterYSize(), GDT_Byte, 0, 0);
-  };
-  ASSERT_EQ(read(map->GetRasterBand(1)->GetMaskBand()), CE_None);
-  EXPECT_NEAR(
-      static_cast<double>(std::count(levels.begin(), levels.end(), 255)) / static_cast<double>(levels.size()),
-      0.7, 0.15);  // the disk
-  ASSERT_EQ(read(map->GetRasterBand(1)), CE_None);
+  EXPECT_NEAR(ShareShown(*map), 0.7, 0.15);  // the disk
+  const std::vector<std::uint8_t> levels = test::PixelsOf(*map->GetRasterBand(1));
   const std::size_t middle = levels.size() / 2 + map->GetRasterXSize() / 2;
   EXPECT_NEAR(levels[middle], 128, 40);  // of waves, about their mean
 }
@@ -145,11 +129,9 @@ TEST_F(WarpTilesTest, DegreesAreSaidToBeDegrees) {
   options_.target.pixel_x = options_.target.pixel_y = 2e-6;
   ASSERT_TRUE(Warp("degrees.tif"));
   const auto map = Open("degrees.tif");
-  ASSERT_NE(map, nullptr);
   EXPECT_TRUE(map->GetSpatialRef()->IsGeographic());
   EXPECT_STREQ(map->GetSpatialRef()->GetAuthorityCode(nullptr), "4326");
-  double place[6] = {};
-  map->GetGeoTransform(place);
+  const auto place = test::TransformOf(*map);
   EXPECT_NEAR(place[0], options_.bounds.west_deg, 4e-6);
   EXPECT_NEAR(place[3], options_.bounds.north_deg, 4e-6);
 }
@@ -185,15 +167,8 @@ TEST(WarpTiles, GoesOnBeyondTheDateLine) {
   SilentProgress progress;
   const auto written = WarpTiles(*tiles, folder.path() / "map.tif", options, progress);
   ASSERT_TRUE(written) << written.error().message;
-  const std::unique_ptr<GDALDataset> map(GDALDataset::Open((folder.path() / "map.tif").c_str()));
-  std::vector<std::uint8_t> mask(static_cast<std::size_t>(map->GetRasterXSize()) * map->GetRasterYSize());
-  ASSERT_EQ(map->GetRasterBand(1)->GetMaskBand()->RasterIO(
-                GF_Read, 0, 0, map->GetRasterXSize(), map->GetRasterYSize(), mask.data(),
-                map->GetRasterXSize(), map->GetRasterYSize(), GDT_Byte, 0, 0),
-            CE_None);
-  const auto shown = std::count(mask.begin(), mask.end(), 255);
   // A disk of 0.48 of the smaller side.
-  EXPECT_NEAR(static_cast<double>(shown) / static_cast<double>(mask.size()), 0.62, 0.12);
+  EXPECT_NEAR(ShareShown(*test::OpenByGdal(folder / "map.tif")), 0.62, 0.12);
 }
 
 TEST(TargetGrid, GoesOnBeyondTheDateLine) {

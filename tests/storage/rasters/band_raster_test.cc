@@ -18,6 +18,7 @@
 #include "storage/rasters/class_outlines.h"
 #include "storage/rasters/open_rasters.h"
 #include "tests/storage/rasters/band_file.h"
+#include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
 
@@ -195,7 +196,7 @@ TEST(ClassOutlinesTest, SievingJoinsSmallPatches) {
 
 std::unique_ptr<GDALDataset> OpenInMemory(const std::string& path, std::string& bytes) {
   VSIFCloseL(VSIFileFromMemBuffer(path.c_str(), reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
-  return std::unique_ptr<GDALDataset>(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
+  return test::OpenByGdal(path, GDAL_OF_VECTOR);
 }
 
 TEST(ClassOutlinesTest, AreReadBackAsGeoJsonAndAsShapefile) {
@@ -205,7 +206,6 @@ TEST(ClassOutlinesTest, AreReadBackAsGeoJsonAndAsShapefile) {
     auto bytes = test::ValueOf(OutlineClasses(Halves(), facts, format));
     const std::string path = is_shapefile ? "/vsimem/read.shz" : "/vsimem/read.geojson";
     const auto read = OpenInMemory(path, bytes);
-    ASSERT_NE(read, nullptr);
     OGRLayer* const layer = read->GetLayer(0);
     ASSERT_EQ(layer->GetFeatureCount(), 2);
     double areas[2] = {0.0, 0.0};
@@ -231,7 +231,6 @@ TEST(ClassOutlinesTest, EndAtTheAntimeridianAndGoOnAtItsOtherSide) {
                        std::vector<std::uint8_t>(10, 1)};
   auto bytes = test::ValueOf(OutlineClasses(grid, std::vector<ClassFacts>(1), OutlineFormat::kGeoJson));
   const auto read = OpenInMemory("/vsimem/across.geojson", bytes);
-  ASSERT_NE(read, nullptr);
   OGRLayer* const layer = read->GetLayer(0);
   ASSERT_EQ(layer->GetFeatureCount(), 1);
   constexpr double kDegPerM = 180.0 / geo::kMercHalfWidthM;
