@@ -15,6 +15,9 @@ TEST(Ids, SortInTheOrderTheyWereMadeHoweverFast) {
     ASSERT_LT(last, next);
     last = next;
   }
+  for (const std::string& bad :
+       {std::string(), std::string("../../etc/passwd0000000000"), last + "0", "A" + last.substr(1)})
+    EXPECT_FALSE(IsId(bad)) << bad;
 }
 
 }  // namespace

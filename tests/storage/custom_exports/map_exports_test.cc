@@ -14,18 +14,14 @@
 #include "storage/catalogue/trash.h"
 #include "storage/db/ids.h"
 #include "storage/folder/sweep.h"
-#include "tests/storage/postgres/test_catalogue.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/storage/catalogue_fixture.h"
 #include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {
 
-class MapExportsTest : public testing::Test {
+class MapExportsTest : public CatalogueFixture {
  protected:
-  MapExportsTest()
-      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")), catalogue_(*db_), exports_(*db_) {}
-
   std::string Flight() { return catalogue_.AddFlight("field", "{}", Now())->id; }
   static MapExport Wish(const std::string& flight, const std::string& request, int revision = 1) {
     MapExport wish;
@@ -54,10 +50,7 @@ class MapExportsTest : public testing::Test {
     return exports_.Add(wish, Now());
   }
 
-  test::TemporaryFolder dir_;
-  std::unique_ptr<CatalogueDb> db_;
-  Catalogue catalogue_;
-  MapExports exports_;
+  MapExports exports_{*db_};
   Tokens tokens_{*db_};
   std::set<std::string> links_;
 };
@@ -113,8 +106,7 @@ TEST_F(MapExportsTest, TheSameWishIsTheSameExport) {
 TEST_F(MapExportsTest, AFlightHasSoManyAndNoMore) {
   const std::string flight = Flight();
   for (int i = 0; i < MapExports::kMaxOfFlight; ++i) Ask(flight, std::to_string(i));
-  MapExport wish;
-  wish.flight_id = flight;
+  const MapExport wish = Wish(flight, "");
   EXPECT_EQ(test::ErrorOf(exports_.Add(wish, Now())).code, ErrorCode::kConflict);
   ASSERT_TRUE(exports_.Remove(exports_.List(flight)->front().id));
   EXPECT_TRUE(exports_.Add(wish, Now()));
