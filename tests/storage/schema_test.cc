@@ -100,13 +100,9 @@ TEST_F(SchemaTest, OpensItsOwnCatalogueAgain) {
   EXPECT_TRUE(Catalogue(*db).GetFlight(id));
 }
 
-TEST_F(SchemaTest, BringsVersion17ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(17); }
-TEST_F(SchemaTest, BringsVersion18ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(18); }
-TEST_F(SchemaTest, BringsVersion19ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(19); }
-TEST_F(SchemaTest, BringsVersion20ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(20); }
-TEST_F(SchemaTest, BringsVersion21ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(21); }
-TEST_F(SchemaTest, BringsVersion22ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(22); }
-TEST_F(SchemaTest, BringsVersion23ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(23); }
+class EarlierSchema : public SchemaTest, public testing::WithParamInterface<int> {};
+TEST_P(EarlierSchema, IsBroughtToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(GetParam()); }
+INSTANTIATE_TEST_SUITE_P(Versions, EarlierSchema, testing::Range(17, kSchemaVersion));
 
 TEST_F(SchemaTest, RefusesOlderAndNewerVersionsAndLeavesThemAsTheyAre) {
   for (const int version : {1, 12, 999}) {
