@@ -5,14 +5,20 @@
 
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "api/auth/access.h"
 #include "api/build_api.h"
 #include "api/http/target.h"
+#include "core/image/picture_codec.h"
 #include "tests/storage/small_tileset.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::api {
 
@@ -60,6 +66,19 @@ class SampleService {
     return Send(Method::kGet, target, "", std::move(headers));
   }
 
+  // What must be there, as text, document or picture.
+  std::string Body(const std::string& target, Headers headers = {}) {
+    const Response response = Get(target, std::move(headers));
+    EXPECT_EQ(response.status, 200) << target << " " << response.body;
+    return response.body;
+  }
+  nlohmann::json Json(const std::string& target, Headers headers = {}) {
+    return nlohmann::json::parse(Body(target, std::move(headers)), nullptr, false);
+  }
+  image::RgbaImage Picture(const std::string& target) {
+    return test::ValueOf(image::DecodePicture(Body(target)));
+  }
+
   // A new token, as the header that shows it. Its id is its name.
   Headers MakeToken(const std::string& name, storage::Scope scope, std::optional<std::int64_t> max_bytes = {},
                     const std::string& flight_id = "") {
@@ -73,8 +92,14 @@ class SampleService {
 
   std::string NewFlight() { return catalogue.AddFlight("field", "{}", storage::Now())->id; }
   std::int64_t Publish(const std::string& flight, const std::vector<storage::SmallTile>& tiles,
-                       int tile_size_px = 256) {
-    return storage::PublishSmallTileset(dir_, *db_, flight, tiles, tile_size_px);
+                       int tile_size_px = 256, const std::optional<storage::Revision>& facts = {}) {
+    return storage::PublishSmallTileset(dir_, *db_, flight, tiles, tile_size_px, facts);
+  }
+  std::int64_t PublishAt(const geo::LatLonBounds& bounds, const std::string& flight,
+                         const std::vector<storage::SmallTile>& tiles, int tile_size_px = 256) {
+    storage::Revision facts;
+    facts.bounds = bounds;
+    return Publish(flight, tiles, tile_size_px, facts);
   }
   const storage::DataDir& dir() const { return dir_; }
   const Router& router() const { return router_; }

@@ -88,11 +88,8 @@ TEST_F(SmallPictureTest, AsAPosterReachesExactlyAsFarAsTheBoundsOfTheMap) {
   geo::Bounds2 bounds;
   bounds.Include({tile.min.x() + 64 * pixel_m, tile.max.y() - 224 * pixel_m});
   bounds.Include({tile.min.x() + 192 * pixel_m, tile.max.y() - 32 * pixel_m});
-  storage::Revision facts;
-  facts.bounds = geo::LatLonBoundsFromMerc(bounds);
   const std::string flight = sample_.NewFlight();
-  storage::PublishSmallTileset(sample_.dir(), sample_.service().db, flight,
-                               {{2, 1, 2, TileWithFrame(64, 32, 192, 224)}}, 256, facts);
+  sample_.PublishAt(geo::LatLonBoundsFromMerc(bounds), flight, {{2, 1, 2, TileWithFrame(64, 32, 192, 224)}});
   const Response response = sample_.Get("/api/v1/flights/" + flight + "/thumbnail.webp?size=1024");
   ASSERT_EQ(response.status, 200) << response.body;
   EXPECT_LT(response.body.size(), 110'000u);

@@ -31,15 +31,11 @@ class AllMapsTest : public testing::Test {
     sample_.Publish(large_, {{2, 1, 2, PlainTile(10, 200, 20, 512)}}, 512);
   }
   std::string Body(const std::string& path, Headers headers = {}) {
-    const Response response = sample_.Get(path, std::move(headers));
-    EXPECT_EQ(response.status, 200) << path << " " << response.body;
-    return response.body;
+    return sample_.Body(path, std::move(headers));
   }
   std::array<int, 4> PixelOf(const std::string& path) {
-    const auto picture = image::DecodePicture(Body(path));
-    EXPECT_TRUE(picture) << path;
-    if (!picture) return {};
-    const std::uint8_t* pixel = picture->Pixel(picture->width_px / 2, picture->height_px / 2);
+    const image::RgbaImage picture = sample_.Picture(path);
+    const std::uint8_t* pixel = picture.Pixel(picture.width_px / 2, picture.height_px / 2);
     return {pixel[0], pixel[1], pixel[2], pixel[3]};
   }
 

@@ -18,8 +18,7 @@ class FeaturesTest : public testing::Test {
     storage::Revision facts;
     facts.bounds = {7.0, 46.0, 7.1, 46.1};
     facts.photos_total = 3;
-    const std::int64_t revision = storage::PublishSmallTileset(sample_.dir(), sample_.service().db, flight_,
-                                                               {{2, 1, 2, TransparentPng(256)}}, 256, facts);
+    const std::int64_t revision = sample_.Publish(flight_, {{2, 1, 2, TransparentPng(256)}}, 256, facts);
     file_ = sample_.dir().Revision(flight_, revision) / "photos.geojson";
     json features = json::array();
     for (int i = 0; i < 3; ++i) {
@@ -41,9 +40,7 @@ class FeaturesTest : public testing::Test {
     std::ofstream(file_) << json{{"type", "FeatureCollection"}, {"features", features}};
   }
   json Items(const std::string& query, const std::string& kind = ".photos") {
-    const Response response = sample_.Get("/ogc/collections/" + flight_ + kind + "/items" + query);
-    EXPECT_EQ(response.status, 200) << query << response.body;
-    return json::parse(response.body);
+    return sample_.Json("/ogc/collections/" + flight_ + kind + "/items" + query);
   }
 
   SampleService sample_;

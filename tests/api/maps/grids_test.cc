@@ -94,18 +94,6 @@ class GridTiles : public testing::TestWithParam<std::tuple<geo::LatLon, int>> {
       : map_(sample_, std::get<0>(GetParam()), std::get<1>(GetParam())),
         at_("/ogc/collections/" + map_.flight() + "/map/tiles") {}
 
-  json Json(const std::string& path) {
-    const Response response = sample_.Get(path);
-    EXPECT_EQ(response.status, 200) << path << response.body;
-    return json::parse(response.body, nullptr, false);
-  }
-  image::RgbaImage Picture(const std::string& path) {
-    const Response response = sample_.Get(path);
-    EXPECT_EQ(response.status, 200) << path << response.body;
-    const Result<image::RgbaImage> picture = image::DecodePicture(response.body);
-    EXPECT_TRUE(picture) << path;
-    return picture ? *picture : image::RgbaImage::Transparent(1, 1);
-  }
   // The one of a map's grids that begins so.
   std::string Grid(const std::string& begin) {
     storage::Revision revision;
@@ -123,7 +111,7 @@ class GridTiles : public testing::TestWithParam<std::tuple<geo::LatLon, int>> {
   // Every tile within a map's limits, at every level.
   void CompareAll(const std::string& name) {
     const MapGrid grid = *MapGrid::Named(name);
-    const json tileset = Json(at_ + "/" + name);
+    const json tileset = sample_.Json(at_ + "/" + name);
     int shown = 0;
     for (const json& limits : tileset["tileMatrixSetLimits"]) {
       const int level = std::stoi(limits["tileMatrix"].get<std::string>());
@@ -132,7 +120,7 @@ class GridTiles : public testing::TestWithParam<std::tuple<geo::LatLon, int>> {
           const std::string tile =
               "/" + std::to_string(level) + "/" + std::to_string(row) + "/" + std::to_string(column) + ".png";
           if (sample_.Get(at_ + "/" + name + tile).status == 204) continue;
-          const image::RgbaImage picture = Picture(at_ + "/" + name + tile);
+          const image::RgbaImage picture = sample_.Picture(at_ + "/" + name + tile);
           ASSERT_EQ(std::pair(picture.width_px, picture.height_px), std::pair(256, 256));
           const geo::Bounds2 box = grid.BoundsOf(level, column, row);
           shown += map_.Compare(picture, [&](double x, double y) {

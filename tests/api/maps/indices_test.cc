@@ -40,10 +40,7 @@ class IndicesTest : public testing::Test {
  protected:
   // Tile 10/512/511, north and east of where the equator meets Greenwich.
   IndicesTest() {
-    storage::Revision facts;
-    facts.bounds = {0.0, 0.0, kTileDeg, kTileDeg};
-    revision_ = storage::PublishSmallTileset(sample_.dir(), sample_.service().db, flight_,
-                                             {{10, 512, 512, FieldTile()}}, 256, facts);
+    revision_ = sample_.PublishAt({0.0, 0.0, kTileDeg, kTileDeg}, flight_, {{10, 512, 512, FieldTile()}});
   }
 
   // Near infrared grows from west to east, red is a tenth; the northern half is not known.
@@ -63,18 +60,8 @@ class IndicesTest : public testing::Test {
   }
 
   std::string Tile(const std::string& query) { return "/tiles/" + flight_ + "/10/512/511.png?" + query; }
-  image::RgbaImage Picture(const std::string& target) {
-    const Response response = sample_.Get(target);
-    EXPECT_EQ(response.status, 200) << target << response.body;
-    const Result<image::RgbaImage> picture = image::DecodePicture(response.body);
-    EXPECT_TRUE(picture) << target;
-    return picture ? *picture : image::RgbaImage();
-  }
-  json Json(const std::string& target) {
-    const Response response = sample_.Get(target);
-    EXPECT_EQ(response.status, 200) << target << response.body;
-    return json::parse(response.body, nullptr, false);
-  }
+  image::RgbaImage Picture(const std::string& target) { return sample_.Picture(target); }
+  json Json(const std::string& target) { return sample_.Json(target); }
   std::string Refusal(const std::string& target, int status = 400) {
     const Response response = sample_.Get(target);
     EXPECT_EQ(response.status, status) << target << response.body;

@@ -22,14 +22,11 @@ class StacTest : public testing::Test {
     facts.gsd_m = 0.05;
     facts.first_capture = first;
     facts.last_capture = last;
-    storage::PublishSmallTileset(sample_.dir(), sample_.service().db, flight,
-                                 {{2, 1, 2, TransparentPng(256)}}, 256, facts);
+    sample_.Publish(flight, {{2, 1, 2, TransparentPng(256)}}, 256, facts);
     return flight;
   }
   json Search(const std::string& query, Headers headers = {}) {
-    const Response response = sample_.Get("/stac/search" + query, std::move(headers));
-    EXPECT_EQ(response.status, 200) << query << response.body;
-    return json::parse(response.body);
+    return sample_.Json("/stac/search" + query, std::move(headers));
   }
   Response Post(const std::string& body) {
     return sample_.Send(Method::kPost, "/stac/search", body, {{"Content-Type", "application/json"}});

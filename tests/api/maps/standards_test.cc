@@ -25,11 +25,7 @@ class StandardsTest : public testing::TestWithParam<int> {
     const std::string png = TransparentPng(GetParam());
     sample_.Publish(flight_, {{2, 1, 2, png}, {3, 2, 5, png}}, GetParam());
   }
-  std::string Body(const std::string& path) {
-    const Response response = sample_.Get(path);
-    EXPECT_EQ(response.status, 200) << path << " " << response.body;
-    return response.body;
-  }
+  std::string Body(const std::string& path) { return sample_.Body(path); }
 
   int depth_;
   SampleService sample_;
@@ -143,10 +139,7 @@ INSTANTIATE_TEST_SUITE_P(OfAllSizes, StandardsTest, testing::Values(256, 512, 10
 TEST(ConnectFiles, OfAMapAcrossTheAntimeridianCoverBothSides) {
   SampleService sample;
   const std::string flight = sample.NewFlight(), png = TransparentPng(256);
-  storage::Revision facts;
-  facts.bounds = {179.75, 0.1, 180.25, 0.3};
-  storage::PublishSmallTileset(sample.dir(), sample.service().db, flight,
-                               {{10, 1023, 512, png}, {10, 0, 512, png}}, 256, facts);
+  sample.PublishAt({179.75, 0.1, 180.25, 0.3}, flight, {{10, 1023, 512, png}, {10, 0, 512, png}});
   const std::string gdal = sample.Get("/connect/" + flight + "/gdal.xml").body;
   EXPECT_NE(gdal.find("<SizeX>512</SizeX>"), std::string::npos) << gdal;
   EXPECT_NE(gdal.find("<TileX>1023</TileX>"), std::string::npos) << gdal;

@@ -31,10 +31,7 @@ class StatisticsTest : public testing::Test {
  protected:
   // Tile 10/512/511, north and east of where the equator meets Greenwich.
   StatisticsTest() {
-    storage::Revision facts;
-    facts.bounds = {0.0, 0.0, kTileDeg, kTileDeg};
-    storage::PublishSmallTileset(sample_.dir(), sample_.service().db, flight_, {{10, 512, 512, HalfTile()}},
-                                 256, facts);
+    sample_.PublishAt({0.0, 0.0, kTileDeg, kTileDeg}, flight_, {{10, 512, 512, HalfTile()}});
   }
   Response Post(const std::string& body, Headers headers = {}, const char* type = "application/geo+json") {
     headers.Add("Content-Type", type);
@@ -100,11 +97,9 @@ TEST_F(StatisticsTest, BesideTheMapThereIsNothing) {
 
 // GeoJSON cuts what lies across the antimeridian in two.
 TEST_F(StatisticsTest, OfAMapAcrossTheAntimeridianBothSidesCount) {
-  storage::Revision facts;
-  facts.bounds = {180.0 - kTileDeg, 0.0, 180.0 + kTileDeg, kTileDeg};
   flight_ = sample_.NewFlight();
-  storage::PublishSmallTileset(sample_.dir(), sample_.service().db, flight_,
-                               {{10, 1023, 512, HalfTile()}, {10, 0, 512, HalfTile()}}, 256, facts);
+  sample_.PublishAt({180.0 - kTileDeg, 0.0, 180.0 + kTileDeg, kTileDeg}, flight_,
+                    {{10, 1023, 512, HalfTile()}, {10, 0, 512, HalfTile()}});
   const std::string west = Box(180.0 - kTileDeg, 0, 180, 1), east = Box(-180, 0, -180 + kTileDeg / 2, 1);
   EXPECT_EQ(json::parse(Post(west).body)["pixels"], 256 * 128);
   EXPECT_EQ(json::parse(Post(east).body)["pixels"], 128 * 128);

@@ -40,11 +40,8 @@ class TexturedMap {
         }
       }
     }
-    storage::Revision facts;
-    facts.bounds = geo::LatLonBoundsFromMerc(bounds_);
     flight_ = sample.NewFlight();
-    revision_ =
-        storage::PublishSmallTileset(sample.dir(), sample.service().db, flight_, tiles, side_px, facts);
+    revision_ = sample.PublishAt(geo::LatLonBoundsFromMerc(bounds_), flight_, tiles, side_px);
   }
 
   const std::string& flight() const { return flight_; }
