@@ -11,6 +11,7 @@
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 
@@ -18,13 +19,16 @@ class CatalogueFixture : public testing::Test {
  protected:
   explicit CatalogueFixture(int readers = 2)
       : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db", readers)) {}
-  // A job of a flight, from its beginning to its map.
+  // A job of a flight, which nothing waits before.
+  Lease Begun(const std::string& flight, Time now, const std::string& options = "{}") {
+    EXPECT_TRUE(queue_.Add(flight, options, now));
+    return test::ValueOf(*queue_.Claim("w", now));
+  }
+  // From its beginning to its map.
   void PublishMap(const std::string& flight, Revision revision = {}) {
-    ASSERT_TRUE(queue_.Add(flight, "{}", Now()));
-    const auto lease = queue_.Claim("w", Now());
-    ASSERT_TRUE(lease && *lease);
-    revision.revision = **queue_.ReserveRevision(**lease);
-    ASSERT_TRUE(*queue_.Publish(**lease, revision, Now()));
+    const Lease lease = Begun(flight, Now());
+    revision.revision = **queue_.ReserveRevision(lease);
+    ASSERT_TRUE(*queue_.Publish(lease, revision, Now()));
   }
 
   test::TemporaryFolder dir_;

@@ -20,6 +20,14 @@ class JobQueueTest : public CatalogueFixture {
   Job NewJob() { return *queue_.Add(NewFlight(), "{}", now_); }
   std::string Served(const std::string& name) const { return queue_.served_prefix() + name; }
   Lease Claimed() { return **queue_.Claim("w", now_); }
+  // Workers that die, until nobody takes up the last job.
+  void DieAtEveryAttempt() {
+    for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
+      ASSERT_EQ((*queue_.Claim("w", now_))->attempt, attempt);
+      now_ += kLeaseTime + seconds(1);
+    }
+    EXPECT_FALSE(queue_.Claim("w", now_)->has_value());
+  }
 };
 
 Revision Made(std::int64_t number) {
@@ -112,12 +120,7 @@ TEST_F(JobQueueTest, KeepsALeaseThatIsRenewed) {
 
 TEST_F(JobQueueTest, GivesUpAfterThreeAttempts) {
   const Job job = NewJob();
-  Time then = now_;
-  for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
-    ASSERT_EQ((*queue_.Claim("w", then))->attempt, attempt);
-    then += kLeaseTime + seconds(1);
-  }
-  EXPECT_FALSE(queue_.Claim("w", then)->has_value());
+  DieAtEveryAttempt();
   const Job ended = *queue_.Get(job.id);
   EXPECT_EQ(ended.state, JobState::kFailed);
   ASSERT_TRUE(ended.error);
@@ -245,12 +248,7 @@ TEST_F(JobQueueTest, ARestartOfTheServerIsNoAttempt) {
     EXPECT_EQ(*queue_.Renew(**lease, now_), LeaseState::kLost);
   }
   // All its attempts are left.
-  Time then = now_;
-  for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
-    ASSERT_EQ((*queue_.Claim("w", then))->attempt, attempt);
-    then += kLeaseTime + seconds(1);
-  }
-  EXPECT_FALSE(queue_.Claim("w", then)->has_value());
+  DieAtEveryAttempt();
   EXPECT_EQ(queue_.Get(job.id)->error->code, "internal");
 }
 

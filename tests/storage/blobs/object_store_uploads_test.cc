@@ -38,12 +38,14 @@ class UploadsOfTwoServers : public testing::Test {
     UploadSpool spool;
   };
 
-  SpooledUpload Begin(std::int64_t length) {
+  SpooledUpload Begin(std::int64_t length) { return *a_.spool.Create(Wish("a.jpg", length), now_); }
+  SpooledUpload Wish(const char* name, std::optional<std::int64_t> length, const char* concat = "") const {
     SpooledUpload wish;
     wish.flight_id = flight_;
-    wish.name = "a.jpg";
+    wish.name = name;
     wish.length = length;
-    return *a_.spool.Create(wish, now_);
+    wish.concat = concat;
+    return wish;
   }
   Result<SpooledUpload> Send(Node& node, const std::string& id, std::int64_t offset, std::string_view bytes) {
     auto append = node.spool.Begin(id, offset, false, now_);
@@ -102,11 +104,7 @@ TEST_F(UploadsOfTwoServers, RefuseOneWhoseFirstBytesLieInAFolder) {
   const std::string bytes = Pattern(2 * kMib);
   const PhotoStore folder(*DataDir::Open(folder_ / "before", NewId()));
   UploadSpool before(*db_, catalogue_, folder);
-  SpooledUpload wish;
-  wish.flight_id = flight_;
-  wish.name = "a.jpg";
-  wish.length = static_cast<std::int64_t>(bytes.size());
-  const SpooledUpload upload = *before.Create(wish, now_);
+  const SpooledUpload upload = *before.Create(Wish("a.jpg", static_cast<std::int64_t>(bytes.size())), now_);
   {
     const auto append = before.Begin(upload.id, 0, false, now_);
     ASSERT_TRUE((*append)->Write(BytesOf(std::string_view(bytes).substr(0, kMib))));
@@ -154,10 +152,7 @@ TEST_F(UploadsOfTwoServers, JoinPartsThatCameToEither) {
     ids.push_back(node.spool.Create(part, now_)->id);
     ASSERT_TRUE(Send(node, ids.back(), 0, std::string_view(bytes).substr(i * kMib, kMib)));
   }
-  SpooledUpload wish;
-  wish.flight_id = flight_;
-  wish.name = "joined.jpg";
-  wish.concat = "final;";
+  const SpooledUpload wish = Wish("joined.jpg", {}, "final;");
   ASSERT_TRUE(b_.spool.Join(wish, ids, false, now_)->is_done);
   EXPECT_TRUE(Stored() == bytes);
   EXPECT_EQ(Chunks(), 0U);
@@ -177,10 +172,7 @@ TEST_F(UploadsOfTwoServers, SayAtOnceThatADiskHasNoRoomForThem) {
   const std::vector<BlobInfo> last = *blobs_->List("uploads/" + ids.back() + "/");
   ASSERT_EQ(last.size(), 1U);
   ASSERT_TRUE(blobs_->Remove(last[0].key));
-  SpooledUpload wish;
-  wish.flight_id = flight_;
-  wish.name = "joined.jpg";
-  wish.concat = "final;";
+  const SpooledUpload wish = Wish("joined.jpg", {}, "final;");
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   const rlimit limited{rlim_t{8} << 20, before.rlim_max};

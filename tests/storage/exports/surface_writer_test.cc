@@ -59,6 +59,16 @@ Eigen::Vector2d UtmOf(GDALDataset& raster, const geo::Wgs84& place) {
   return {x, y};
 }
 
+// The whole of the grid.
+Result<void> WriteSlope(const test::TemporaryFolder& folder, const geo::LocalFrame& frame,
+                        const geo::LatLon& map_middle = kMiddle, double raised_m = 0.0) {
+  SilentProgress progress;
+  SurfaceWriter writer(folder.path(), frame, map_middle, FarGrid(), 6.0, 1, nullptr, progress, raised_m);
+  EXPECT_TRUE(writer.Begin());
+  EXPECT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
+  return writer.Publish();
+}
+
 TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
   const test::TemporaryFolder folder;
   const geo::LocalFrame frame(kOrigin);
@@ -104,11 +114,7 @@ TEST(SurfaceWriter, CountsHeightsFromWhereASurveyDoes) {
   const test::TemporaryFolder folder;
   const geo::LocalFrame frame(kOrigin);
   const surface::SurfaceGrid grid = FarGrid();
-  SilentProgress progress;
-  SurfaceWriter writer(folder.path(), frame, kMiddle, grid, 6.0, 1, nullptr, progress, -47.25);
-  ASSERT_TRUE(writer.Begin());
-  ASSERT_TRUE(writer.Put(SlopeBlock(grid, {0, 0, 120, 90})));
-  ASSERT_TRUE(writer.Publish());
+  ASSERT_TRUE(WriteSlope(folder, frame, kMiddle, -47.25));
   const auto heights = test::OpenByGdal(folder / "dsm.tif");
   const Eigen::Vector2d place = grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(50.0, 40.0);
   const geo::Wgs84 truth = frame.Wgs84FromEnu({place.x(), place.y(), TrueZ(place.x(), place.y())});
@@ -174,14 +180,7 @@ TEST(SurfaceWriter, LeavesTheHeightsOfAnEarlierMapUntilAllOfItsOwnAreThere) {
   const test::TemporaryFolder folder;
   for (const char* name : {"dsm.tif", "dsm_photos.tif"}) folder.Write(name, "of an earlier map");
   folder.Write("dsm_photos.tif.raw.tmp.warped.tmp/held", "");  // a folder where a file is to be
-  {
-    SilentProgress progress;
-    SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), kMiddle, FarGrid(), 6.0, 1, nullptr,
-                         progress);
-    ASSERT_TRUE(writer.Begin());
-    ASSERT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
-    EXPECT_FALSE(writer.Publish());
-  }
+  EXPECT_FALSE(WriteSlope(folder, geo::LocalFrame(kOrigin)));
   for (const char* name : {"dsm.tif", "dsm_photos.tif"})
     EXPECT_EQ(test::BytesOf(folder / name), "of an earlier map") << name;
   EXPECT_FALSE(std::filesystem::exists(folder / "dsm.tif.raw.tmp"));
@@ -190,12 +189,7 @@ TEST(SurfaceWriter, LeavesTheHeightsOfAnEarlierMapUntilAllOfItsOwnAreThere) {
 // A flight across the border of two zones, whose first photos lie in the other one than most of the map.
 TEST(SurfaceWriter, CountsInTheZoneOfTheMapsMiddle) {
   const test::TemporaryFolder folder;
-  SilentProgress progress;
-  const geo::LocalFrame frame(geo::Wgs84{-33.9, 17.99, 560.0});
-  SurfaceWriter writer(folder.path(), frame, {-33.9, 18.01}, FarGrid(), 6.0, 1, nullptr, progress);
-  ASSERT_TRUE(writer.Begin());
-  ASSERT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
-  ASSERT_TRUE(writer.Publish());
+  ASSERT_TRUE(WriteSlope(folder, geo::LocalFrame(geo::Wgs84{-33.9, 17.99, 560.0}), {-33.9, 18.01}));
   for (const char* name : {"dsm.tif", "dsm_photos.tif"}) {
     EXPECT_STREQ(test::OpenByGdal(folder / name)->GetSpatialRef()->GetAuthorityCode(nullptr), "32734")
         << name;

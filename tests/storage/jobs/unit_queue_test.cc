@@ -25,9 +25,7 @@ using std::chrono::seconds;
 class UnitQueueTest : public CatalogueFixture {
  protected:
   Lease CutJob(int count, std::string_view kind = "look") {
-    const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
-    EXPECT_TRUE(queue_.Add(flight, "{\"a\":1}", now_).ok());
-    const Lease lease = **queue_.Claim("w", now_);
+    const Lease lease = Begun(catalogue_.AddFlight("field", "{}", now_)->id, now_, R"({"a":1})");
     EXPECT_TRUE(*units_.Cut(lease, kind, count, 100, {0.0, 0.4, "check"}));
     return lease;
   }
@@ -241,8 +239,7 @@ TEST_F(UnitQueueTest, AJobGoesOnWithTheUnitsOfOneThatFailedAndWasMadeFromTheSame
   const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
   const std::string other_flight = catalogue_.AddFlight("other", "{}", now_)->id;
   const auto begun = [&](const std::string& of, std::string_view made_from) {
-    EXPECT_TRUE(queue_.Add(of, "{}", now_).ok());
-    Lease lease = **queue_.Claim("w", now_);
+    Lease lease = Begun(of, now_);
     const auto units_of = units_.TakeOver(lease, made_from, now_);
     EXPECT_TRUE(units_of.ok()) << units_of.error().detail;
     return std::pair(lease, **units_of);
@@ -303,8 +300,7 @@ TEST_F(UnitQueueTest, UnitsThatTwoVersionsMadeAreNotTakenOver) {
   const std::vector<StoredFile> none;
   // Of a job whose units were made by a program of `version`.
   const auto failed_by = [&](std::string_view version) {
-    EXPECT_TRUE(queue_.Add(flight, "{}", now_).ok());
-    const Lease lease = **queue_.Claim("w", now_);
+    const Lease lease = Begun(flight, now_);
     const std::string units_of = **units_.TakeOver(lease, DigestOf({none, "{}", "1.0", 1}), now_);
     EXPECT_TRUE(*units_.Cut(lease, "look", 1, 1, {}));
     const UnitLease unit = Claimed();
@@ -320,9 +316,7 @@ TEST_F(UnitQueueTest, UnitsThatTwoVersionsMadeAreNotTakenOver) {
 }
 
 TEST_F(UnitQueueTest, AJobWhoseUnitsAreAllThereIsClaimedAtOnce) {
-  const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
-  ASSERT_TRUE(queue_.Add(flight, "{}", now_).ok());
-  const Lease lease = **queue_.Claim("w", now_);
+  const Lease lease = Begun(catalogue_.AddFlight("field", "{}", now_)->id, now_);
   EXPECT_EQ(*units_.UnitsOf(lease.job_id), "");
   EXPECT_TRUE(*units_.Cut(lease, "look", 2, 100, {0.0, 0.4, "check"}, {0, 1}));
   EXPECT_EQ(*units_.UnitsOf(lease.job_id), lease.job_id);
@@ -357,9 +351,7 @@ TEST_F(UnitQueueTest, TheTrashEndsTheJobAndItsUnits) {
 }
 
 TEST_F(UnitQueueTest, AJobThatWasCancelledBeforeItIsCutEnds) {
-  const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
-  ASSERT_TRUE(queue_.Add(flight, "{}", now_).ok());
-  const Lease lease = **queue_.Claim("w", now_);
+  const Lease lease = Begun(catalogue_.AddFlight("field", "{}", now_)->id, now_);
   EXPECT_EQ(queue_.Cancel(lease.job_id, now_)->state, JobState::kRunning);
   EXPECT_TRUE(*units_.Cut(lease, "look", 3, 100, {0.0, 0.4, "check"}));
   EXPECT_EQ(queue_.Get(lease.job_id)->state, JobState::kDismissed);

@@ -88,9 +88,7 @@ TEST_F(IdleFlightsTest, EveryChangeBeginsAnew) {
   ExpectToBeginAnewAfter("file gone",
                          [&] { ASSERT_TRUE(catalogue_.RemoveFile(flight_, "map_notes.geojson")); });
   ExpectToBeginAnewAfter("job that ended between two looks", [&] {
-    ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
-    const Lease lease = **queue_.Claim("w", Now());
-    ASSERT_TRUE(*queue_.Fail(lease, {ErrorCode::kUnprocessable, "no", ""}, false, Now()));
+    ASSERT_TRUE(*queue_.Fail(Begun(flight_, Now()), {ErrorCode::kUnprocessable, "no", ""}, false, Now()));
   });
   ExpectToBeginAnewAfter("map", [&] { Publish(); });
   ExpectToBeginAnewAfter("restored", [&] {
