@@ -90,16 +90,6 @@ TEST_F(SchemaTest, OpensACatalogueThatTheStepsMadeWithAllThatIsInIt) {
   EXPECT_EQ(uploads.ColumnText(1), "");
 }
 
-TEST_F(SchemaTest, OpensItsOwnCatalogueAgain) {
-  std::string id;
-  {
-    const auto db = test::ValueOf(CatalogueDb::Open(path()));
-    id = Catalogue(*db).AddFlight("f", "{}", Now())->id;
-  }
-  const auto db = test::ValueOf(CatalogueDb::OpenExisting(path()));
-  EXPECT_TRUE(Catalogue(*db).GetFlight(id));
-}
-
 class EarlierSchema : public SchemaTest, public testing::WithParamInterface<int> {};
 TEST_P(EarlierSchema, IsBroughtToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(GetParam()); }
 INSTANTIATE_TEST_SUITE_P(Versions, EarlierSchema, testing::Range(17, kSchemaVersion));
