@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "storage/catalogue/trash.h"
 #include "storage/db/ids.h"
@@ -33,10 +34,8 @@ TEST_F(CatalogueTest, RemembersAFlightAcrossOpenings) {
   ASSERT_TRUE(catalogue_.AddFile(id, {"a.jpg", NewId(), 100}, Now()));
   const auto again = *OpenTestCatalogue(dir_.path() / "catalogue.db");
   const auto flight = test::ValueOf(Catalogue(*again).GetFlight(id));
-  EXPECT_EQ(flight.name, "'; DROP TABLE flight; --");
-  EXPECT_EQ(flight.options, "{\"gsd_m\":0.1}");
-  EXPECT_EQ(flight.file_count, 1);
-  EXPECT_EQ(flight.bytes, 100);
+  EXPECT_EQ(std::tie(flight.name, flight.options, flight.file_count, flight.bytes),
+            std::tuple("'; DROP TABLE flight; --", "{\"gsd_m\":0.1}", 1, 100));
   EXPECT_FALSE(flight.active_revision);
 }
 
@@ -59,10 +58,8 @@ TEST_F(CatalogueTest, ChangesWhatIsSaidAndNothingElse) {
   ASSERT_TRUE(catalogue_.ChangeFlight(id, {.name = "meadow"}));
   ASSERT_TRUE(catalogue_.ChangeFlight(id, {.options = R"({"quality":80})"}));
   const Flight changed = *catalogue_.GetFlight(id);
-  EXPECT_EQ(changed.name, "meadow");
-  EXPECT_EQ(changed.options, R"({"quality":80})");
-  EXPECT_EQ(changed.tags, *marks.tags);
-  EXPECT_TRUE(changed.is_kept);
+  EXPECT_EQ(std::tie(changed.name, changed.options, changed.tags, changed.is_kept),
+            std::tuple("meadow", R"({"quality":80})", *marks.tags, true));
   FlightChange longer;  // than a string that needs no memory of its own
   longer.tags = {"farm 3 north of the river", "maize"};
   ASSERT_TRUE(catalogue_.ChangeFlight(id, longer));

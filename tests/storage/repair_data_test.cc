@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <functional>
+#include <tuple>
 
 #include "storage/db/ids.h"
 #include "storage/folder/check_data.h"
@@ -65,10 +66,9 @@ void ExpectAllBack(const fs::path& root, const FilledFolder& sample) {
   auto opened = test::ValueOf(OpenDataFolder(root));
   const Catalogue catalogue(*opened.db);
   const auto mapped = test::ValueOf(catalogue.GetFlight(sample.mapped));
-  EXPECT_EQ(mapped.name, "mapped");
-  EXPECT_EQ(mapped.options, R"({"gsd_m":0.1})");
+  EXPECT_EQ(std::tie(mapped.name, mapped.options, mapped.active_revision),
+            std::tuple("mapped", R"({"gsd_m":0.1})", 2));
   EXPECT_EQ(mapped.created, FromUs(1'000'000));
-  EXPECT_EQ(mapped.active_revision, 2);
   const auto files = *catalogue.ListFiles(sample.mapped);
   ASSERT_EQ(files.size(), 2u);
   EXPECT_EQ(files[0].name, "a.jpg");
@@ -102,9 +102,7 @@ TEST(RepairData, MakesALostCatalogueAnew) {
     const FilledFolder sample = Fill(scratch.path());
     lose(scratch.path() / "catalogue.db");
     const auto repaired = test::ValueOf(RepairData(scratch.path(), Now()));
-    EXPECT_EQ(repaired.flights, 2);
-    EXPECT_EQ(repaired.files, 3);
-    EXPECT_EQ(repaired.maps, 1);
+    EXPECT_EQ(std::tie(repaired.flights, repaired.files, repaired.maps), std::tuple(2, 3, 1));
     ExpectAllBack(scratch.path(), sample);
     const auto again = test::ValueOf(RepairData(scratch.path(), Now()));
     EXPECT_EQ(again.flights + again.files, 0);

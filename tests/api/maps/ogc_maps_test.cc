@@ -179,11 +179,8 @@ TEST_F(OgcMaps, SubsetsAreBoxes) {
                                       bounds.min.x() + bounds.Width() / 2));
   EXPECT_NEAR(half.box[2] - half.box[0], bounds.Width() / 2, 1e-6);
   EXPECT_NEAR(half.box[3], bounds.max.y(), 1e-6);
-  Refused("subset=time(1:2)", 400, "subset");
-  Refused("subset=Lat(a:2)", 400, "subset");
-  Refused("subset=Lat", 400, "subset");
-  Refused("subset=)(,", 400, "subset");
-  Refused("subset=Lat(48:47)", 400, "subset");
+  for (const char* bad : {"time(1:2)", "Lat(a:2)", "Lat", ")(,", "Lat(48:47)"})
+    Refused(std::string("subset=") + bad, 400, "subset");
 }
 
 TEST_F(OgcMaps, SizesFollowFromWhatIsSaid) {
@@ -288,9 +285,7 @@ TEST_F(OgcMaps, BackgroundsAreAsTheStandardHasThem) {
   EXPECT_NEAR(jpeg("")[0], 255, 3);
   EXPECT_NEAR(jpeg("&bgcolor=CC00CC&transparent=true")[0], 0xCC, 3);
   EXPECT_NEAR(jpeg("&bgcolor=CC00CC&transparent=true")[1], 0, 3);
-  Refused("bgcolor=nocolour", 400, "bgcolor");
-  Refused("bgcolor=0xCC00", 400, "bgcolor");
-  Refused("bgcolor=", 400, "bgcolor");
+  for (const char* bad : {"nocolour", "0xCC00", ""}) Refused(std::string("bgcolor=") + bad, 400, "bgcolor");
   Refused("transparent=maybe", 400, "transparent");
   Refused("void-transparent=1", 400, "void-transparent");
 }

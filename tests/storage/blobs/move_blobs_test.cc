@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <tuple>
 
 #include "storage/blobs/folder_blobs.h"
 #include "storage/catalogue/catalogue.h"
@@ -52,9 +53,7 @@ class MovedBlobs : public testing::Test {
 
 TEST_F(MovedBlobs, GoOutAndComeBackTheSame) {
   const auto out = test::ValueOf(Move(near_, far_));
-  EXPECT_EQ(out.copied, 3);
-  EXPECT_EQ(out.bytes, 10);
-  EXPECT_EQ(out.removed, 0);
+  EXPECT_EQ(std::tie(out.copied, out.bytes, out.removed), std::tuple(3, 10, 0));
   EXPECT_TRUE(near_.Find(FilesPrefix(flight_) + photo_));  // kept unless it was said otherwise
   EXPECT_EQ(far_.List("flights/")->size(), 3U);            // neither record nor preview
   EXPECT_EQ(**SettledAt(dir_), "s3://far/");
@@ -62,8 +61,7 @@ TEST_F(MovedBlobs, GoOutAndComeBackTheSame) {
   EXPECT_EQ(SettleBlobs(dir_, *db_, near_).error().code, ErrorCode::kConflict);
 
   const auto again = test::ValueOf(Move(near_, far_, true));
-  EXPECT_EQ(again.there_already, 3);
-  EXPECT_EQ(again.removed, 3);
+  EXPECT_EQ(std::tie(again.there_already, again.removed), std::tuple(3, 3));
   EXPECT_FALSE(near_.Find(FilesPrefix(flight_) + photo_));
   EXPECT_TRUE(near_.Find(FlightPrefix(flight_) + "flight.jsonl"));
 
@@ -82,8 +80,7 @@ TEST_F(MovedBlobs, GoOnWhereTheyWereCutOff) {
   EXPECT_EQ(near_.List(FilesPrefix(flight_))->size(), 1U);
   far_.puts_left = 1'000;
   const auto rest = test::ValueOf(Move(near_, far_, true));
-  EXPECT_EQ(rest.there_already, 1);
-  EXPECT_EQ(rest.copied, 2);
+  EXPECT_EQ(std::tie(rest.there_already, rest.copied), std::tuple(1, 2));
 }
 
 TEST_F(MovedBlobs, KeepTheOriginalOfACopyThatIsNotTheSame) {

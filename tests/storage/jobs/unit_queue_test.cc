@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -38,12 +39,8 @@ TEST_F(UnitQueueTest, AJobWaitsForItsUnitsAndIsThenClaimedAgain) {
   const Lease lease = CutJob(2);
   EXPECT_FALSE(*queue_.Claim("w", now_ + hours(1000)));  // however long it takes
   const UnitLease first = Claimed();
-  EXPECT_EQ(first.job_id, lease.job_id);
-  EXPECT_EQ(first.flight_id, lease.flight_id);
-  EXPECT_EQ(first.options, "{\"a\":1}");
-  EXPECT_EQ(first.kind, "look");
-  EXPECT_EQ(first.count, 2);
-  EXPECT_EQ(first.items, 100);
+  EXPECT_EQ(std::tie(first.job_id, first.flight_id, first.options, first.kind, first.count, first.items),
+            std::tuple(lease.job_id, lease.flight_id, R"({"a":1})", "look", 2, 100));
   const UnitLease second = Claimed();
   EXPECT_NE(first.number, second.number);
   EXPECT_FALSE(*units_.Claim("w", now_));
@@ -71,13 +68,10 @@ TEST_F(UnitQueueTest, AreCountedByKindUntilTheirJobEnds) {
   EXPECT_TRUE(*units_.Done(Claimed()));
   const std::vector<UnitsOfKind> kinds = *units_.Count(now_);
   ASSERT_EQ(kinds.size(), 2U);
-  EXPECT_EQ(kinds[0].kind, "look");
-  EXPECT_EQ(kinds[0].waiting, 2);
-  EXPECT_EQ(kinds[0].running, 1);
-  EXPECT_EQ(kinds[0].done, 1);
-  EXPECT_EQ(kinds[0].failed_attempts, 0);
-  EXPECT_EQ(kinds[1].kind, "render");
-  EXPECT_EQ(kinds[1].waiting, 2);
+  const UnitsOfKind &look = kinds[0], &render = kinds[1];
+  EXPECT_EQ(std::tie(look.kind, look.waiting, look.running, look.done, look.failed_attempts),
+            std::tuple("look", 2, 1, 1, 0));
+  EXPECT_EQ(std::tie(render.kind, render.waiting), std::tuple("render", 2));
   EXPECT_TRUE(queue_.Cancel(rendered.job_id, now_).ok());
   EXPECT_EQ(units_.Count(now_)->size(), 1U);
 }
@@ -137,11 +131,8 @@ TEST_F(UnitQueueTest, TellsWhoHasWhichSinceWhenAtWhichAttempt) {
   Claimed("c");
   const auto held = *units_.Held(lease.job_id);
   ASSERT_EQ(held.size(), 2U);
-  EXPECT_EQ(held[0].worker, "b");
-  EXPECT_EQ(held[0].attempt, 2);
-  EXPECT_EQ(held[0].number, again.number);
-  EXPECT_EQ(held[1].worker, "c");
-  EXPECT_EQ(held[1].attempt, 1);
+  EXPECT_EQ(std::tie(held[0].worker, held[0].attempt, held[0].number), std::tuple("b", 2, again.number));
+  EXPECT_EQ(std::tie(held[1].worker, held[1].attempt), std::tuple("c", 1));
   EXPECT_NEAR(held[1].held_s, 0.0, 5.0);
   EXPECT_TRUE(*units_.Done(again));
   EXPECT_EQ(units_.Held()->size(), 1U);
