@@ -48,7 +48,6 @@ class ScriptedStore {
 };
 
 // Pauses double: two stores that fail three times each are sooner done than one that fails six times.
-// times.
 TEST(S3Client, TriesAgainAfterWhatMayPass) {
   for (const std::vector<int>& bad : {std::vector<int>{500, 503, 0}, std::vector<int>{429, 502, 504}}) {
     ScriptedStore store([&](int n, const std::string&) -> std::string {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,11 @@ class IdleFlightsTest : public StoredFlightTest {
     EXPECT_TRUE(put) << put.error().detail;
     return *put;
   }
+  // From this day on, and not on those before.
+  void ExpectIdleFrom(int day, std::initializer_list<int> before) {
+    for (const int early : before) EXPECT_TRUE(IdleOn(early).empty()) << early;
+    EXPECT_EQ(IdleOn(day), std::vector<std::string>{flight_}) << day;
+  }
   // Idle on day 30 but for what `change` does on day 20; then idle on day 20 + 30 and not before.
   template <typename Change>
   void ExpectToBeginAnewAfter(const char* what, Change change) {
@@ -46,10 +52,7 @@ class IdleFlightsTest : public StoredFlightTest {
     IdleOn(0);
     ASSERT_TRUE(IdleOn(19).empty());
     change();
-    EXPECT_TRUE(IdleOn(20).empty());
-    EXPECT_TRUE(IdleOn(30).empty());
-    EXPECT_TRUE(IdleOn(49).empty());
-    EXPECT_EQ(IdleOn(50), std::vector<std::string>{flight_});
+    ExpectIdleFrom(50, {20, 30, 49});
   }
 
   IdleFlights idle_{*db_};
@@ -126,8 +129,7 @@ TEST_F(IdleFlightsTest, AJobThatWaitsOrRunsKeepsItsFlight) {
   EXPECT_FALSE(PutOn(300));
   EXPECT_EQ(queue_.Get(job.id)->state, JobState::kRunning);
   ASSERT_TRUE(*queue_.Fail(lease, {ErrorCode::kUnprocessable, "no", ""}, false, Now()));
-  EXPECT_TRUE(IdleOn(301).empty());
-  EXPECT_EQ(IdleOn(331), std::vector<std::string>{flight_});
+  ExpectIdleFrom(331, {301});
 }
 
 // Between the look that found it idle and the transaction that would put it away.
@@ -160,8 +162,7 @@ TEST_F(IdleFlightsTest, AnOpenUploadKeepsItsFlight) {
   EXPECT_TRUE(IdleOn(100).empty());
   EXPECT_FALSE(PutOn(100));
   ASSERT_TRUE(spool_.Remove(upload.id, start_));
-  EXPECT_TRUE(IdleOn(129).empty());
-  EXPECT_EQ(IdleOn(130), std::vector<std::string>{flight_});
+  ExpectIdleFrom(130, {129});
 }
 
 TEST_F(IdleFlightsTest, AnExportKeepsItsFlight) {
@@ -205,17 +206,14 @@ TEST_F(IdleFlightsTest, AShareKeepsItsFlightUntilItEndsAndTheDaysAfter) {
 
 TEST_F(IdleFlightsTest, AnAgeThatWentBackMakesNothingIdle) {
   IdleOn(100);
-  EXPECT_TRUE(IdleOn(20).empty());
-  EXPECT_TRUE(IdleOn(129).empty());
-  EXPECT_EQ(IdleOn(130), std::vector<std::string>{flight_});
+  ExpectIdleFrom(130, {20, 129});
 }
 
 TEST_F(IdleFlightsTest, ForgetsAndBeginsAnew) {
   IdleOn(0);
   ASSERT_TRUE(idle_.Forget());
   EXPECT_FALSE(PutOn(30));
-  EXPECT_TRUE(IdleOn(30).empty());
-  EXPECT_EQ(IdleOn(60), std::vector<std::string>{flight_});
+  ExpectIdleFrom(60, {30});
 }
 
 // As a server of the version before left it.
@@ -225,8 +223,7 @@ TEST_F(IdleFlightsTest, ACatalogueOfVersion17GetsItsTable) {
                                                 : "PRAGMA user_version=17"));
   const auto reopened = test::ValueOf(OpenTestCatalogue(data_.Catalogue()));
   EXPECT_EQ(Catalogue(*reopened).GetFlight(flight_)->name, "field");
-  EXPECT_TRUE(IdleOn(0).empty());
-  EXPECT_EQ(IdleOn(30), std::vector<std::string>{flight_});
+  ExpectIdleFrom(30, {0});
 }
 
 TEST_F(IdleFlightsTest, DaysOfACatalogueOfVersion18GoOnAsTheyWere) {
