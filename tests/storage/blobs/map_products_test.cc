@@ -14,7 +14,7 @@
 #include "storage/folder/check_data.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/blobs/far_folder.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/storage/catalogue_fixture.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -22,23 +22,18 @@ namespace {
 namespace fs = std::filesystem;
 
 // A flight whose jobs publish maps, of files that a test puts into a folder.
-class PublishedMapTest : public testing::Test {
+class PublishedMapTest : public CatalogueFixture {
  protected:
   // Its revision.
   std::int64_t Published(const std::vector<MapProduct>& products) {
-    EXPECT_TRUE(queue_.Add(flight_, "{}", Now()));
-    const Lease lease = **queue_.Claim("w", Now());
+    const Lease lease = Begun(flight_, Now());
     Revision revision;
     revision.revision = **queue_.ReserveRevision(lease);
     EXPECT_TRUE(*queue_.Publish(lease, revision, Now(), products));
     return revision.revision;
   }
 
-  test::TemporaryFolder folder_;
-  const std::filesystem::path made_ = folder_ / "made";
-  std::unique_ptr<CatalogueDb> db_ = *CatalogueDb::Open(folder_ / "catalogue.db");
-  Catalogue catalogue_{*db_};
-  JobQueue queue_{*db_};
+  const std::filesystem::path made_ = dir_ / "made";
   const std::string flight_ = catalogue_.AddFlight("field", "{}", Now())->id;
 };
 
@@ -65,7 +60,7 @@ TEST_F(MapProducts, AreTheFilesOfTheMapAndTheSumsOfItsRanges) {
   sums.Add(*RangeSumsOfFile(made_ / "mosaic.pmtiles"));
   EXPECT_EQ((*products)[1].sha256, sums.Finish());
   EXPECT_EQ((*products)[2].name, "report.json");
-  EXPECT_EQ(ProductsIn(folder_ / "none").error().code, ErrorCode::kIo);
+  EXPECT_EQ(ProductsIn(dir_ / "none").error().code, ErrorCode::kIo);
 }
 
 TEST_F(MapProducts, HaveSumsOfRangesUnderNamesOfTheirOwn) {
@@ -116,15 +111,14 @@ class CheckedMaps : public PublishedMapTest {
     return check;
   }
 
-  test::FarFolder far_{folder_ / "far"};
+  test::FarFolder far_{dir_ / "far"};
   SilentProgress progress_;
 };
 
 TEST_F(CheckedMaps, AreHeldAgainstWhatTheirJobsLeft) {
   const std::int64_t first = Stored(*ProductsIn(made_));
   EXPECT_TRUE(Check().IsWell());
-  std::ofstream(folder_ / "other") << "bytes of mosaic.tiF";  // as long
-  Put(first, "mosaic.tif", folder_ / "other");
+  Put(first, "mosaic.tif", dir_.Write("other", "bytes of mosaic.tiF"));  // as long
   ASSERT_TRUE(far_.Remove(RevisionPrefix(flight_, first) + "report.json"));
   const DataCheck check = Check();
   ASSERT_EQ(check.changed.size(), 1U);

@@ -2,25 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "storage/blobs/blob_store.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
 #include "storage/folder/object_store/settle_blobs.h"
 #include "storage/jobs/unit_queue.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/storage/catalogue_fixture.h"
 
 namespace skyquilt::storage {
 namespace {
 
 // A folder stands for the store: what is swept is the same.
-class SweptBlobs : public testing::Test {
+class SweptBlobs : public CatalogueFixture {
  protected:
-  void Put(const std::string& key) {
-    std::ofstream(folder_ / "file") << "x";
-    ASSERT_TRUE(blobs_.Put(key, folder_ / "file"));
-  }
+  void Put(const std::string& key) { ASSERT_TRUE(blobs_.Put(key, dir_.Write("file", "x"))); }
   bool Has(const std::string& key) { return blobs_.Find(key).ok(); }
   SweepReport Sweep(std::chrono::seconds age) {
     const auto report = SweepBlobs(blobs_, catalogue_, queue_, Now(), age);
@@ -28,11 +23,7 @@ class SweptBlobs : public testing::Test {
     return *report;
   }
 
-  test::TemporaryFolder folder_;
-  std::unique_ptr<CatalogueDb> db_ = *CatalogueDb::Open(folder_ / "catalogue.db");
-  Catalogue catalogue_{*db_};
-  JobQueue queue_{*db_};
-  FolderBlobs blobs_{folder_ / "store"};
+  FolderBlobs blobs_{dir_ / "store"};
   const std::string flight_ = catalogue_.AddFlight("a", "{}", Now())->id;
   const std::string photo_ = NewId();
 };
@@ -61,8 +52,7 @@ TEST_F(SweptBlobs, KeepsWhatIsShownAndTakesWhatIsNobodys) {
 }
 
 TEST_F(SweptBlobs, TakesPartsOfFlightsWhoseJobsHaveEnded) {
-  ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
-  const Lease lease = **queue_.Claim("w", Now());
+  const Lease lease = Begun(flight_, Now());
   ASSERT_TRUE(*UnitQueue(*db_).TakeOver(lease, "made from", Now()));
   const std::string part = FlightPrefix(flight_) + UnitsFolderName(lease.job_id) + "/look-0/found.cbor";
   Put(part);
@@ -76,8 +66,7 @@ TEST_F(SweptBlobs, TakesPartsOfFlightsWhoseJobsHaveEnded) {
 }
 
 TEST_F(SweptBlobs, KeepsPartsOfAJobThatFailedForADayForTheNext) {
-  ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
-  const Lease lease = **queue_.Claim("w", Now());
+  const Lease lease = Begun(flight_, Now());
   UnitQueue units(*db_);
   ASSERT_TRUE(*units.TakeOver(lease, "made from", Now()));
   const std::string part = FlightPrefix(flight_) + UnitsFolderName(lease.job_id) + "/look-0/found.cbor";
@@ -102,8 +91,7 @@ TEST_F(SweptBlobs, LeavesAloneWhatIsYoung) {
 
 TEST_F(SweptBlobs, LeavesRevisionsAloneWhileAJobRuns) {
   Put(RevisionPrefix(flight_, 3) + "mosaic.tif");
-  ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
-  ASSERT_TRUE(*queue_.Claim("w", Now()));
+  Begun(flight_, Now());
   EXPECT_EQ(Sweep(std::chrono::seconds(0)).removed, 0);
   EXPECT_TRUE(Has(RevisionPrefix(flight_, 3) + "mosaic.tif"));
   // The worker itself, at the beginning of its job.
