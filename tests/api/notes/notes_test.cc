@@ -148,6 +148,10 @@ TEST_F(Notes, ThatAreNoTextOfNotesAreRefusedBeforeTheyAreRead) {
                   .message,
               ::testing::Not(::testing::IsEmpty()));
   EXPECT_EQ(ReadNotes(std::string(kMaxNotesBytes + 1, ' ')).error().code, ErrorCode::kTooLarge);
+  // Each member is looked for among those before it: of a hundred thousand that takes half a minute.
+  std::string members = R"({"type": "FeatureCollection", "features": [], "0": 0)";
+  while (members.size() + 20 < kMaxNotesBytes) members += ", \"" + std::to_string(members.size()) + "\": 0";
+  EXPECT_THAT(ReadNotes(members + "}").error().message, HasSubstr("more than 1000 members"));
   json many = json::array();
   for (std::size_t i = 0; i <= kMaxNotes; ++i) many.push_back(NoteAt(std::to_string(i), PointAt(1, 2)));
   EXPECT_THAT(ReadNotes(Collected(many).dump()).error().message, HasSubstr("more than 2000 notes"));
