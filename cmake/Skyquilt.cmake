@@ -141,8 +141,7 @@ function(skyquilt_test name)
   target_link_libraries(${name} PRIVATE skyquilt_flags ${ARG_DEPS} GTest::gmock GTest::gtest GTest::gtest_main)
   set(options)
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
-    # Assertions expand to much that runs once: -Og compiles them in four fifths of the time of -O1. A test that fails is
-    # looked into in another build.
+    # Assertions expand to much that runs once. A test that fails is looked into in another build.
     set(options -Og)
   endif()
   target_compile_options(${name} PRIVATE ${options})
