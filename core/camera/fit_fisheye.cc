@@ -1,9 +1,10 @@
 #include "core/camera/fit_fisheye.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::camera {
 namespace {
@@ -56,7 +57,7 @@ std::optional<FittedLens> FitFisheye(const FisheyeLens& fisheye, int width_px, i
     for (int power = 0; power < 4; ++power) powers(i, power) = weight * std::pow(r, 2 * power + 1);
     rhos[i] = weight * rho;
   }
-  const Eigen::Vector4d fitted = powers.colPivHouseholderQr().solve(rhos);
+  const Eigen::Vector4d fitted = geo::SolveLeastSquares(powers, rhos);
   if (!fitted.allFinite() || !(fitted[0] > 0.0)) return std::nullopt;
   FittedLens result;
   Intrinsics& lens = result.lens;

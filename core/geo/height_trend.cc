@@ -1,6 +1,6 @@
 #include "core/geo/height_trend.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>

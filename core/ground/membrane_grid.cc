@@ -1,6 +1,6 @@
 #include "core/ground/membrane_grid.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 

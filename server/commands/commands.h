@@ -1,5 +1,6 @@
-// The program's subcommands. Each declares its options and what it does in a source of its name; AddCommands
-// is the table of them, in the order of `skyquilt --help`.
+// The program's subcommands. Each declares its options and what it does in a source of its name;
+// RunCommandLine has the table of them, in the order of `skyquilt --help`, and gives what the process exits
+// with. Once a process, main thread.
 #pragma once
 
 namespace CLI {
@@ -8,7 +9,7 @@ class App;
 
 namespace skyquilt::server {
 
-void AddCommands(CLI::App& app);
+int RunCommandLine(int argc, const char* const* argv);
 
 // Maps, without a server (maps/).
 void AddStitchCommand(CLI::App& app);    // the map of a folder of photos

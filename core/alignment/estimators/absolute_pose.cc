@@ -1,6 +1,6 @@
 #include "core/alignment/estimators/absolute_pose.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <complex>

@@ -1,10 +1,11 @@
 #include "core/alignment/estimators/rotation_averaging.h"
 
-#include <Eigen/Sparse>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <numeric>
 
 #include "core/geo/rigid3.h"
+#include "core/geo/solvers/sparse_cholesky.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -80,9 +81,9 @@ double Step(const std::vector<PhotoPair>& pairs, const std::vector<double>& weig
   }
   Eigen::SparseMatrix<double> normal(count, count);
   normal.setFromTriplets(terms.begin(), terms.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
-  if (solver.info() != Eigen::Success) return 0.0;
-  const Eigen::Matrix<double, Eigen::Dynamic, 3> turns = solver.solve(right);
+  const geo::SparseCholesky solver(normal);
+  if (!solver.is_factored()) return 0.0;
+  const Eigen::Matrix<double, Eigen::Dynamic, 3> turns = solver.Solve(right);
   double largest = 0.0;
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector3d turn = turns.row(i).transpose();

@@ -1,6 +1,6 @@
 #include "core/alignment/from_images/block.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

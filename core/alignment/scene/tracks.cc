@@ -1,6 +1,6 @@
 #include "core/alignment/scene/tracks.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

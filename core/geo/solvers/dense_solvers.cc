@@ -14,6 +14,10 @@ std::optional<Eigen::MatrixXd> SolveSquare(const DenseMatrix& square, const Dens
   return lu.solve(right);
 }
 
+Eigen::MatrixXd SolveLeastSquares(const DenseMatrix& columns, const DenseMatrix& right) {
+  return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(columns).solve(right);
+}
+
 Eigen::MatrixXd OrthonormalBasis(const DenseMatrix& columns) {
   return Eigen::FullPivHouseholderQR<Eigen::MatrixXd>(columns).matrixQ();
 }

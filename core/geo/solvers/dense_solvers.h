@@ -19,6 +19,10 @@ Eigen::MatrixXd SolveSymmetric(const DenseMatrix& normal, const DenseMatrix& rig
 // x of square x = right by a fully pivoted LU; nullopt where square has no inverse.
 std::optional<Eigen::MatrixXd> SolveSquare(const DenseMatrix& square, const DenseMatrix& right);
 
+// x that makes columns x - right shortest, by Householder's QR with pivots; columns with more rows than
+// columns.
+Eigen::MatrixXd SolveLeastSquares(const DenseMatrix& columns, const DenseMatrix& right);
+
 // An orthonormal basis of n dimensions whose first columns span those of `columns` (n rows, no more columns
 // than rows).
 Eigen::MatrixXd OrthonormalBasis(const DenseMatrix& columns);

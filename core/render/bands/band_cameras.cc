@@ -1,6 +1,6 @@
 #include "core/render/bands/band_cameras.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <utility>

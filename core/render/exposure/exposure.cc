@@ -1,7 +1,9 @@
 #include "core/render/exposure/exposure.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <cmath>
+
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::render {
 namespace {
@@ -211,7 +213,7 @@ Shade ShadeOf(const LightModel& light, const alignment::AlignedPhoto& photo,
           std::exp(-std::clamp(brighter, -kMaxShadeLog, kMaxShadeLog)) - 1.0;
     }
   }
-  const Eigen::MatrixXd fitted = powers.colPivHouseholderQr().solve(wanted);
+  const Eigen::MatrixXd fitted = geo::SolveLeastSquares(powers, wanted);
   for (std::size_t channel = 0; channel < 3; ++channel) {
     for (std::size_t term = 0; term < kShadeTerms; ++term) {
       const double value = fitted(static_cast<int>(term), static_cast<int>(channel));

@@ -1,7 +1,6 @@
 #include "core/render/exposure/light_equations.h"
 
-#include <Eigen/Dense>
-#include <Eigen/Sparse>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <numbers>
 
 #include "core/geo/solvers/dense_solvers.h"
+#include "core/geo/solvers/sparse_cholesky.h"
 
 namespace skyquilt::render {
 namespace {
@@ -225,14 +225,14 @@ double MedianOfMisfits(std::vector<double> misfits) {
 
 // False where there is no solution.
 bool Solve(const Normal& normal, bool has_spot, SolvedLight& light) {
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> of_gains(normal.Gains());
-  if (of_gains.info() != Eigen::Success) return false;
-  const Eigen::MatrixXd eliminated = of_gains.solve(normal.mixed);
+  const geo::SparseCholesky of_gains(normal.Gains());
+  if (!of_gains.is_factored()) return false;
+  const Eigen::MatrixXd eliminated = of_gains.Solve(normal.mixed);
   Eigen::MatrixXd left = normal.terms.selfadjointView<Eigen::Lower>();
   left -= normal.mixed.transpose() * eliminated;
   const Eigen::VectorXd terms =
       geo::SolveSymmetric(left, normal.terms_right - eliminated.transpose() * normal.gains_right);
-  const Eigen::VectorXd log_gains = of_gains.solve(normal.gains_right - normal.mixed * terms);
+  const Eigen::VectorXd log_gains = of_gains.Solve(normal.gains_right - normal.mixed * terms);
   if (!terms.allFinite() || !log_gains.allFinite()) return false;
   light = {log_gains, terms, {}, {}};
   if (!has_spot) return true;
