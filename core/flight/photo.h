@@ -60,10 +60,13 @@ struct ExifBesideXmp {
 // One sigma of a horizontal axis, assumed: of a receiver by itself (DJI and u-blox state it), and with fixed
 // corrections: base and antenna, and the moment of the exposure.
 inline constexpr double kPlainSigmaM = 1.5, kFixedSigmaM = 0.03;
+inline constexpr double kMinStatedM = 0.002;  // what is below is a number for "none", or in another unit
 
 // As the position states it, else as assumed: for whoever weighs it.
 inline double SigmaOfRecordM(const RecordedPosition& position) {
-  return position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? kFixedSigmaM : kPlainSigmaM);
+  const double assumed_m = position.is_rtk_fixed ? kFixedSigmaM : kPlainSigmaM;
+  const double stated_m = position.sigma_horizontal_m.value_or(assumed_m);
+  return stated_m >= kMinStatedM ? stated_m : assumed_m;
 }
 
 enum class AttitudeKind {

@@ -12,7 +12,6 @@ namespace skyquilt::poses {
 namespace {
 
 constexpr double kCorrectedM = 0.02;
-constexpr double kMinStatedM = 0.002;  // what is below is a number for "none", or in another unit
 constexpr double kBestPlainM = 0.3;
 
 // `stated_m`: of the positions that state their own accuracy.
@@ -37,7 +36,7 @@ CommonError JudgedErrorOf(const Positions& positions, Of of) {
     const auto& position = of(one);
     fixed += position.is_rtk_fixed ? 1 : 0;
     const std::optional<double>& sigma_m = position.sigma_horizontal_m;
-    if (sigma_m && std::isfinite(*sigma_m) && *sigma_m >= kMinStatedM) stated_m.push_back(*sigma_m);
+    if (sigma_m && std::isfinite(*sigma_m) && *sigma_m >= flight::kMinStatedM) stated_m.push_back(*sigma_m);
   }
   return JudgedError(positions.size(), fixed, std::move(stated_m));
 }
@@ -59,7 +58,7 @@ bool IsCorrected(const flight::CameraEvent& event) {
 double SigmaOfRowM(const flight::CameraEvent& event) {
   if (event.sigma_in_ned_m) {
     const double stated_m = event.sigma_in_ned_m->head<2>().norm() / std::sqrt(2.0);
-    if (stated_m >= kMinStatedM) return stated_m;
+    if (stated_m >= flight::kMinStatedM) return stated_m;
   }
   return IsCorrected(event) ? kCorrectedM : flight::kPlainSigmaM;
 }

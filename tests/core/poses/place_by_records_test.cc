@@ -94,6 +94,16 @@ TEST(PlaceByRecords, BelievesRecordedAnglesBeforeACompass) {
   EXPECT_EQ(placed.by_direction, 0u);
 }
 
+TEST(PlaceByRecords, HoldsNoPositionToAnAccuracyThatNobodyMeasured) {
+  for (const double sigma_m : {1e-4, 0.001}) {
+    Photo photo = WithCompass(0.0, std::nullopt);
+    photo.position->sigma_horizontal_m = sigma_m;
+    const PlacedByRecords placed = PlaceThem({photo});
+    ASSERT_EQ(placed.photos.size(), 1u);
+    EXPECT_DOUBLE_EQ(std::sqrt(placed.photos[0].covariance(3, 3)), flight::kPlainSigmaM) << sigma_m;
+  }
+}
+
 TEST(EstimatePoses, SaysThatACompassTurnsPhotos) {
   flight::Flight flight;
   flight.photos = {WithCompass(0.0, 70.0)};
