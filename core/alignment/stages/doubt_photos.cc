@@ -140,20 +140,20 @@ PhotoSet LeaveOutFarAway(AlignedFlight& flight) {
   if (count < kFewPhotos) return far_away;
   const std::vector<Eigen::Vector2d> places = EastNorthOf(flight.photos);
   const Eigen::Vector2d middle = MedianByAxis(places);
-  // By distance from the middle, the block grows until a gap as wide as itself.
+  // By distance from the middle, the block grows until a gap as wide as itself; among the first photos of a
+  // high flight every step is one.
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return (places[a] - middle).norm() < (places[b] - middle).norm();
   });
+  const double most = std::max(1.0, kMaxLeftOutShare * static_cast<double>(count));
   std::size_t kept = count;
-  for (std::size_t k = count - 1; k > 0; --k) {
+  for (std::size_t k = count - 1; static_cast<double>(count - k) <= most; --k) {
     const double inner_m = (places[order[k - 1]] - middle).norm();
     const double gap_m = (places[order[k]] - middle).norm() - inner_m;
     if (gap_m > std::max(kMinGapM, 2.0 * kGapOverExtent * inner_m)) kept = k;
   }
-  if (static_cast<double>(count - kept) > std::max(1.0, kMaxLeftOutShare * static_cast<double>(count)))
-    return far_away;
   for (std::size_t k = kept; k < count; ++k) {
     if (flight.photos[order[k]].placement == Placement::kPoseOnly) far_away.Add(order[k]);
   }

@@ -36,6 +36,16 @@ TEST(LeaveOutFarAway, TakesOutASinglePhotoKilometresOffAndSaysWhy) {
   EXPECT_NE(InWords(flight.left_out.front().reason).find("3.0 km"), std::string::npos);
 }
 
+TEST(LeaveOutFarAway, TakesOutASinglePhotoOfAFlightWhosePhotosLieFarApart) {
+  AlignedFlight flight = BlockOf(25);
+  for (AlignedPhoto& photo : flight.photos) photo.cam_from_enu.translation *= 20.0;  // 400 m, from 1200 m
+  Move(flight.photos[7], 30'000.0);
+  flight.photos[7].placement = Placement::kPoseOnly;
+  LeaveOutFarAway(flight);
+  ASSERT_EQ(flight.left_out.size(), 1u);
+  EXPECT_EQ(flight.left_out.front().name, "photo7");
+}
+
 TEST(LeaveOutFarAway, KeepsWhatIsTiedToOthersAndWhatIsNear) {
   AlignedFlight flight = BlockOf(25);
   Move(flight.photos[3], 3000.0);  // aligned: its verified pairs put it there
