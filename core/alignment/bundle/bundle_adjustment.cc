@@ -57,6 +57,16 @@ int DropOutliers(const std::vector<View>& views, double cut_px, std::vector<Trac
   return dropped;
 }
 
+// Ties of whole pictures, of which one photo was since found to look elsewhere: with a point behind a camera
+// no round succeeds.
+void DropTiesBehind(const std::vector<View>& views, std::vector<Track>& ties) {
+  std::erase_if(ties, [&](const Track& tie) {
+    return std::any_of(tie.observations.begin(), tie.observations.end(), [&](const Observation& one) {
+      return std::isinf(ReprojectionErrorPx(views[one.photo], one, tie.point_in_enu));
+    });
+  });
+}
+
 }  // namespace
 
 Eigen::Vector3d ExpectedCenter(const BundleProblem& problem, const BundlePhoto& photo) {
@@ -76,6 +86,7 @@ std::vector<View> ViewsOf(const BundleProblem& problem) {
 
 BundleSummary AdjustBundle(BundleProblem& problem, const BundleOptions& options) {
   BundleSummary summary;
+  DropTiesBehind(ViewsOf(problem), problem.soft_tracks);
   std::vector<Eigen::Vector3d> line_bias_rad(problem.lines, Eigen::Vector3d::Zero());
   BundleOptions round_options = options;
   for (std::size_t round = 0; round < options.cuts_px.size(); ++round) {

@@ -138,6 +138,17 @@ TEST(AdjustBundle, GoesOnOnceThePointThatFailedIsDropped) {
   EXPECT_LT(scene.FarOffM(3), 0.05);
 }
 
+TEST(AdjustBundle, DropsATieOfWholePicturesThatLiesBehindACamera) {
+  Scene scene;
+  scene.Displace(3);
+  scene.problem.soft_tracks = {Seen(scene.truth, scene.problem.lenses[0].recorded, {6.0, 6.0, 0.0}),
+                               BehindAllCameras()};
+  const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {400.0, 20.0}});
+  EXPECT_FALSE(summary.has_failed) << summary.solver;
+  EXPECT_EQ(scene.problem.soft_tracks.size(), 1u);
+  EXPECT_LT(scene.FarOffM(3), 0.05);
+}
+
 // Looked up on a track `early_s` too early: two photos eastwards, two back or eastwards too.
 void LookUpEarly(double early_s, bool is_to_and_fro, Scene& scene) {
   constexpr double kSpeedMps = 2.0;
