@@ -152,6 +152,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   BlockPlace place;
   place.holding = PhotoSet(registration.Photos());
   const std::vector<std::size_t> photos = PhotosOf(registration, block);
+  if (photos.empty()) return place;
   const std::vector<Vector3d> points = PointsOf(registration, block);
   std::vector<Vector3d> centers;
   for (const std::size_t i : photos) centers.push_back(registration.cam_from_world[i].TargetOriginInSource());

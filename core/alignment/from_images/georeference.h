@@ -38,7 +38,7 @@ struct BlockPlace {
   bool ignores_surveyed_heights = false;  // with them the block would lie on its side
 };
 
-// Of block number `block`, which has photos.
+// Of block number `block`. One that no photo is left of lies nowhere: kByGuess, by no position.
 BlockPlace Georeference(const Registration& registration, int block, const GeoreferenceRecords& records);
 
 }  // namespace skyquilt::alignment

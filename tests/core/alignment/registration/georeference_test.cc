@@ -153,6 +153,14 @@ TEST(Georeference, WithoutAnythingAPhotoShowsTheStatedWidth) {
   EXPECT_NEAR(center.z() / 3000.0 * 4000.0, kGuessedWidthM, 3.0);
 }
 
+TEST(Georeference, ABlockThatNoPhotoIsLeftOfLiesNowhere) {
+  Case made = MakeCase();
+  made.registration.block_sizes.push_back(0);
+  const BlockPlace place = Georeference(made.registration, 1, made.records);
+  EXPECT_EQ(place.placing, Placing::kByGuess);
+  EXPECT_EQ(place.positions, 0);
+}
+
 TEST(Georeference, RecordedAttitudesGiveNorth) {
   Case made = MakeCase();
   Eigen::Matrix3d down;
