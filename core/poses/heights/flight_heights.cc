@@ -191,12 +191,13 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
       continue;
     heights.above_ground_m[i] = *photos[i].position->height_ellipsoid_m - *takeoff_m;
   }
-  // Photos without a relative height are tied to the others through their absolute one. Where others are up
-  // in the air, one below the take-off is down a slope: only an elevation model knows how far.
+  // Photos without a relative height are tied to the others through their absolute one, or to the take-off as
+  // given. Where others are up in the air, one below the take-off is down a slope: only an elevation model
+  // knows how far.
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (heights.above_ground_m[i] || !photos[i].position) continue;
     const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position);
-    if (ellipsoid_m && (known == 0 || takeoff_m)) {
+    if (ellipsoid_m && (known == 0 || takeoff_m || takeoff_ellipsoid_m)) {
       const double above_ground_m = *ellipsoid_m - takeoff_m.value_or(heights.takeoff_ellipsoid_m);
       if (above_ground_m > 1.0) heights.above_ground_m[i] = above_ground_m;
     } else if (known == 0) {

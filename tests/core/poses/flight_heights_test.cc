@@ -233,6 +233,16 @@ TEST(ChooseHeights, CountsFromAGivenTakeoffInsteadOfWhatIsRecordedOfIt) {
   EXPECT_EQ(heights.above_ground_m[3], 65.0) << "against the others, whose error it shares";
 }
 
+TEST(ChooseHeights, CountsAbsoluteHeightsFromAGivenTakeoffBesidePhotosThatHaveNone) {
+  std::vector<flight::Photo> photos = Photos(4, 60.0);
+  photos[3].position->height_above_takeoff_m.reset();
+  photos[3].position->height_ellipsoid_m = 150.0;
+  EXPECT_FALSE(ChooseHeights(photos, nullptr).above_ground_m[3].has_value());
+  const FlightHeights heights = ChooseHeights(photos, nullptr, 85.0);
+  EXPECT_EQ(heights.above_ground_m[0], 60.0);
+  EXPECT_EQ(heights.above_ground_m[3], 65.0);
+}
+
 TEST(ChooseHeights, PutsAbsoluteHeightsOverAGivenTakeoff) {
   const std::vector<flight::Photo> photos = Photos(3, std::nullopt, 145.0);
   const FlightHeights heights = ChooseHeights(photos, nullptr, 85.0);
