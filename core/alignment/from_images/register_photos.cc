@@ -144,6 +144,7 @@ std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& 
     if (!begun) break;
     GrowBlock(used, threads, progress, *begun);
     AdjustLast(threads, *begun);
+    if (begun->size() == 0) break;  // the same would begin again and again
     // The largest knows the lenses best: the others start from there.
     if (blocks.empty()) lenses = begun->lenses();
     for (std::size_t i = 0; i < used.Photos(); ++i) {
