@@ -146,20 +146,24 @@ bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight&
 }
 
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
+  // Lists and events place photos otherwise than these say themselves. Maps of earlier versions do not know.
+  const bool are_known =
+      std::any_of(flight.photos.begin(), flight.photos.end(),
+                  [](const alignment::AlignedPhoto& photo) { return photo.photo.position.has_value(); });
   std::vector<flight::Photo> photos = read.photos;
   // A fix that photos repeat is one, as it was when the map was made.
   const bool repeats = std::any_of(
       flight.warnings.begin(), flight.warnings.end(),
       [](const flight::Remark& said) { return said.code == flight::RemarkCode::kPositionsRepeated; });
-  if (repeats) poses::MoveRepeatedPositions(photos);
+  if (repeats && !are_known) poses::MoveRepeatedPositions(photos);
   std::map<std::string, const flight::Photo*> by_name;
   for (const flight::Photo& photo : photos) by_name[photo.name] = &photo;
   for (alignment::AlignedPhoto& photo : flight.photos) {
     const auto found = by_name.find(photo.photo.name);
     if (found == by_name.end()) continue;
-    const std::optional<flight::SampleRange> drawn_in = photo.photo.sample_range;
-    photo.photo = *found->second;
-    if (drawn_in) photo.photo.sample_range = drawn_in;
+    const flight::Photo before = std::exchange(photo.photo, *found->second);
+    if (before.sample_range) photo.photo.sample_range = before.sample_range;
+    if (are_known) photo.photo.position = before.position;
   }
 }
 

@@ -52,7 +52,8 @@ std::set<std::string> NamesOf(const std::vector<flight::GcpList>& lists);
 // read now (a copy with better tags that came later, say).
 bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight& read);
 
-// The photos of a recalled flight as they were read now (where their files are), drawn as they were.
+// The photos of a recalled flight as they were read now (where their files are), drawn as they were and with
+// the positions that placed them.
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight);
 
 bool HasRemark(const std::vector<flight::Remark>& remarks, const flight::Remark& one);

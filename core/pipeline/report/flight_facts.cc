@@ -24,6 +24,20 @@ namespace skyquilt::pipeline {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GroundChoice, leaning_share, seen_share)
 
+template <IsA<flight::RecordedPosition> Record, typename Visit>
+void VisitFields(Record& record, Visit& visit) {
+  visit("lat_deg", record.position.lat_deg);
+  visit("lon_deg", record.position.lon_deg);
+  visit("height_ellipsoid_m", record.height_ellipsoid_m);
+  visit("height_amsl_m", record.height_amsl_m);
+  visit("height_above_takeoff_m", record.height_above_takeoff_m);
+  visit("height_above_ground_m", record.height_above_ground_m);
+  visit("sigma_horizontal_m", record.sigma_horizontal_m);
+  visit("sigma_vertical_m", record.sigma_vertical_m);
+  visit("is_rtk_fixed", record.is_rtk_fixed);
+  visit("is_repeated", record.is_repeated);
+}
+
 namespace {
 
 using Cbor = nlohmann::json;
@@ -189,6 +203,8 @@ FlightFacts Parse(std::string_view bytes) {
     photo.photo.camera_key = TextOfCbor(photos[i].at("camera_key"));
     if (photos[i].contains("sample_range"))
       photo.photo.sample_range = ToSampleRange(photos[i]["sample_range"]);
+    if (photos[i].contains("position"))
+      photo.photo.position = ReportOf<flight::RecordedPosition>(photos[i]["position"]);
     photo.intrinsics = camera.intrinsics;
     photo.cam_from_enu = camera.cam_from_enu;
     photo.placement = camera.placement;
@@ -278,6 +294,8 @@ std::string WriteFacts(const FlightFacts& facts) {
                               {"thumbnail", CborOfValues<Cbor>(thumbnail.jpeg)}});
     if (const auto& range = photo.photo.sample_range)
       json["photos"].back()["sample_range"] = {range->low, range->high};
+    if (const auto& position = photo.photo.position)
+      json["photos"].back()["position"] = JsonOf<Cbor>(*position);
   }
   json["height_rule"] = facts.height_rule;
   json["is_placed"] = facts.is_placed;

@@ -47,7 +47,9 @@ struct FlightFacts {
   Digest options{};                          // of what alignment was asked to do
   std::map<std::string, std::string> asked;  // MosaicOptions::InWords; none in maps of earlier versions
   std::vector<NamedDigest> inputs;           // all files, also those that are no photos
-  alignment::AlignedFlight flight;  // without tie points; photos hold their name, camera and lens alone
+  // Without tie points. Photos hold their name, camera and lens, and the position that they were placed by
+  // (a list's, say; in maps of earlier versions none does), without its source.
+  alignment::AlignedFlight flight;
   ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
   std::vector<render::Thumbnail> thumbnails;  // one per photo
   std::string height_rule;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/pipeline/build_bands.h"
+#include "core/pipeline/placing/recall_flight.h"
 #include "tests/core/pipeline/full_reports.h"
 #include "tests/support/value_of.h"
 
@@ -86,6 +87,43 @@ TEST(FlightFacts, AreReadAgainExactly) {
       EXPECT_EQ(read.appearance->labels.At(column, row), facts.appearance->labels.At(column, row));
     }
   }
+}
+
+// A list placed the first, the second has no place; EXIF says otherwise of both.
+TEST(FlightFacts, KeepThePositionsThatPlacedThePhotos) {
+  FlightFacts facts = SomeFacts();
+  flight::RecordedPosition listed;
+  listed.position = {46.8 + 1.0 / 3.0, 7.1};
+  listed.height_ellipsoid_m = 512.0 / 7.0;
+  listed.sigma_horizontal_m = 0.01 / 3.0;
+  listed.is_rtk_fixed = true;
+  facts.flight.photos.resize(2, facts.flight.photos[0]);
+  facts.flight.photos[0].photo.position = listed;
+  facts.flight.photos[1].photo.name = "DJI_2.JPG";
+  facts.thumbnails.resize(2, facts.thumbnails[0]);
+  flight::Flight read;
+  for (const alignment::AlignedPhoto& photo : facts.flight.photos) {
+    flight::Photo& own = read.photos.emplace_back(photo.photo);
+    own.path = "/now/" + own.name;
+    own.position.emplace().position = {46.9, 7.2};
+  }
+  auto recalled = test::ValueOf(ParseFacts(WriteFacts(facts)));
+  FillPhotos(read, recalled.flight);
+  EXPECT_EQ(recalled.flight.photos[0].photo.path, "/now/DJI_1.JPG");
+  const auto& kept = recalled.flight.photos[0].photo.position;
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->position.lat_deg, listed.position.lat_deg);
+  EXPECT_EQ(kept->position.lon_deg, listed.position.lon_deg);
+  EXPECT_EQ(kept->height_ellipsoid_m, listed.height_ellipsoid_m);
+  EXPECT_EQ(kept->sigma_horizontal_m, listed.sigma_horizontal_m);
+  EXPECT_FALSE(kept->height_amsl_m);
+  EXPECT_TRUE(kept->is_rtk_fixed);
+  EXPECT_FALSE(recalled.flight.photos[1].photo.position);
+
+  for (alignment::AlignedPhoto& photo : facts.flight.photos) photo.photo.position.reset();
+  auto of_before = test::ValueOf(ParseFacts(WriteFacts(facts)));
+  FillPhotos(read, of_before.flight);
+  EXPECT_TRUE(of_before.flight.photos[0].photo.position) << "an earlier version kept none";
 }
 
 // Two fields some tens of kilometres apart: between them lie more cells than 32 bits count.
