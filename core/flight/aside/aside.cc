@@ -85,6 +85,14 @@ LeftOutPhoto LeftAside(const std::string& name, Aside why, std::string_view of, 
   return {name, facts.code, ReasonOf(facts, of, instead)};
 }
 
+bool LeavesNoGap(const LeftOutPhoto& photo) {
+  constexpr std::array kGapless = {
+      RemarkCode::kLeftSameBytes, RemarkCode::kLeftCopy,        RemarkCode::kLeftOlderMetadata,
+      RemarkCode::kLeftOtherTags, RemarkCode::kLeftOtherCamera, RemarkCode::kLeftThermal,
+      RemarkCode::kLeftVisible,   RemarkCode::kLeftPanel,       RemarkCode::kLeftMap};
+  return std::find(kGapless.begin(), kGapless.end(), photo.reason.code) != kGapless.end();
+}
+
 std::string CameraInWords(const Photo& photo, Lens lens) {
   std::string words = MakeAndModel(photo);
   if (words.find_first_not_of(' ') == std::string::npos) words = "unnamed";

@@ -36,6 +36,10 @@ Error AsideError(Aside why, std::string_view of, std::string_view instead = "");
 LeftOutPhoto LeftAside(const std::string& name, Aside why, std::string_view of,
                        std::string_view instead = "");
 
+// Of a copy of a picture that is used, one that another camera took beside those used, or what shows no
+// ground of its own: no gap in the map comes of it.
+bool LeavesNoGap(const LeftOutPhoto& photo);
+
 // "DJI M3T, wide, 4000 x 3000 px"
 std::string CameraInWords(const Photo& photo, Lens lens);
 

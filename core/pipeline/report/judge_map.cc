@@ -12,6 +12,7 @@
 #include "core/alignment/bundle/control_points.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/photo_set.h"
+#include "core/flight/aside/aside.h"
 #include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/report/positions_error.h"
@@ -331,7 +332,9 @@ std::optional<poses::RecordsApart> ApartByLog(const JudgedMap& map) {
 std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& absolute) {
   std::vector<MapLimit> limits;
   const int placed = static_cast<int>(map.flight.photos.size());
-  const int left_out = static_cast<int>(map.flight.left_out.size());
+  const int left_out = static_cast<int>(
+      std::count_if(map.flight.left_out.begin(), map.flight.left_out.end(),
+                    [](const flight::LeftOutPhoto& photo) { return !flight::LeavesNoGap(photo); }));
   if (!map.is_placed) limits.push_back({LimitKind::kNotGeoreferenced});
   // None at all where the pictures refute each that there is.
   const bool is_guessed = IsScaleGuessed(map), is_north_guessed = IsNorthGuessed(map);

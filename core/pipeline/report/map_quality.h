@@ -68,7 +68,7 @@ enum class LimitKind : std::uint8_t {
   kControlContradicted,    // surveyed points place it far from where its photos say they were taken
   kChecksMissed,           // `count` of `of` check points, by far more than both sides err by
   kPlacedByHand,
-  kLeftOut,      // `count` of `of` photos
+  kLeftOut,      // `count` of `of` photos; what leaves no gap (flight::LeavesNoGap) is none of them
   kNoneAligned,  // `count` photos lie by their records, none of them compared with success
   kPoseOnly,     // `count` of `of` photos lie by their records
 };

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/flight/aside/aside.h"
 #include "core/pipeline/inspect_flight.h"
 #include "tests/core/pipeline/judged_flight.h"
 
@@ -336,6 +337,17 @@ TEST(JudgeMap, DoesNotTakeAFieldWithoutCorrectionsForOneThatHasThem) {
   EXPECT_EQ(of_both.count, 8);
   flight.Tie(9, 10);
   EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.03, AbsoluteSupport::kRtk, 18}));
+}
+
+TEST(JudgeMap, FearsGapsWherePhotosAreMissingNotWhereCopiesAre) {
+  JudgedFlight flight(18);
+  flight.flight.left_out = {flight::LeftAside("a.JPG", flight::Aside::kCopy, "p0"),
+                            flight::LeftAside("b.JPG", flight::Aside::kThermal, "M3T", "M3T, wide"),
+                            {"c.tif", ErrorCode::kUnprocessable, flight::RemarkCode::kLeftPanel}};
+  EXPECT_EQ(flight.Judge().status, MapStatus::kReady);
+  flight.flight.left_out.push_back(
+      {"d.JPG", ErrorCode::kNoPosition, flight::RemarkCode::kLeftWithoutPosition});
+  EXPECT_EQ(flight.Judge().limits, (std::vector<MapLimit>{{LimitKind::kLeftOut, 1, 19}}));
 }
 
 TEST(JudgeMap, OfAMapThatWasPlacedByHandSaysNothing) {
