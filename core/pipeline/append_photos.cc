@@ -288,6 +288,7 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   FlightFacts grown = known;
   grown.poses_report = posed.report;
   grown.poses_report.is_placed = known.is_placed;  // by somebody since, whatever the records say
+  if (known.is_by_hand) grown.poses_report.is_height_guessed = known.poses_report.is_height_guessed;
   std::vector<flight::Remark>& warnings = grown.flight.warnings;
   TellPosed(posed.warnings, known.is_placed, warnings);
   // What is assumed of the new ones alone; the map's own assumptions were told with what became of them.

@@ -321,6 +321,7 @@ Result<FlightFacts> PlaceKnown(FlightFacts known, const PlaceRequest& request, b
                                               : PlaceByControl(known, request.control, contradict));
   placed.is_by_hand = request.control.empty();
   if (placed.is_by_hand) OverruleControl(placed);
+  if (SaysScale(request)) placed.poses_report.is_height_guessed.reset();
   if (placed.align_report) {
     alignment::ByImagesReport& by_images = placed.align_report->by_images;
     if (SaysScale(request)) by_images.is_scale_guessed.reset();
@@ -346,7 +347,9 @@ bool KeepPlaceByHand(const FlightFacts& placed_by_hand, FlightFacts& anew) {
   MoveFlight(fitted->target_from_source, anew);
   anew.flight.frame = placed_by_hand.flight.frame;
   anew.is_by_hand = true;
-  if (anew.align_report) {  // scale and north are those of before, a guess or not
+  // Scale and north are those of before, a guess or not.
+  anew.poses_report.is_height_guessed = placed_by_hand.poses_report.is_height_guessed;
+  if (anew.align_report) {
     const alignment::ByImagesReport before =
         placed_by_hand.align_report ? placed_by_hand.align_report->by_images : alignment::ByImagesReport();
     anew.align_report->by_images.is_scale_guessed = before.is_scale_guessed;

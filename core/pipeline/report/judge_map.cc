@@ -78,14 +78,13 @@ bool IsTiedToSurvey(const JudgedMap& map) {
   return map.alignment != nullptr && FitOf(map).places.size() >= 2;
 }
 
-// Nothing recorded says how large the map is: neither where two photos were taken nor how high. Nor did
-// whoever placed it by hand.
+// Nothing recorded says how large the map is: neither where two photos were taken nor how high.
 bool IsScaleGuessed(const JudgedMap& map) {
   if (map.is_forecast || IsTiedToSurvey(map)) return false;
   const bool is_by_images = map.alignment != nullptr && map.alignment->by_images.is_taken;
   if (is_by_images) return map.alignment->by_images.is_scale_guessed.value_or(false);
-  return !map.is_by_hand && map.poses.is_height_guessed.value_or(false) && !IsAnyAligned(map) &&
-         map.poses.photos_by_log < 2 && PositionsOf(map).records.size() < 2;
+  return map.poses.is_height_guessed.value_or(false) && !IsAnyAligned(map) && map.poses.photos_by_log < 2 &&
+         PositionsOf(map).records.size() < 2;
 }
 
 bool IsNorthGuessed(const JudgedMap& map) {

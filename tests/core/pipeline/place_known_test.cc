@@ -375,6 +375,24 @@ TEST(PlaceKnown, OnePlaceLeavesAGuessedScaleAndNorthWhatTheyAre) {
   EXPECT_EQ(JudgedPlace(anew).limits, both);
 }
 
+// No photo is tied to another, and none says how high it was.
+TEST(PlaceKnown, OnePlaceLeavesAGuessedHeightAGuessToo) {
+  Nowhere flight;
+  flight.known.poses_report.is_height_guessed = true;
+  for (alignment::AlignedPhoto& photo : flight.known.flight.photos) {
+    photo.placement = alignment::Placement::kPoseOnly;
+    photo.photo.position.reset();
+  }
+  const auto by_one = ValueOf(PlaceKnown(flight.known, ByPairs(flight, {4})));
+  EXPECT_TRUE(JudgedPlace(by_one).IsLimitedBy(LimitKind::kScaleGuessed));
+  EXPECT_EQ(JudgedPlace(by_one).status, MapStatus::kDoubtful);
+  const auto by_two = ValueOf(PlaceKnown(flight.known, ByPairs(flight, {0, 19})));
+  EXPECT_FALSE(JudgedPlace(by_two).IsLimitedBy(LimitKind::kScaleGuessed));
+  FlightFacts anew = flight.known;
+  ASSERT_TRUE(KeepPlaceByHand(by_two, anew));
+  EXPECT_FALSE(JudgedPlace(anew).IsLimitedBy(LimitKind::kScaleGuessed));
+}
+
 TEST(RecallPlacedByHand, TakesTheMapWhileMostOfItsPhotosAreTheSameFiles) {
   Displaced flight({0.0, 1.0, {}});
   FlightFacts& map = flight.known;
