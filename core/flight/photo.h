@@ -43,8 +43,9 @@ struct RecordedPosition : RecordedHeights {
   geo::LatLon position;
   std::optional<double> sigma_horizontal_m;
   std::optional<double> sigma_vertical_m;
-  bool is_repeated = false;  // of a fix of before, and moved on from there: it places nothing
-  std::string source;        // "xmp", "exif", "geo.txt", ...
+  std::optional<double> system_error_m;  // that all share whose datum's place on Earth is not known better
+  bool is_repeated = false;              // of a fix of before, and moved on from there: it places nothing
+  std::string source;                    // "xmp", "exif", "geo.txt", ...
 };
 
 // What EXIF says beside the maker's XMP, where both say place and altitude: programs of post-processing

@@ -58,6 +58,7 @@ void TakePosition(const CameraEvent& event, const std::string& source, bool has_
   position.is_rtk_fixed = IsCorrected(event);
   // Surveyed heights count from the ellipsoid, whatever the list has them from.
   if (position.is_rtk_fixed && event.height_amsl_m) position.height_ellipsoid_m = EllipsoidHeightM(position);
+  position.system_error_m = event.system_error_m;
   position.source = source;
   photo.position = position;
 }
@@ -94,6 +95,7 @@ CameraEvent Between(const CameraEvent& from, const CameraEvent& to, double share
   const Eigen::Vector3d worse =
       from.sigma_in_ned_m.value_or(unknown).cwiseMax(to.sigma_in_ned_m.value_or(unknown));
   event.sigma_in_ned_m = worse + Eigen::Vector3d::Constant(off_m);
+  event.system_error_m = from.system_error_m;
   return event;
 }
 

@@ -66,6 +66,7 @@ struct CameraEvent : RecordedHeights {
   std::optional<std::string> image_name;
   std::optional<WrittenPlace> written;  // of rows that name a photo, also where it can be no place as written
   std::optional<geo::LatLon> position;
+  std::optional<double> system_error_m;  // as of RecordedPosition
   std::optional<Eigen::Vector3d> sigma_in_ned_m;
   // Horizon-zero angles of the camera or of the airframe, as `attitude_kind` says.
   std::optional<Eigen::Vector3d> yaw_pitch_roll_rad;

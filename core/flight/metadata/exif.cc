@@ -143,7 +143,9 @@ void ReadPosition(const ExifTable& table, ExifRecord& record) {
   if (table.Text(ExifIfd::kGps, tag::kStatus) == "V") {
     record.notes.push_back(RemarkCode::kPositionNotValid);
   }
-  if (std::string datum = table.Text(ExifIfd::kGps, tag::kMapDatum); LiesBesideWgs84(datum))
+  std::string datum = table.Text(ExifIfd::kGps, tag::kMapDatum);
+  record.is_beside_wgs84 = LiesBesideWgs84(datum);
+  if (record.is_beside_wgs84)
     record.notes.push_back({RemarkCode::kPositionOfOtherDatum, {{"datum", std::move(datum)}}});
 }
 

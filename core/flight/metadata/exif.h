@@ -34,6 +34,7 @@ struct ExifRecord {
   std::optional<geo::LatLon> position;
   bool is_hemisphere_known = true;     // false: a reference was missing, north or east was taken
   double position_resolution_m = 0.0;  // the step in which the position is written
+  bool is_beside_wgs84 = false;        // by its datum
   std::optional<double> altitude_m;    // above whatever the camera meant; only the plausible
   bool is_altitude_from_sea = false;   // as its reference says; most are used for either zero
   std::optional<double> position_error_m;

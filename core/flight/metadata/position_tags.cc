@@ -190,6 +190,8 @@ void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& 
     if (!recorded.sigma_vertical_m) recorded.sigma_vertical_m = Sigma(xmp, name);
   }
   if (!recorded.sigma_horizontal_m) recorded.sigma_horizontal_m = exif.position_error_m;
+  constexpr double kOtherDatumM = 300.0;  // between older datums, and maps shifted by law, and WGS 84
+  if (recorded.source == "exif" && exif.is_beside_wgs84) recorded.system_error_m = kOtherDatumM;
   // Written in whole seconds, say: what is lost of a step is spread evenly over it.
   constexpr double kCoarseStepM = 1.0;
   if (recorded.source == "exif" && exif.position_resolution_m > kCoarseStepM) {

@@ -34,6 +34,7 @@ void VisitFields(Record& record, Visit& visit) {
   visit("height_above_ground_m", record.height_above_ground_m);
   visit("sigma_horizontal_m", record.sigma_horizontal_m);
   visit("sigma_vertical_m", record.sigma_vertical_m);
+  visit.IfKnown("system_error_m", record.system_error_m);
   visit("is_rtk_fixed", record.is_rtk_fixed);
   visit("is_repeated", record.is_repeated);
 }

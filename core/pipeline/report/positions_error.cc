@@ -274,8 +274,15 @@ PositionsError ErrorOfPositions(const JudgedMap& map, const SupportingPositions&
   // its error is common to all of them.
   const bool is_false_claim = common.is_corrected && noise_m > poses::kFalseClaim * common.sigma_m;
   const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
-  PositionsError error{
-      std::hypot(common.sigma_m, of_noise_m), of_noise_m, common.is_corrected && !is_false_claim, {}, {}, {}};
+  double system_m = 0.0;
+  for (const flight::RecordedPosition* record : positions.records)
+    system_m = std::max(system_m, record->system_error_m.value_or(0.0));
+  PositionsError error{std::hypot(common.sigma_m, of_noise_m, system_m / kCircleSigmas),
+                       of_noise_m,
+                       common.is_corrected && !is_false_claim,
+                       {},
+                       {},
+                       {}};
   if (!map.is_forecast && !is_own) {
     error.jump = JumpIn(positions, common.sigma_m);
     error.height_jump = HeightJumpIn(positions.heights, common.sigma_m);

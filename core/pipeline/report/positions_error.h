@@ -3,14 +3,15 @@
 //
 // Of each horizontal axis: sigma^2 = common^2 + noise^2 (1/n + spread of the map / spread of the n positions)
 // + lean^2 (of positions on one line: open_lean.h), where `common` is what all positions of a flight share
-// (core/poses/evidence/common_error.h: assumed, since no comparison among them shows it) and `noise` what the
-// adjusted cameras miss them by, with the four degrees of freedom of a similarity taken off. Fewer than three
-// positions say nothing of turn and scale, and among five or fewer a wrong one is hardly told from the
-// others: fewer than half of the photos, they place nothing. Positions that the pictures refute place nothing
-// either; but where many are refuted, or several by one shift, what the map misses all of them by counts
-// whole, where most are missed by far more than they claim, the radius is no less than that, nor less than
-// what positions jump by (core/poses/evidence/position_jump.h). All of these limit the map, as does a jump of
-// corrected heights alone, which leaves the radius as it is. Frame `enu` of the flight, metres. Pure.
+// (core/poses/evidence/common_error.h: assumed, since no comparison among them shows it; with what an older
+// datum's place on Earth is not known to) and `noise` what the adjusted cameras miss them by, with the four
+// degrees of freedom of a similarity taken off. Fewer than three positions say nothing of turn and scale, and
+// among five or fewer a wrong one is hardly told from the others: fewer than half of the photos, they place
+// nothing. Positions that the pictures refute place nothing either; but where many are refuted, or several by
+// one shift, what the map misses all of them by counts whole, where most are missed by far more than they
+// claim, the radius is no less than that, nor less than what positions jump by
+// (core/poses/evidence/position_jump.h). All of these limit the map, as does a jump of corrected heights
+// alone, which leaves the radius as it is. Frame `enu` of the flight, metres. Pure.
 #pragma once
 
 #include <Eigen/Core>

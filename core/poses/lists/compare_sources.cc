@@ -135,6 +135,7 @@ void TakeReading(const JudgedList& judged, FlightLog& log) {
       CameraEvent& event = log.events[events[k]];
       if (judged.use.fault == ListFault::kNone) {
         event.position = places[k];
+        event.system_error_m = judged.use.system_error_m;
         if (std::binary_search(judged.contradicting.begin(), judged.contradicting.end(), events[k]))
           event.yaw_pitch_roll_rad.reset();
       } else {

@@ -116,6 +116,7 @@ void MoveBy(const Vector2d& shift_in_en_m, RecordedPosition& position) {
   const geo::LocalFrame here({position.position.lat_deg, position.position.lon_deg, 0.0});
   const geo::Wgs84 there = here.Wgs84FromEnu({shift_in_en_m.x(), shift_in_en_m.y(), 0.0});
   position.position = {there.lat_deg, there.lon_deg};
+  position.system_error_m.reset();  // the frame that it is in now has its own
 }
 
 void Raise(const std::optional<double>& by_m, std::optional<double>& height_m) {

@@ -153,14 +153,15 @@ TEST(ReadPhotoPosition, DoesNotBelievePartsThatAreMoreThanAWholeOfTheOneBefore) 
 }
 
 TEST(ReadPhotoPosition, SaysOfWhichDatumAPositionIs) {
-  const auto notes = [](const std::string& datum) {
-    return Notes(Read(ExifWriter().Position(35.6, 139.7).Ascii(ExifIfd::kGps, 0x12, datum)), "beside WGS 84");
+  const auto of = [](const std::string& datum) {
+    return Read(ExifWriter().Position(35.6, 139.7).Ascii(ExifIfd::kGps, 0x12, datum));
   };
-  EXPECT_TRUE(notes("TOKYO"));
-  EXPECT_TRUE(notes("Tokyo Datum"));
-  EXPECT_TRUE(notes("NAD-27"));
+  for (const char* datum : {"TOKYO", "Tokyo Datum", "NAD-27"}) {
+    EXPECT_TRUE(Notes(of(datum), "beside WGS 84")) << datum;
+    EXPECT_GT(of(datum).position->system_error_m.value_or(0.0), 100.0) << datum;
+  }
   for (const char* datum : {"WGS-84", "WGS 84", "JGD2011", "NAD83", "", "?"})
-    EXPECT_FALSE(notes(datum)) << datum;
+    EXPECT_FALSE(Notes(of(datum), "beside WGS 84") || of(datum).position->system_error_m) << datum;
 }
 
 TEST(ReadPhotoPosition, ReadsDecimalCommas) {

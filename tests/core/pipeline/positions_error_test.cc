@@ -31,6 +31,18 @@ TEST(PositionsError, StatesWhatThePositionsShareWhereTheyAgree) {
   EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.03, AbsoluteSupport::kRtk, 18}));
 }
 
+// All photos lie off by what their datum's place on Earth is not known to, however well they agree.
+TEST(PositionsError, AddsWhatTheSystemOfThePositionsIsKnownTo) {
+  JudgedFlight flight(18);
+  for (auto& photo : flight.flight.photos) {
+    photo.photo.position->is_rtk_fixed = true;
+    photo.photo.position->system_error_m = 5.0;
+  }
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{5.0, AbsoluteSupport::kRtk, 18}));
+  for (auto& photo : flight.flight.photos) photo.photo.position->system_error_m = 300.0;
+  EXPECT_EQ(flight.Judge().limits, (std::vector<MapLimit>{{LimitKind::kFarOff}}));
+}
+
 // Within each part they agree: what the map misses them by says nothing of it.
 TEST(PositionsError, IsNoLessThanWhatCorrectedPositionsJumpBy) {
   JudgedFlight flight(36);

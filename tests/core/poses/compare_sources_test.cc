@@ -12,6 +12,7 @@
 #include "core/geo/geodesic.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
+#include "core/poses/photo_rows.h"
 #include "tests/core/poses/listed_flight.h"
 #include "tests/support/value_of.h"
 
@@ -26,6 +27,17 @@ TEST(CompareSources, BelievesAListThatAgreesWithoutAWord) {
     ExpectTaken(flight, place, "as written");
     EXPECT_NEAR(*flight.list_uses[0].apart_m, 4.0, 0.1);
     EXPECT_TRUE(flight.warnings.empty());
+  }
+}
+
+TEST(CompareSources, LetsPhotosKnowToWhatTheSystemOfTheirListIsKnown) {
+  const LatLon milan{45.46, 9.19};
+  for (const auto& [epsg, is_known] : {std::pair{3003, false}, std::pair{32632, true}}) {  // Monte Mario, UTM
+    Flight flight = Compared(milan, ListOf(milan, 18, In(epsg), "EPSG:" + std::to_string(epsg)));
+    ASSERT_EQ(flight.list_uses[0].fault, ListFault::kNone);
+    ApplyPhotoRows(flight.logs, flight.photos);
+    for (const flight::Photo& photo : flight.photos)
+      EXPECT_EQ(photo.position->system_error_m.value_or(0.0) <= 1.0, is_known) << epsg;
   }
 }
 
