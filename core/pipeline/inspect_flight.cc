@@ -68,7 +68,7 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
     if (!footprints[i].empty() && !footprints[i + 1].empty())
       overlaps.push_back(SharedGround(footprints[i], footprints[i + 1]));
   }
-  verdict.forward_overlap = MedianIfAny(std::move(overlaps)).value_or(0.0);
+  verdict.forward_overlap = MedianIfAny(std::move(overlaps));
   // Cells of a fiftieth of a photo: the union of the footprints. Larger where there are very many, or where
   // footprints are so thin that their boxes are nearly empty.
   constexpr double kMaxCells = 2e6;
@@ -187,9 +187,9 @@ void Foretell(const MosaicOptions& options, const alignment::AlignedFlight& plac
 }
 
 void AddAdvice(FlightVerdict& verdict) {
-  if (verdict.photos_placeable >= 3 && verdict.forward_overlap < 0.4) {
+  if (verdict.photos_placeable >= 3 && verdict.forward_overlap && *verdict.forward_overlap < 0.4) {
     verdict.warnings.push_back(
-        {RemarkCode::kLittleOverlap, {{"overlap_percent", 100.0 * verdict.forward_overlap}}});
+        {RemarkCode::kLittleOverlap, {{"overlap_percent", 100.0 * *verdict.forward_overlap}}});
   }
 }
 

@@ -37,8 +37,8 @@ struct FlightVerdict {
   std::string height_rule;
   double lowest_m = 0.0, highest_m = 0.0;  // above ground
   double gsd_m = 0.0;
-  double area_m2 = 0.0;          // of the ground that some photo sees
-  double forward_overlap = 0.0;  // median, 0..1, with the next photo in time
+  double area_m2 = 0.0;                   // of the ground that some photo sees
+  std::optional<double> forward_overlap;  // median, 0..1, with the next photo in time; nothing: there is none
   double mean_photos_per_point = 0.0;
   // What the records claim before any photo is looked at. It is not the map's accuracy, which photos that
   // contradict them, or surveyed points, make another.

@@ -139,9 +139,9 @@ std::string VerdictText(const FlightVerdict& v) {
   if (v.photos_placeable > 0) {
     text += fmt::format("Height      {:.0f} to {:.0f} m above ground: {}\n", v.lowest_m, v.highest_m,
                         v.height_rule);
-    text += fmt::format(
-        "Ground      {:.2f} ha at {:.1f} cm a pixel, {:.0f} % forward overlap, {:.1f} photos a point\n",
-        v.area_m2 / 1e4, 100.0 * v.gsd_m, 100.0 * v.forward_overlap, v.mean_photos_per_point);
+    text += fmt::format("Ground      {:.2f} ha at {:.1f} cm a pixel", v.area_m2 / 1e4, 100.0 * v.gsd_m);
+    if (v.forward_overlap) text += fmt::format(", {:.0f} % forward overlap", 100.0 * *v.forward_overlap);
+    text += fmt::format(", {:.1f} photos a point\n", v.mean_photos_per_point);
     text +=
         fmt::format("Records     {}: what they claim before any photo is looked at, not the map's accuracy\n",
                     AbsoluteInWords(v.by_records));
@@ -181,7 +181,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                   {"highest_m", v.highest_m},
                   {"gsd_m", v.gsd_m},
                   {"area_m2", v.area_m2},
-                  {"forward_overlap", v.forward_overlap},
+                  {"forward_overlap", v.forward_overlap ? Json(*v.forward_overlap) : Json()},
                   {"mean_photos_per_point", v.mean_photos_per_point},
                   {"by_records", RecordsJson(v)},
                   {"max_zoom", v.max_zoom},

@@ -46,6 +46,15 @@ TEST(ForeseenStatus, IsWhatTheRecordsDecideAlone) {
   EXPECT_FALSE(ForeseenStatus(verdict)) << "surveyed points may place it";
 }
 
+TEST(VerdictText, SaysNoOverlapWherePhotosHaveNoNextOne) {
+  FlightVerdict verdict;
+  verdict.photos_placeable = 1;
+  EXPECT_EQ(VerdictText(verdict).find("overlap"), std::string::npos) << VerdictText(verdict);
+  EXPECT_NE(VerdictJson(verdict).find("\"forward_overlap\": null"), std::string::npos);
+  verdict.forward_overlap = 0.754;
+  EXPECT_NE(VerdictText(verdict).find(", 75 % forward overlap, "), std::string::npos) << VerdictText(verdict);
+}
+
 TEST(JudgeMap, SaysNoNumberWithoutPositions) {
   JudgedFlight flight(18);
   for (auto& photo : flight.flight.photos) photo.photo.position.reset();
