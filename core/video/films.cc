@@ -31,6 +31,28 @@ std::string Stem(const flight::InputFile& file) {
   return flight::LowerCase(fs::path(file.name).stem().string());
 }
 
+// With its folders, without its ending.
+std::string PlaceOf(const flight::InputFile& file) {
+  return flight::LowerCase(fs::path(file.name).replace_extension().generic_string());
+}
+
+using FilesByStem = std::map<std::string, std::vector<flight::InputFile>>;
+
+// Those beside the film come first: cards number their films anew, each in a folder of its own. What lies
+// beside another film is that one's.
+std::optional<flight::InputFile> SubtitlesOf(const flight::InputFile& film, const FilesByStem& subtitles,
+                                             const std::set<std::string>& places_of_films) {
+  const auto named = subtitles.find(Stem(film));
+  if (named == subtitles.end()) return std::nullopt;
+  std::optional<flight::InputFile> elsewhere;
+  for (const flight::InputFile& file : named->second) {
+    const std::string place = PlaceOf(file);
+    if (place == PlaceOf(film)) return file;
+    if (!elsewhere && !places_of_films.contains(place)) elsewhere = file;
+  }
+  return elsewhere;
+}
+
 bool IsFilm(const flight::InputFile& file) {
   const auto source = flight::OpenFileBytes(file.path);
   if (!source) return false;  // reading it says why
@@ -124,14 +146,14 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
                                       const std::vector<flight::InputFile>& films, const fs::path& folder,
                                       const TakeFramesOptions& options, Progress& progress) {
   FlightFiles result;
-  std::map<std::string, flight::InputFile> subtitles;
+  FilesByStem subtitles;
   for (const flight::InputFile& file : files) {
     const std::string ending = flight::LowerCase(fs::path(file.name).extension().string());
-    if (ending == ".srt" || ending == ".ass") subtitles.emplace(Stem(file), file);
+    if (ending == ".srt" || ending == ".ass") subtitles[Stem(file)].push_back(file);
   }
   progress.BeginStage("frames");
   std::set<fs::path> used;
-  std::set<std::string> stems, films_stems;
+  std::set<std::string> stems, films_stems, places_of_films;
   std::optional<std::string> without_place;  // the first film of which nothing says where it was taken
   std::vector<flight::InputFile> taken_files;
   std::vector<flight::InputFile> true_films = films;
@@ -140,11 +162,10 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
   for (const flight::InputFile& film : films) used.insert(film.path);
   const std::map<fs::path, Filmed> filmed = WhenFilmed(true_films);
   std::vector<flight::Remark> timed_by_creation;
+  for (const flight::InputFile& film : true_films) places_of_films.insert(PlaceOf(film));
   for (const flight::InputFile& film : true_films) {
     films_stems.insert(Stem(film));
-    const auto beside = subtitles.find(Stem(film));
-    const std::optional<flight::InputFile> srt =
-        beside == subtitles.end() ? std::nullopt : std::optional(beside->second);
+    const std::optional<flight::InputFile> srt = SubtitlesOf(film, subtitles, places_of_films);
     const auto when = filmed.find(film.path);
     TakeFramesOptions its_options = options;
     if (when != filmed.end()) its_options.began_at = when->second.from;
@@ -167,8 +188,9 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
     taken_files.insert(taken_files.end(), taken->photos.begin(), taken->photos.end());
     if (taken->table) taken_files.push_back(*taken->table);
   }
-  for (const auto& [stem, file] : subtitles) {
+  for (const auto& [stem, files_of_stem] : subtitles) {
     if (!without_place || films_stems.contains(stem)) continue;
+    const flight::InputFile& file = files_of_stem.front();
     const std::string name =
         fs::path(*without_place).stem().string() + fs::path(file.name).extension().string();
     result.warnings.push_back({flight::RemarkCode::kSubtitlesOfNoFilm,

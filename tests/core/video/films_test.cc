@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <fstream>
+#include <map>
 #include <set>
 #include <vector>
 
@@ -21,13 +22,13 @@ namespace skyquilt::video {
 namespace {
 
 // As DJI cameras write: one subtitle a second.
-std::string Subtitles(int seconds) {
+std::string Subtitles(int seconds, double lat_deg = 47.0) {
   std::string text;
   for (int s = 0; s < seconds; ++s) {
     text += fmt::format(
         "{}\n00:00:{:02},000 --> 00:00:{:02},000\n[iso : 100] [shutter : 1/500.0] [latitude: {:.6f}] [longitude: 8.500000] "
         "[rel_alt: 50.000 abs_alt: 412.300]\n\n",
-        s + 1, s, s + 1, 47.0 + 1e-5 * s);
+        s + 1, s, s + 1, lat_deg + 1e-5 * s);
   }
   return text;
 }
@@ -105,6 +106,29 @@ TEST_F(FilmsTest, OfOneNameKeepTheirFramesApart) {
   EXPECT_TRUE(names.contains("DJI_0001_000000.jpg"));
   EXPECT_TRUE(names.contains("DJI_0001_2_000000.jpg"));
   EXPECT_EQ(given->sources.size(), 2U);
+}
+
+// As of three cards, of which the last has none.
+TEST_F(FilmsTest, OfOneNameHaveTheSubtitlesBesideThem) {
+  std::vector<flight::InputFile> files;
+  for (const char* card : {"one", "two", "three"}) {
+    std::filesystem::create_directory(folder_.path() / card);
+    files.push_back(File(fmt::format("{}/DJI_0001.MP4", card)));
+    if (!WriteFilm(files.back().path, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
+  }
+  files.push_back(File("one/DJI_0001.SRT"));
+  files.push_back(File("two/dji_0001.srt"));
+  folder_.Write("one/DJI_0001.SRT", Subtitles(2));
+  folder_.Write("two/dji_0001.srt", Subtitles(2, 46.0));
+  const auto given = test::ValueOf(Replace(files));
+  std::map<std::string, std::string> tables;
+  for (const flight::InputFile& file : given.files) {
+    EXPECT_FALSE(file.name.ends_with("SRT") || file.name.ends_with("srt")) << file.name;
+    if (file.name.ends_with(".csv")) tables[file.name] = test::BytesOf(file.path);
+  }
+  ASSERT_EQ(tables.size(), 2U);
+  EXPECT_NE(tables["DJI_0001_frames.csv"].find(",47.0000"), std::string::npos);
+  EXPECT_NE(tables["DJI_0001_2_frames.csv"].find(",46.0000"), std::string::npos);
 }
 
 TEST_F(FilmsTest, NameSubtitlesThatBelongToNoneOfThemWhereOneHasNone) {
