@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/flight/logs/log_builder.h"
+#include "core/geo/lat_lon.h"
 #include "core/video/take_frames.h"
 
 namespace skyquilt::video {
@@ -49,9 +50,8 @@ std::string PositionCells(const flight::FlightLog& log, double t_s) {
   const auto fix = AroundMoment(log.gnss, t_s);
   if (!fix) return ",,,,";
   const auto& [before, after, share] = *fix;
-  return fmt::format("{:.9f},{:.9f},{},{},{}",
-                     Between(before->position.lat_deg, after->position.lat_deg, share),
-                     Between(before->position.lon_deg, after->position.lon_deg, share),
+  const geo::LatLon position = geo::OnTheWay(before->position, after->position, share);
+  return fmt::format("{:.9f},{:.9f},{},{},{}", position.lat_deg, position.lon_deg,
                      Cell(before->height_amsl_m, after->height_amsl_m, share),
                      Cell(before->height_ellipsoid_m, after->height_ellipsoid_m, share),
                      Cell(before->sigma_horizontal_m, after->sigma_horizontal_m, share));

@@ -136,6 +136,16 @@ TEST(FrameTable, IsBetweenTheSamplesByStraightLines) {
       << table;
 }
 
+TEST(FrameTable, GoesTheShortWayRoundTheEarth) {
+  flight::FlightLog log;
+  log.gnss = {Fix(0.0, -17.0), Fix(2.0, -17.0)};
+  log.gnss[0].position.lon_deg = 179.9998;
+  log.gnss[1].position.lon_deg = -179.9999;
+  const std::string table = FrameTable({"a.jpg", "b.jpg"}, {0.5, 1.5}, log);
+  EXPECT_NE(table.find("\"a.jpg\",-17.000000000,179.999875000,"), std::string::npos) << table;
+  EXPECT_NE(table.find("\"b.jpg\",-17.000000000,-179.999975000,"), std::string::npos) << table;
+}
+
 TEST(FrameTable, SaysNothingOfTimesThatTheLogDoesNotCover) {
   flight::FlightLog log;
   log.gnss = {Fix(0.0, 50.0), Fix(100.0, 50.1)};
