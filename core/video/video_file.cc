@@ -6,6 +6,7 @@ extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
 #include <libavutil/parseutils.h>
+#include <libavutil/pixdesc.h>
 #include <libswscale/swscale.h>
 }
 
@@ -94,6 +95,21 @@ std::optional<flight::UtcTime> CreatedAt(const AVFormatContext& format) {
   return flight::UtcTime(std::chrono::microseconds(us));
 }
 
+// How a frame says that its colours were coded (ITU-R BT.601, BT.709, BT.2020; levels from 0 or from 16); by
+// itself the scaler takes all for BT.601. What a frame does not say stays so.
+void TakeColoursOf(const AVFrame& frame, SwsContext* scaler) {
+  const AVPixFmtDescriptor* const pixels = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  if (pixels == nullptr || (pixels->flags & AV_PIX_FMT_FLAG_RGB) != 0) return;
+  int *of_frame = nullptr, *of_picture = nullptr;
+  int frame_is_full = 0, picture_is_full = 0, brightness = 0, contrast = 0, saturation = 0;
+  if (sws_getColorspaceDetails(scaler, &of_frame, &frame_is_full, &of_picture, &picture_is_full, &brightness,
+                               &contrast, &saturation) < 0)
+    return;
+  if (frame.color_range == AVCOL_RANGE_JPEG) frame_is_full = 1;
+  sws_setColorspaceDetails(scaler, sws_getCoefficients(frame.colorspace), frame_is_full, of_picture,
+                           picture_is_full, brightness, contrast, saturation);
+}
+
 }  // namespace
 
 struct VideoFile::Streams {
@@ -137,6 +153,7 @@ struct VideoFile::Streams {
                                       static_cast<AVPixelFormat>(frame.format), width_px, height_px, to,
                                       SWS_AREA | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr));
     if (!scaler) return NoFilm(path, "its pixels are of a kind that cannot be converted");
+    if (to == AV_PIX_FMT_RGB24) TakeColoursOf(frame, scaler.get());
     const std::array<std::uint8_t*, 4> planes{out, nullptr, nullptr, nullptr};
     const std::array<int, 4> strides{row_bytes, 0, 0, 0};
     sws_scale(scaler.get(), frame.data, frame.linesize, 0, frame.height, planes.data(), strides.data());

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+#include <string>
+
 #include "tests/core/video/moving_film.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
@@ -56,6 +60,50 @@ TEST_F(VideoFileTest, KeepsAFrameWhileOthersPass) {
     }
   }
   EXPECT_LT(off / ((kFilmHeightPx / 7) * (kFilmWidthPx / 7)), 20.0);
+}
+
+// As cameras write into the head of a film (ISO/IEC 14496-12, 12.1.5).
+std::string DeclaredAsBt709(std::string film) {
+  const std::string colours(
+      "\0\0\0\x13"
+      "colrnclx\0\1\0\1\0\1\0",
+      19);
+  std::size_t at = film.rfind("moov"), end = 0;
+  EXPECT_LT(film.find("mdat"), at) << "what lies behind the head would move";
+  for (const char* box : {"moov", "trak", "mdia", "minf", "stbl", "stsd", "mp4v"}) {
+    at = film.find(box, at);
+    if (at == std::string::npos) return "";
+    std::uint32_t size = 0;
+    for (std::size_t i = 0; i < 4; ++i) size = size << 8 | static_cast<std::uint8_t>(film[at - 4 + i]);
+    end = at - 4 + size;
+    size += static_cast<std::uint32_t>(colours.size());
+    for (std::size_t i = 0; i < 4; ++i) film[at - 4 + i] = static_cast<char>(size >> (24 - 8 * i) & 0xFFU);
+  }
+  return film.insert(end, colours);
+}
+
+image::DecodedImage FirstOf(const std::filesystem::path& path) {
+  auto film = test::ValueOf(VideoFile::Open(path, 1));
+  EXPECT_TRUE(test::ValueOf(film.Next()));
+  film.Keep();
+  return test::ValueOf(film.Kept());
+}
+
+// The same levels in other colours: as bright by the weights of theirs.
+TEST_F(VideoFileTest, HasTheColoursThatItDeclares) {
+  const image::DecodedImage usual = FirstOf(path_),
+                            declared = FirstOf(folder_.Write("709.mp4", DeclaredAsBt709(Bytes())));
+  ASSERT_EQ(declared.rgb.size(), usual.rgb.size());
+  double off = 0.0, greens_off = 0.0;
+  for (std::size_t i = 0; i + 2 < usual.rgb.size(); i += 3) {
+    const std::uint8_t *a = usual.rgb.data() + i, *b = declared.rgb.data() + i;
+    off += std::abs(0.2126 * b[0] + 0.7152 * b[1] + 0.0722 * b[2] -
+                    (0.299 * a[0] + 0.587 * a[1] + 0.114 * a[2]));
+    greens_off += std::abs(b[1] - a[1]);
+  }
+  const double pixels = static_cast<double>(usual.rgb.size()) / 3.0;
+  EXPECT_LT(off / pixels, 2.5);
+  EXPECT_GT(greens_off / pixels, 1.0);
 }
 
 TEST_F(VideoFileTest, RefusesWhatIsNoFilm) {
