@@ -38,9 +38,12 @@ struct Callbacks {
 
 void OnMessage(j_common_ptr jpeg, int level) {
   // Below 0 are warnings, after which pixels are guessed. Nothing is lost by what some cameras and phones
-  // write: stray bytes between segments, a scan of all coefficients that names another range of them.
-  const int code = jpeg->err->msg_code;
-  if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_NOT_SEQUENTIAL) Leave(jpeg);
+  // write: stray bytes between segments, a scan of all coefficients that names another range of them, a
+  // version of JFIF that there is not.
+  constexpr std::array<int, 3> kHarmless{JWRN_EXTRANEOUS_DATA, JWRN_NOT_SEQUENTIAL, JWRN_JFIF_MAJOR};
+  const bool is_harmless =
+      std::find(kHarmless.begin(), kHarmless.end(), jpeg->err->msg_code) != kHarmless.end();
+  if (level < 0 && !is_harmless) Leave(jpeg);
 }
 
 void OnProgress(j_common_ptr jpeg) {

@@ -277,6 +277,18 @@ TEST(DecodePhotoBytes, ReadsAJpegWhoseScanNamesAWrongRangeOfCoefficients) {
   EXPECT_TRUE(same.rgb == image.rgb);
 }
 
+// libjpeg warns: "unknown JFIF revision number".
+TEST(DecodePhotoBytes, ReadsAJpegOfAVersionThatThereIsNot) {
+  Bytes jpeg = Jpeg(Ramp(64, 48), 64, 48, TJPF_RGB, TJSAMP_444);
+  const auto image = test::ValueOf(DecodePhotoBytes(jpeg, 64, 48, 1));
+  constexpr std::size_t kVersionAt = 11;
+  ASSERT_EQ(jpeg[kVersionAt - 2], 'F');
+  ASSERT_EQ(jpeg[kVersionAt], 1);
+  jpeg[kVersionAt] = 2;
+  const auto same = test::ValueOf(DecodePhotoBytes(jpeg, 64, 48, 1));
+  EXPECT_TRUE(same.rgb == image.rgb);
+}
+
 TEST(DecodePhotoBytes, TurnsGreyIntoRgb) {
   const Bytes jpeg = Jpeg(Bytes(64 * 48, 77), 64, 48, TJPF_GRAY, TJSAMP_GRAY);
   const auto image = test::ValueOf(DecodePhotoBytes(jpeg, 64, 48, 2));
