@@ -79,7 +79,7 @@ Result<Response> SendThumbnail(Service& service, const Request& request) {
                     [&](const ShownMap& map) { return SmallPicture(service, request, id, map); });
 }
 
-// Everything that the map's folder has, and what is laid out over its tiles, as one archive.
+// Everything that the map's folder has, and what can be laid out over its tiles, as one archive.
 Result<Response> SendAll(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
   SKYQUILT_TRY_ASSIGN(const ShownMap map, FindShownMap(service, id));
@@ -99,8 +99,10 @@ Result<Response> SendAll(Service& service, const Request& request) {
   };
   for (const char* name : kStreamedProducts) {
     if (has(name) || !has("mosaic.mbtiles")) continue;
-    SKYQUILT_TRY_ASSIGN(storage::OpenStreamed streamed, OpenStreamedProduct(service, map.prefix, name));
-    entries.push_back({name, "", {}, std::move(streamed)});
+    Result<storage::OpenStreamed> streamed = OpenStreamedProduct(service, map.prefix, name);
+    if (!streamed && streamed.error().code == ErrorCode::kTooLarge) continue;
+    if (!streamed) return streamed.error();
+    entries.push_back({name, "", {}, *std::move(streamed)});
   }
   if (entries.empty()) return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again."};
   SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));

@@ -60,6 +60,7 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
   {
     SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
     SKYQUILT_TRY_ASSIGN(layout, CogLayoutOf(db, tiles->metadata()));
+    SKYQUILT_TRY(CheckCells(layout.grid.front()));
     SKYQUILT_TRY_ASSIGN(const std::vector<TableTile> table, ReadTileTable(db));
     most_bytes = MostCogBytes(layout, table);
   }
@@ -185,6 +186,7 @@ std::optional<CogRoom> RoomOf(const GridLevel& level, std::int64_t cell, const s
 Result<std::shared_ptr<const StreamedFile>> LayOutCog(SqliteDb& mbtiles, const TilesetFacts& metadata) {
   SKYQUILT_TRY_ASSIGN(const std::vector<TableTile> table, ReadTileTable(mbtiles));
   SKYQUILT_TRY_ASSIGN(CogLayout layout, CogLayoutOf(mbtiles, metadata));
+  SKYQUILT_TRY(CheckCells(layout.grid.front()));
   auto& [tile_size_px, kind, grid] = layout;
   CogCells cells(kind, tile_size_px, kStreamedCogQuality);
   struct Placed {

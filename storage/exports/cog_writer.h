@@ -2,7 +2,7 @@
 // GoogleMapsCompatible). The tiles' own JPEG (or WebP) bytes are copied, overviews from the pyramid's own
 // levels; only the partly transparent tiles at the fringe, and those few of the coarsest overviews whose
 // corner is no tile's (see stored_tiles.h), are encoded anew as JPEG with a one-bit mask. Errors: kCorrupt,
-// those of the database; of the file also kIo, kOutOfSpace, kCancelled.
+// kTooLarge (more than kMaxGridCells), those of the database; of the file also kIo, kOutOfSpace, kCancelled.
 #pragma once
 
 #include <cstdint>

@@ -131,6 +131,15 @@ std::optional<geo::TileId> GridLevel::TileOf(std::int64_t cell, int east, int so
   return *geo::TileId::Make(zoom, (first_column + cell % columns + east) % side, row);
 }
 
+Result<void> CheckCells(const GridLevel& level) {
+  if (level.CellCount() <= kMaxGridCells) return {};
+  return Error{
+      ErrorCode::kTooLarge,
+      "The map's tiles lie too far apart for one picture of all between them. Cut it into several maps, "
+      "or take it as MBTiles, PMTiles or KMZ.",
+      ""};
+}
+
 Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px, GridAlignment alignment) {
   int finest = 0, coarsest = 0;
   SKYQUILT_TRY_ASSIGN(const std::string table, TableOfPlaces(mbtiles));

@@ -74,6 +74,11 @@ enum class GridAlignment {
   kFineLevels,  // the room added stays below an eighth of the map's width and height, where that is possible
 };
 
+// Between tiles that lie apart are cells too, and whoever lays out a picture of a level has a place for each.
+inline constexpr std::int64_t kMaxGridCells = std::int64_t{1} << 27;
+// Errors: kTooLarge (more of them).
+Result<void> CheckCells(const GridLevel& level);
+
 // The finest zoom first, coarser ones until the whole map is at most three tiles wide and high.
 Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px, GridAlignment alignment);
 

@@ -277,6 +277,24 @@ TEST(WriteCog, StaysInOnePieceAcrossTheDateLine) {
   }
 }
 
+// As of a map of the world with two towns: 3.6e9 cells, whose places alone take 57 GB.
+TEST(WriteCog, RefusesTilesThatLieTooFarApart) {
+  test::TemporaryFolder folder;
+  const std::filesystem::path mbtiles = folder.path() / "map.mbtiles";
+  auto writer = *MbtilesWriter::Create(mbtiles);
+  const auto tile = pyramid::EncodeTile(PaintedTile({16, 256, 0, 0, 3, 3}, 1, 1), {});
+  for (const int at : {100, 60'000})
+    ASSERT_TRUE(writer->Put(*geo::TileId::Make(17, at, at), tile->format, tile->bytes));
+  ASSERT_TRUE(writer->Publish({}));
+  auto db = *SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable);
+  const auto tiles = *MbtilesReader::Open(mbtiles);
+  const auto laid_out = LayOutCog(db, tiles->metadata());
+  ASSERT_FALSE(laid_out);
+  EXPECT_EQ(laid_out.error().code, ErrorCode::kTooLarge);
+  SilentProgress progress;
+  EXPECT_EQ(WriteCog(mbtiles, folder.path() / "map.tif", {}, progress).error().code, ErrorCode::kTooLarge);
+}
+
 TEST(WriteCog, LeavesNothingBehindWhenCancelled) {
   class Cancelled final : public Progress {
    public:
