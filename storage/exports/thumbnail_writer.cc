@@ -30,6 +30,17 @@ const GridLevel& LevelFor(const std::vector<GridLevel>& grid, int longer_side_px
   return grid[level];
 }
 
+// Of the picture that all cells are put into: a map without coarse tiles has no overview that is small.
+constexpr std::int64_t kMaxWholePx = std::int64_t{1} << 24;
+
+// By what both sides of each cell are divided before.
+int ShrinkOf(const GridLevel& level, int tile_px) {
+  int shrink = 1;
+  while (tile_px % (2 * shrink) == 0 && level.width_px / shrink * (level.height_px / shrink) > kMaxWholePx)
+    shrink *= 2;
+  return shrink;
+}
+
 }  // namespace
 
 Result<void> WriteTilesThumbnail(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
@@ -39,17 +50,21 @@ Result<void> WriteTilesThumbnail(const std::filesystem::path& mbtiles, const std
   SKYQUILT_TRY_ASSIGN(const CogLayout layout, CogLayoutOf(db, tiles->metadata()));
   const int tile_px = layout.tile_size_px;
   const GridLevel& level = LevelFor(layout.grid, longer_side_px);
+  SKYQUILT_TRY(CheckCells(level));
+  const int shrink = ShrinkOf(level, tile_px), cell_px = tile_px / shrink;
   const CogCells cells(layout.tiles, tile_px, CogOptions().jpeg_quality);
-  const auto width_px = static_cast<int>(level.width_px), height_px = static_cast<int>(level.height_px);
+  const auto width_px = static_cast<int>((level.width_px + shrink - 1) / shrink),
+             height_px = static_cast<int>((level.height_px + shrink - 1) / shrink);
   image::RgbaImage whole = image::RgbaImage::Transparent(width_px, height_px);
   for (std::int64_t cell = 0; cell < level.CellCount(); ++cell) {
-    SKYQUILT_TRY_ASSIGN(const std::optional<image::RgbaImage> pixels, cells.PixelsOf(level, cell, *tiles));
+    SKYQUILT_TRY_ASSIGN(std::optional<image::RgbaImage> pixels, cells.PixelsOf(level, cell, *tiles));
     if (!pixels) continue;
-    const auto left = static_cast<int>(cell % level.columns) * tile_px,
-               top = static_cast<int>(cell / level.columns) * tile_px;
-    const std::size_t row_bytes = 4 * static_cast<std::size_t>(std::min(tile_px, width_px - left));
-    for (int y = 0; y < std::min(tile_px, height_px - top); ++y)
-      std::memcpy(whole.Pixel(left, top + y), pixels->Pixel(0, y), row_bytes);
+    const image::RgbaImage small = image::ShrinkPicture(*std::move(pixels), cell_px);
+    const auto left = static_cast<int>(cell % level.columns) * cell_px,
+               top = static_cast<int>(cell / level.columns) * cell_px;
+    const std::size_t row_bytes = 4 * static_cast<std::size_t>(std::min(cell_px, width_px - left));
+    for (int y = 0; y < std::min(cell_px, height_px - top); ++y)
+      std::memcpy(whole.Pixel(left, top + y), small.Pixel(0, y), row_bytes);
   }
   const std::vector<std::uint8_t> png =
       image::EncodeWholePng(image::ShrinkPicture(std::move(whole), longer_side_px));

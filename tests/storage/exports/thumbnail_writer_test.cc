@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/pyramid/encode_tile.h"
 #include "storage/exports/cog_writer.h"
+#include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/support/temporary_folder.h"
 
@@ -57,6 +60,24 @@ TEST(WriteTilesThumbnail, ShowsWhatTheGeotiffShows) {
   }
   EXPECT_GT(compared, 5000);
   EXPECT_LT(sum / (3.0 * compared), 6.0);
+}
+
+// As GDAL writes them: the whole at that zoom would take 100 GB.
+TEST(WriteTilesThumbnail, TakesLittleMemoryOfAMapOfOneZoom) {
+  const test::TemporaryFolder dir;
+  auto writer = *MbtilesWriter::Create(dir.path() / "map.mbtiles");
+  image::RgbaImage white = image::RgbaImage::Transparent(256, 256);
+  std::fill(white.rgba.begin(), white.rgba.end(), std::uint8_t{255});
+  const auto tile = pyramid::EncodeTile(white, {});
+  for (const int column : {0, 1, 2, 1'000, 20'001, 20'002, 20'003})
+    ASSERT_TRUE(writer->Put(*geo::TileId::Make(20, column, 20 * (column % 2)), tile->format, tile->bytes));
+  ASSERT_TRUE(writer->Publish({}));
+  ASSERT_TRUE(WriteTilesThumbnail(dir.path() / "map.mbtiles", dir.path() / "tiles.png", 20'004));
+  const cv::Mat picture = cv::imread((dir.path() / "tiles.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(picture.type(), CV_8UC4);
+  EXPECT_EQ(picture.cols, 20'004);
+  for (const int channel : {0, 3}) EXPECT_EQ(picture.at<cv::Vec4b>(0, 20'002)[channel], 255);
+  EXPECT_EQ(picture.at<cv::Vec4b>(0, 10'000)[3], 0);
 }
 
 TEST(WriteThumbnail, SaysWhatIsMissing) {
