@@ -184,6 +184,14 @@ std::vector<std::uint8_t> EncodePicture(RgbaImage image, PictureFormat format) {
   SKYQUILT_CHECK(false, "a picture format outside the list");
 }
 
+bool IsYcbcrJpeg(std::string_view bytes) {
+  const TurboHandle decoder(tjInitDecompress(), tjDestroy);
+  int width_px = 0, height_px = 0, subsampling = 0, colors = 0;
+  return tjDecompressHeader3(decoder.get(), Raw(bytes), bytes.size(), &width_px, &height_px, &subsampling,
+                             &colors) == 0 &&
+         colors == TJCS_YCbCr;
+}
+
 Result<RgbaImage> DecodePicture(std::string_view bytes) {
   const std::optional<PictureFormat> format = PictureFormatOf(bytes);
   if (!format) return Damaged();

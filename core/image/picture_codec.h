@@ -41,6 +41,10 @@ std::vector<std::uint8_t> EncodePlainPng(const RgbaImage& image);
 // kCorrupt (bytes that are no JPEG, or one that the square is not within).
 Result<std::vector<std::uint8_t>> CutJpeg(std::string_view bytes, int left_px, int top_px, int side_px);
 
+// Whether it is a JPEG of luma and chroma, the only ones that a GeoTIFF's tiles can be: others are grey, RGB
+// or CMYK.
+bool IsYcbcrJpeg(std::string_view bytes);
+
 // For who asked for a format, in a quality fit for looking at. Straight alpha; JPEG, which has none, is laid
 // on white.
 std::vector<std::uint8_t> EncodePicture(RgbaImage image, PictureFormat format);

@@ -98,7 +98,7 @@ class TileTaker {
     const std::string name = fmt::format("{}/{}/{}", tile.z(), tile.x(), tile.y());
     const auto format = image::PictureFormatOf(bytes);
     if (!format) return refusals_.Kind(flight::RemarkCode::kImportTileNoPicture, {{"tile", name}});
-    const auto picture = image::DecodePicture(bytes);
+    auto picture = image::DecodePicture(bytes);
     if (!picture)
       return refusals_.Made(ErrorCode::kCorrupt, flight::RemarkCode::kImportTileDamaged, {{"tile", name}},
                             picture.error().message);
@@ -113,6 +113,8 @@ class TileTaker {
     zoom_ = tile.z();
     min_zoom_ = tiles_++ == 0 ? zoom_ : min_zoom_;
     finest_.Include(tile);
+    if (*format == image::PictureFormat::kJpeg && !image::IsYcbcrJpeg(bytes))
+      return writer_.Put(tile, *format, image::EncodePicture(*std::move(picture), *format));
     return writer_.Put(tile, *format, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
   }
 

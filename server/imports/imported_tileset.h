@@ -20,9 +20,9 @@ namespace skyquilt::server {
 Result<void> ImportRaster(const flight::InputFile& file, const std::filesystem::path& mbtiles,
                           const ImportOptions& options, pipeline::MosaicReport& report, Progress& progress);
 
-// The tiles of an MBTiles, byte for byte. Each is decoded once, so that what is served afterwards is known to
-// be pictures of one size. Memory: one tile. Errors: kUnsupportedFormat (no MBTiles; vector tiles; another
-// grid), kCorrupt (damaged), kTooLarge.
+// The tiles of an MBTiles, byte for byte but for JPEGs that are grey or RGB, which no GeoTIFF shows. Each is
+// decoded once, so that what is served afterwards is known to be pictures of one size. Memory: one tile.
+// Errors: kUnsupportedFormat (no MBTiles; vector tiles; another grid), kCorrupt (damaged), kTooLarge.
 Result<void> ImportTiles(const flight::InputFile& file, const std::filesystem::path& mbtiles,
                          pipeline::MosaicReport& report, Progress& progress);
 

@@ -1,5 +1,6 @@
 // A map of others among the files of a job: what errors call it, and that it takes no more room than there
 // is.
+#include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,6 +22,7 @@
 #include "core/pyramid/encode_tile.h"
 #include "server/imports/import_map.h"
 #include "storage/db/sqlite_db.h"
+#include "storage/exports/cog_writer.h"
 #include "storage/files/publish_file.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
@@ -108,6 +110,52 @@ TEST(ImportForJob, TilesAcrossTheAntimeridianAreOneMap) {
     EXPECT_NEAR(report.bounds.west_deg, one.west_deg, 1e-9) << one.said.west_deg;
     EXPECT_NEAR(report.bounds.east_deg, one.east_deg, 1e-9) << one.said.west_deg;
   }
+}
+
+std::string GreyJpeg(int value) {
+  GDALAllRegister();
+  constexpr const char* kName = "/vsimem/grey.jpg";
+  GDALDriverManager& drivers = *GetGDALDriverManager();
+  const std::unique_ptr<GDALDataset> grey(
+      drivers.GetDriverByName("MEM")->Create("", 256, 256, 1, GDT_Byte, nullptr));
+  EXPECT_EQ(grey->GetRasterBand(1)->Fill(value), CE_None);
+  std::unique_ptr<GDALDataset> written(
+      drivers.GetDriverByName("JPEG")->CreateCopy(kName, grey.get(), FALSE, nullptr, nullptr, nullptr));
+  EXPECT_NE(written, nullptr);
+  written.reset();
+  vsi_l_offset length = 0;
+  const GByte* const bytes = VSIGetMemFileBuffer(kName, &length, FALSE);
+  const std::string jpeg(reinterpret_cast<const char*>(bytes), length);
+  VSIUnlink(kName);
+  return jpeg;
+}
+
+// As MBTiles of hillshades have them.
+TEST(ImportForJob, TilesOfGreyJpegAreInTheGeotiffToo) {
+  const test::TemporaryFolder in, out;
+  const flight::InputFile file{"hills.mbtiles", in.path() / "0k2j"};
+  const std::string grey = GreyJpeg(90);
+  const auto writer = *storage::MbtilesWriter::Create(file.path);
+  for (const int column : {68'000, 68'001}) {
+    ASSERT_TRUE(writer
+                    ->Put(*geo::TileId::Make(17, column, 46'175), image::PictureFormat::kJpeg,
+                          {reinterpret_cast<const std::uint8_t*>(grey.data()), grey.size()})
+                    .ok());
+  }
+  storage::TilesetMetadata metadata;
+  metadata.bounds = {-180.0, -85.0, 180.0, 85.0};
+  metadata.min_zoom = metadata.max_zoom = 17;
+  ASSERT_TRUE(writer->Publish(metadata).ok());
+  ASSERT_TRUE(Import(file, file.name, {out.path(), false}).ok());
+  const std::filesystem::path tif = out.path() / "mosaic.tif";
+  SilentProgress progress;
+  ASSERT_TRUE(storage::WriteCog(out.path() / "mosaic.mbtiles", tif, {}, progress).ok());
+  const std::unique_ptr<GDALDataset> map(GDALDataset::Open(tif.c_str()));
+  ASSERT_NE(map, nullptr);
+  std::uint8_t pixel = 0;
+  ASSERT_EQ(map->GetRasterBand(3)->RasterIO(GF_Read, 300, 100, 1, 1, &pixel, 1, 1, GDT_Byte, 0, 0, nullptr),
+            CE_None);
+  EXPECT_NEAR(pixel, 90, 2);
 }
 
 TEST(ImportForJob, MakesTheProductsOfAMap) {
