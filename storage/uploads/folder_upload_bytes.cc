@@ -1,5 +1,6 @@
 // BytesInFolder: an upload is the file uploads/<id>, to which its bytes are appended.
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -33,6 +34,12 @@ class FolderUploadBytes final : public UploadBytes {
     const std::filesystem::path path = PathOf(upload.id);
     FileDescriptor file(open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
     if (!file.is_open()) return UploadWriteError("open " + path.string());
+    struct stat status {};
+    if (fstat(file.get(), &status) != 0) return UploadWriteError("stat " + path.string());
+    // As after a backup whose catalogue is younger: zeros would stand for what is not there.
+    if (status.st_size < upload.offset)
+      return Error{ErrorCode::kCorrupt,
+                   "Bytes of this upload are missing on the server. Begin the upload anew.", path.string()};
     // Behind the offset there may be bytes that never were promised.
     if (ftruncate(file.get(), upload.offset) != 0 || lseek(file.get(), upload.offset, SEEK_SET) < 0)
       return UploadWriteError("truncate " + path.string());
@@ -53,6 +60,7 @@ class FolderUploadBytes final : public UploadBytes {
   // A second name for the bytes: a crash leaves either the complete upload or the file, and garbage that the
   // sweep removes.
   Result<std::string> PutInFlight(const SpooledUpload& upload) const override {
+    SKYQUILT_TRY(Open(upload));  // it has its bytes, and no more
     return store_.Adopt(upload.flight_id, PathOf(upload.id));
   }
 

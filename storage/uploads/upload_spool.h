@@ -3,8 +3,8 @@
 // complete upload becomes a file of its flight in one transaction. A part of an upload has no flight and
 // stays until it is joined with the others, or expires. One writer at a time: whoever comes later takes over
 // (its predecessor's connection is dead as a rule). Any thread. Errors: kNotFound (no such upload or flight,
-// or expired), kConflict (another offset; taken over by another request), kTooLarge, kOutOfSpace,
-// kUnprocessable, kIo.
+// or expired), kConflict (another offset; taken over by another request), kCorrupt (bytes that came are
+// gone), kTooLarge, kOutOfSpace, kUnprocessable, kIo.
 #pragma once
 
 #include <chrono>

@@ -100,6 +100,21 @@ TEST_F(UploadsOfTwoServers, ArePutOnceWhereTheyComeAtOnce) {
   EXPECT_TRUE(Stored() == bytes);
 }
 
+TEST_F(UploadsOfTwoServers, AreNotFilledUpWithZerosWhereAFolderLostBytes) {
+  const PhotoStore folder(*DataDir::Open(folder_ / "before", NewId()));
+  UploadSpool spool(*db_, catalogue_, folder);
+  const SpooledUpload upload = *spool.Create(Wish("a.jpg", static_cast<std::int64_t>(2 * kMib)), now_);
+  {
+    const auto append = spool.Begin(upload.id, 0, false, now_);
+    ASSERT_TRUE((*append)->Write(BytesOf(Pattern(kMib))));
+    ASSERT_TRUE((*append)->Commit(now_));
+  }
+  std::filesystem::resize_file(folder.dir().Uploads() / upload.id, kMib - 1);
+  const auto again = spool.Begin(upload.id, static_cast<std::int64_t>(kMib), false, now_);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, ErrorCode::kCorrupt);
+}
+
 TEST_F(UploadsOfTwoServers, RefuseOneWhoseFirstBytesLieInAFolder) {
   const std::string bytes = Pattern(2 * kMib);
   const PhotoStore folder(*DataDir::Open(folder_ / "before", NewId()));
