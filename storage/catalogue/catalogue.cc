@@ -290,12 +290,12 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
       added.name = NumberedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
     }
     SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
-    SKYQUILT_TRY(Record(flight_id, added, now));
     if (upload_id) {
       SKYQUILT_TRY(db->Change("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0", *upload_id));
       if (db->Changes() == 0)
         return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
     }
+    SKYQUILT_TRY(Record(flight_id, added, now));
     SKYQUILT_TRY(transaction.Commit());
     return added;
   });

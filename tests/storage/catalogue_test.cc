@@ -143,6 +143,16 @@ TEST_F(CatalogueTest, KeepsBothFilesOfOneNameWhenAsked) {
   EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {".hidden", NewId(), 1}, Now())->name, ".hidden(2)");
 }
 
+TEST_F(CatalogueTest, RecordsNoFileOfAnUploadThatWasFinishedMeanwhile) {
+  const DataDir data = *DataDir::Open(dir_.path() / "data");
+  Catalogue recorded(*db_, FlightRecords(data));
+  const std::string id = recorded.AddFlight("f", "{}", Now())->id;
+  EXPECT_EQ(recorded.AddFileUnderFreeName(id, {"a.jpg", NewId(), 1}, Now(), NewId()).error().code,
+            ErrorCode::kConflict);
+  EXPECT_TRUE((*ReadFlightRecord(data.Flight(id)))->files.empty());
+  EXPECT_TRUE(recorded.ListFiles(id)->empty());
+}
+
 TEST_F(CatalogueTest, RefusesToChangeFilesThatAJobReads) {
   const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
   ASSERT_TRUE(catalogue_.AddFile(id, {"a.jpg", NewId(), 1}, Now()));
