@@ -72,7 +72,7 @@ class Commands(unittest.TestCase):
         """A command of ours; `place`: the folder and prefix of its block."""
         words = [word.replace("postgresql://skyquilt@db.example.org/skyquilt",
                               f"postgresql://keeper@/skyquilt?host={self.postgres.folder}")
-                 .replace("s3://bucket/prefix", self.store.address(place)).replace("0.0.0.0:8080", "127.0.0.1:0") for word in words]
+                 .replace("s3://bucket/prefix", self.store.address(place)).replace("0.0.0.0:8080", "0.0.0.0:0") for word in words]
         words = [f"{place}-{word}" if before == "--data" else word for before, word in zip(["", *words], words)]
         if words[0] == "serve":
             self.stop_all()
