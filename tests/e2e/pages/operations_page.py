@@ -22,7 +22,8 @@ SCOPES = [scope for scope, _ in table("operations.md", "scope")]
 OF_LIMITS = [option for row in LIMITS for option in re.findall(r"`(--[\w-]+)`", row[0])]
 # Names, which nobody types: of files, programs, headers and values.
 NAMES = {"serve", "skyquilt watch", "/etc/skyquilt.conf", "X-Forwarded-For", "X-Forwarded-Proto", "-Host", "-Prefix", "Retry-After", "private",
-         "public", "skyquilt-data.json", "lost/", "catalogue.db", "watch/sent.jsonl", "flights/FLIGHT/exports", "X-Request-Id", "?", "webhook"}
+         "public", "skyquilt-data.json", "lost/", "catalogue.db", "watch/sent.jsonl", "flights/FLIGHT/exports", "X-Request-Id", "?", "webhook",
+         "X-Skyquilt-Signature"}
 REPLAYED = []
 
 
