@@ -54,6 +54,7 @@ class ZoomPicture {
   storage::MapTiles& reader_;
   int zoom_;
   int side_px_;
+  bool is_across_antimeridian_;  // then its tiles go on at the other end of the world
   std::size_t budget_bytes_;
   std::optional<geo::Bounds2> reach_px_;
   // By row, then column; empty: no tile.
@@ -94,6 +95,7 @@ ZoomPicture::ZoomPicture(const storage::Tileset& tileset, int zoom, std::size_t 
     : reader_(*tileset.reader),
       zoom_(zoom),
       side_px_(TileSizePx(tileset)),
+      is_across_antimeridian_(tileset.revision.bounds.east_deg > 180.0),
       budget_bytes_(budget_bytes),
       reach_px_(ReachOf(tileset.revision, zoom, side_px_)) {
   const auto side = static_cast<std::size_t>(side_px_);
@@ -156,7 +158,9 @@ Result<const image::RgbaImage*> ZoomPicture::TileAt(std::int64_t x, std::int64_t
   const auto found = tiles_.find({y, x});
   if (found != tiles_.end()) return &found->second;
   image::RgbaImage pixels;
-  const Result<geo::TileId> id = geo::TileId::Make(zoom_, x, y);
+  const std::int64_t around = std::int64_t{1} << zoom_;
+  const std::int64_t column = is_across_antimeridian_ ? (x % around + around) % around : x;
+  const Result<geo::TileId> id = geo::TileId::Make(zoom_, column, y);
   std::optional<storage::FoundTile> stored;  // none outside the world
   if (id) {
     SKYQUILT_TRY_ASSIGN(stored, reader_.Find(*id));

@@ -105,6 +105,28 @@ TEST_F(AllMapsTest, WmsLaysLayersOverEachOther) {
   }
 }
 
+// Boxes of such a map go on beyond 180 degrees, in its capabilities and in what programs ask for.
+TEST_F(AllMapsTest, PicturesOfAMapAcrossTheAntimeridianShowBothSides) {
+  const std::string flight = sample_.NewFlight();
+  sample_.PublishAt({179.75, 0.1, 180.25, 0.3}, flight,
+                    {{10, 1023, 512, PlainTile(200, 10, 20)}, {10, 0, 512, PlainTile(10, 200, 20)}});
+  const std::string wms = "/wms/" + flight + "?REQUEST=GetMap&VERSION=1.3.0&LAYERS=map&STYLES=" +
+                          "&FORMAT=image/png&TRANSPARENT=TRUE&WIDTH=40&HEIGHT=16";
+  const std::string maps = "/ogc/collections/" + flight + "/map?width=40&height=16&f=png";
+  for (const std::string& path :
+       {wms + "&CRS=CRS:84&BBOX=179.75,0.1,180.25,0.3", wms + "&CRS=CRS:84&BBOX=-180.25,0.1,-179.75,0.3",
+        wms + "&CRS=EPSG:4326&BBOX=0.1,179.75,0.3,180.25",
+        wms + "&CRS=EPSG:3857&BBOX=20009678,11132,20065338,33396",
+        maps + "&bbox=179.75,0.1,-179.75,0.3&crs=[OGC:CRS84]"}) {
+    const image::RgbaImage picture = sample_.Picture(path);
+    const std::uint8_t *west = picture.Pixel(5, 8), *east = picture.Pixel(34, 8);
+    EXPECT_EQ((std::array<int, 4>{west[0], west[1], west[2], west[3]}), (std::array{200, 10, 20, 255}))
+        << path;
+    EXPECT_EQ((std::array<int, 4>{east[0], east[1], east[2], east[3]}), (std::array{10, 200, 20, 255}))
+        << path;
+  }
+}
+
 TEST_F(AllMapsTest, FeatureInfoSaysWhatIsUnderAPixel) {
   const std::string ask = std::string("/wms?REQUEST=GetFeatureInfo&VERSION=1.3.0&I=50&J=45") + kBox +
                           "&LAYERS=" + red_ + "&QUERY_LAYERS=" + red_;
