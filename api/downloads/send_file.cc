@@ -142,6 +142,9 @@ Result<Response> SendBlob(const Request& request, storage::BlobStore& blobs, con
 
 Result<Response> SendParts(const Request& request, std::uint64_t size, const std::string& content_type,
                            const std::string& etag, const OpenPart& open) {
+  if (request.headers.Has("If-Match") && !EtagListMatches(request.headers.Find("If-Match"), etag)) {
+    return Error{ErrorCode::kPreconditionFailed, "The file is no more the one that If-Match names."};
+  }
   Response response;
   response.headers.Add("ETag", etag);
   response.headers.Add("Accept-Ranges", "bytes");

@@ -1,5 +1,6 @@
-// SendFile: a file as an answer: ETag, 304, one Range, If-Range; streamed, never whole in memory. The file is
-// open before the answer begins, so that it may be unlinked meanwhile. Any thread. Errors: kNotFound, kIo.
+// SendFile: a file as an answer: ETag, 304, If-Match, one Range, If-Range; streamed, never whole in memory.
+// The file is open before the answer begins, so that it may be unlinked meanwhile. Any thread. Errors:
+// kNotFound, kPreconditionFailed, kIo.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +14,8 @@
 
 namespace skyquilt::api {
 
-// A body of `size` bytes that can be had in parts. Errors: kRangeNotSatisfiable, whose message is what
-// Content-Range must say; those of `open`.
+// A body of `size` bytes that can be had in parts. Errors: kPreconditionFailed (If-Match),
+// kRangeNotSatisfiable, whose message is what Content-Range must say; those of `open`.
 using OpenPart =
     std::function<Result<std::unique_ptr<BodySource>>(std::uint64_t offset, std::uint64_t length)>;
 Result<Response> SendParts(const Request& request, std::uint64_t size, const std::string& content_type,

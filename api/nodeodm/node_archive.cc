@@ -222,7 +222,9 @@ Result<Response> Download(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindNodeTask(service, request.Parameter("uuid")));
   if (request.Parameter("asset") != "all.zip") return NodeRefusal("Invalid asset");
   Result<Response> sent = Archive(service, request, task);
-  if (!sent && sent.error().code == ErrorCode::kRangeNotSatisfiable)
+  // What HTTP itself has a status for.
+  const auto is = [&](ErrorCode code) { return !sent && sent.error().code == code; };
+  if (is(ErrorCode::kRangeNotSatisfiable) || is(ErrorCode::kPreconditionFailed))
     return Downloaded(std::move(sent), request);
   if (sent) sent->headers.Add("Content-Disposition", "attachment; filename=\"all.zip\"");
   return sent;

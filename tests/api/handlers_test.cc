@@ -292,6 +292,9 @@ TEST(Downloads, HonourRangesAndTags) {
   EXPECT_EQ(beyond.status, 416);
   EXPECT_EQ(beyond.headers.Find("Content-Range"), "bytes */10");
   EXPECT_EQ(sample.Get(tif, {{"If-None-Match", etag}}).status, 304);
+  // Browsers that fetch parts side by side: of another file none is to come.
+  EXPECT_EQ(sample.Get(tif, {{"Range", "bytes=2-4"}, {"If-Match", etag}}).status, 206);
+  EXPECT_EQ(sample.Get(tif, {{"Range", "bytes=2-4"}, {"If-Match", "\"other\""}}).status, 412);
   EXPECT_EQ(sample.Get("/api/v1/flights/" + id + "/report").status, 200);
   EXPECT_EQ(sample.Get("/api/v1/flights/" + id + "/photos.geojson").headers.Find("Content-Type"),
             "application/geo+json");
