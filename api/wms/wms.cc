@@ -203,7 +203,7 @@ Result<std::string> Draw(Service& service, const Request& request, const WmsMap&
       LayOver(picture, drawn);
     }
   }
-  if (!wanted.is_transparent) LayOn(picture, kWhite);
+  if (!wanted.is_transparent) LayOn(picture, wanted.background);
   return EncodeTile(std::move(picture), wanted.format);
 }
 

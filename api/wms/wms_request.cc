@@ -96,7 +96,11 @@ Result<WmsMap> ParseGetMap(const Request& request) {
     return BadWms("InvalidFormat",
                   "Formats are " + image::ListedFormats(&image::PictureFormatRow::content_type) + ".");
   }
-  map.is_transparent = EqualsIgnoringCase(Parameter(request, "TRANSPARENT").value_or("FALSE"), "TRUE");
+  map.is_transparent = map.format != image::PictureFormat::kJpeg &&
+                       EqualsIgnoringCase(Parameter(request, "TRANSPARENT").value_or("FALSE"), "TRUE");
+  if (const std::string colour = Parameter(request, "BGCOLOR").value_or(""); !colour.empty()) {
+    SKYQUILT_TRY_ASSIGN(map.background, ParseColour(colour, "BGCOLOR"));
+  }
   return map;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "api/common/background.h"
 #include "api/http/http_message.h"
 #include "api/indices/index_legend.h"
 #include "core/image/picture_format.h"
@@ -20,6 +21,7 @@ struct WmsMap {
   int width_px = 0;
   int height_px = 0;
   bool is_transparent = false;
+  Rgb background = kWhite;  // where it is not transparent
   image::PictureFormat format = image::PictureFormat::kPng;
 };
 Result<WmsMap> ParseGetMap(const Request& request);

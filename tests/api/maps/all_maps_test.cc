@@ -127,6 +127,22 @@ TEST_F(AllMapsTest, PicturesOfAMapAcrossTheAntimeridianShowBothSides) {
   }
 }
 
+TEST_F(AllMapsTest, WmsHasTheBackgroundThatIsAskedFor) {
+  const std::string beside =
+      "/wms?REQUEST=GetMap&VERSION=1.3.0&STYLES=&CRS=CRS:84&BBOX=10,10,80,60"
+      "&WIDTH=100&HEIGHT=90&LAYERS=" +
+      red_;
+  const std::string png = beside + "&FORMAT=image/png";
+  EXPECT_EQ(PixelOf(png), (std::array{255, 255, 255, 255}));
+  EXPECT_EQ(PixelOf(png + "&bgcolor="), (std::array{255, 255, 255, 255}));
+  EXPECT_EQ(PixelOf(png + "&BGCOLOR=0x102030"), (std::array{0x10, 0x20, 0x30, 255}));
+  EXPECT_EQ(PixelOf(png + "&BGCOLOR=0x102030&TRANSPARENT=TRUE")[3], 0);
+  // JPEG has nothing transparent.
+  for (const char* rest : {"", "&TRANSPARENT=TRUE"})
+    EXPECT_NEAR(PixelOf(beside + "&FORMAT=image/jpeg&BGCOLOR=0x102030" + rest)[2], 0x30, 3) << rest;
+  EXPECT_EQ(sample_.Get(png + "&BGCOLOR=0x10").status, 400);
+}
+
 TEST_F(AllMapsTest, FeatureInfoSaysWhatIsUnderAPixel) {
   const std::string ask = std::string("/wms?REQUEST=GetFeatureInfo&VERSION=1.3.0&I=50&J=45") + kBox +
                           "&LAYERS=" + red_ + "&QUERY_LAYERS=" + red_;
