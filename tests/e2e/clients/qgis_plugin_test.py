@@ -127,8 +127,9 @@ class Plugin(MapFileTestCase):
         token = add_token(data, "team", "--scope", "upload")
         server = self.serve("--workers", "1", data=data)
         url = f"http://127.0.0.1:{server.port}"
-        refused, (is_closed, kept, is_readable), stages, layer = self.session(
-            url, ["said"], ["token", token, True], ["upload", str(self.folder), "Field 8"], ["add", "geotiff"])
+        refused, (is_closed, kept, is_readable), stages, layer, said, _, again, said_again, _, renewed = self.session(
+            url, ["said"], ["token", token, True], ["upload", str(self.folder), "Field 8"], ["add", "geotiff"], ["said"],
+            ["forget", None], ["add", "footprints"], ["said"], ["forget", "sq_share_gone"], ["add", "geotiff"])
         self.assertIn("token", refused[0])
         self.assertEqual((is_closed, kept, is_readable), (True, token, False))
         self.assertIn("upload", stages)
@@ -139,6 +140,11 @@ class Plugin(MapFileTestCase):
         _, access = server.json("GET", "/api/v1/access", headers=bearer(shared))
         flight_id = layer[1].split("/flights/")[1].split("/")[0]
         self.assertEqual({"scope": "read", "flight": flight_id}.items() & access.items(), {"scope": "read", "flight": flight_id}.items())
+        # It is said once, and taken by the project's other layers until it is revoked.
+        self.assertIn("does not end by itself", said[-1])
+        self.assertEqual((again[1].split("token=")[1], said_again[1:]), (shared, said[1:]))
+        self.assertTrue(renewed[2])
+        self.assertNotIn(renewed[1].split("token=")[1], (shared, "sq_share_gone"))
         # Where no more such can be made, none of the user's own takes its place.
         json_of = {**bearer(token), "Content-Type": "application/json"}
         made = [server.request("POST", f"/api/v1/flights/{flight_id}/shares", body=b"{}", headers=json_of)[0] for _ in range(100)]

@@ -137,6 +137,10 @@ class Session:
         self.shown = layer
         return [layer.providerType(), layer.source(), layer.isValid(), getattr(layer, "featureCount", int)()]
 
+    def forget(self, instead):
+        """The tokens of links: as after a start of QGIS with None, else as where this one was revoked."""
+        self.plugin.reading_tokens = {} if instead is None else dict.fromkeys(self.plugin.reading_tokens, instead)
+
     def ask(self, kind):
         """For the chosen flight as a layer that it does not have: until it is said so."""
         said = len(self.iface.said)

@@ -1,10 +1,14 @@
 """Layers of QGIS from a flight's map. Values only: what asks the server is `described`, which a background thread calls; the
 layers themselves are made in the main thread from what it answers."""
 import dataclasses
+import re
 from typing import List, Optional
+from urllib.parse import unquote
 from xml.etree import ElementTree
 
 from qgis.core import QgsFillSymbol, QgsLineSymbol, QgsRasterLayer, QgsVectorLayer
+
+from .skyquilt import Client, Unauthorized
 
 TILES, GEOTIFF, FOOTPRINTS = "tiles", "geotiff", "footprints"
 SURFACE, HILLSHADE, GROUND, CONTOURS = "surface", "hillshade", "ground", "contours"
@@ -22,6 +26,7 @@ class Described:
     flight_id: str
     tiles: str  # as QGIS' provider of tiles takes it
     token: Optional[str]
+    has_new_link: bool  # the token was made for it
     bounds: List[float]
     heights: List[str]  # dsm, dtm: those that the map has
 
@@ -30,9 +35,27 @@ class Described:
         return f"{self.address}/api/v1/flights/{self.flight_id}/{path}" + (f"?token={self.token}" if self.token else "")
 
 
+def links_in(url, sources):
+    """The tokens of links to this server that addresses of layers hold: by the flight that each reads."""
+    link = re.compile(re.escape(url) + r"/(?:wmts|api/v1/flights)/([0-9a-z]{26})[/?]\S*?token=(sq_share_[\w-]+)")
+    return {flight_id: token for source in sources for flight_id, token in link.findall(unquote(source))}
+
+
+def is_good(url, token, flight_id):
+    """Whether a link is neither revoked nor at its end. Asks the server."""
+    client = Client(url, token)
+    try:
+        return client.access()["flight"] == flight_id
+    except Unauthorized:
+        return False
+    finally:
+        client.close()
+
+
 def reading_token(client, flight, known):
-    """A token for addresses, which projects keep and others see: the client's own where it only reads, else one made for this
-    flight alone (Share on the server's page lists and ends it); None where none is asked for. `known` keeps those made."""
+    """A token for addresses, which projects keep and others see: the client's own where it only reads, else one for this flight
+    alone, which does not end by itself, since saved projects would be empty then (Share on the server's page lists and ends it);
+    None where none is asked for. `known`: those that there are already, by flight; one that is made is added."""
     if client.transport.token is None:
         return None
     access = client.access()
@@ -40,7 +63,7 @@ def reading_token(client, flight, known):
         return None
     if access["scope"] == "read":
         return client.transport.token
-    if flight.id not in known:
+    if flight.id not in known or not is_good(client.url, known[flight.id], flight.id):
         known[flight.id] = client.api.add_share(flight.id, {"expires_in_days": None})["token"]
     return known[flight.id]
 
@@ -48,12 +71,13 @@ def reading_token(client, flight, known):
 def described(client, flight_id, known_tokens):
     """What layers of a flight are made of. Asks the server."""
     flight = client.flight(flight_id)
+    known = known_tokens.get(flight.id)
     token = reading_token(client, flight, known_tokens)
     with client.transport.request("GET", f"/connect/{flight.id}/qgis.qlr" + (f"?token={token}" if token else "")) as answer:
         definition = ElementTree.fromstring(answer.read_all())
     tiles = flight.tile_json()
     return Described(flight.name, client.url, flight.id, definition.findtext("maplayers/maplayer/datasource"), token,
-                     tiles["bounds"], tiles["heights"])
+                     known_tokens.get(flight.id) != known, tiles["bounds"], tiles["heights"])
 
 
 def lacking(map_of, kind):

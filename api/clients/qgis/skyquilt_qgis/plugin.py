@@ -25,7 +25,7 @@ class SkyquiltPlugin:
     def __init__(self, iface):
         self.iface = iface
         self.workers = Workers()
-        self.reading_tokens = {}  # flight id: a token made for addresses, in this session
+        self.reading_tokens = {}  # flight id: a token for addresses, of this session or of the project
         self.upload_work = None
         self.is_refreshing = False
 
@@ -121,6 +121,9 @@ class SkyquiltPlugin:
         record, client = self.dock.chosen(), self.connect()
         if record is None or client is None:
             return
+        sources = [layer.source() for layer in QgsProject.instance().mapLayers().values()]
+        for flight_id, token in layers.links_in(client.url, sources).items():
+            self.reading_tokens.setdefault(flight_id, token)
         self.workers.start(f"Map of {record['name']}", client, lambda tell: layers.described(client, record["id"], self.reading_tokens),
                            lambda map_of: self.show_layer(map_of, kind), self.complain)
 
@@ -140,6 +143,10 @@ class SkyquiltPlugin:
         QgsProject.instance().addMapLayer(layer)
         # After QGIS itself, which shows all of a first layer and stays where it is at others.
         QTimer.singleShot(0, lambda: self.go_to(map_of.bounds))
+        if map_of.has_new_link:
+            self.iface.messageBar().pushMessage(
+                "Skyquilt", f"The project now holds a link that reads the map of {map_of.name} and does not end by itself. Share on the "
+                "server's page ends it, and these layers with it.", Qgis.Info)
 
     def go_to(self, bounds):
         """Shows west, south, east, north on the canvas."""
