@@ -8,12 +8,12 @@ namespace {
 // Of a request and of an answer, by the routes there are.
 constexpr const char* kMaySend =
     "Authorization, Content-Type, Content-Digest, Idempotency-Key, If-Match, If-None-Match, If-Range, Last-Event-ID, "
-    "Range, Tus-Resumable, Upload-Checksum, Upload-Concat, Upload-Defer-Length, Upload-Length, Upload-Metadata, Upload-Offset, "
+    "Prefer, Range, Tus-Resumable, Upload-Checksum, Upload-Concat, Upload-Defer-Length, Upload-Length, Upload-Metadata, Upload-Offset, "
     "X-HTTP-Method-Override, set-uuid";
 constexpr const char* kMayRead =
     "Accept-Ranges, Content-Bbox, Content-Crs, Content-Disposition, Content-Length, Content-Range, ETag, "
     "Idempotency-Replayed, Link, Location, "
-    "Retry-After, Tus-Checksum-Algorithm, Tus-Extension, Tus-Max-Size, Tus-Resumable, Tus-Version, Upload-Defer-Length, "
+    "Preference-Applied, Retry-After, Tus-Checksum-Algorithm, Tus-Extension, Tus-Max-Size, Tus-Resumable, Tus-Version, Upload-Defer-Length, "
     "Upload-Expires, Upload-Length, Upload-Metadata, Upload-Offset, WWW-Authenticate, X-Request-Id";
 
 // What pages of this server have as their origin.

@@ -142,6 +142,8 @@ TEST_F(HttpServerTest, LetsAnyPageWithATokenReadWhateverTheAnswer) {
   EXPECT_NE(preflight.head.find(any), std::string::npos);
   EXPECT_NE(preflight.head.find("Access-Control-Allow-Methods: GET, HEAD, POST, OPTIONS\r\n"),
             std::string::npos);
+  // Of OGC API Processes: "respond-async".
+  EXPECT_NE(preflight.head.find(", Prefer, "), std::string::npos);
   EXPECT_NE(
       ask("OPTIONS", "/api/v1/uploads", "").head.find("Access-Control-Allow-Methods: POST, OPTIONS\r\n"),
       std::string::npos);
