@@ -60,6 +60,10 @@ class Image(unittest.TestCase):
             if source != "web/vendor":  # made by the step before
                 self.assertTrue((ROOT / source).exists(), source)
 
+    def test_the_operators_key_goes_into_no_layer_and_no_commit(self):
+        self.assertIn("docker/certs", (ROOT / "docker/Dockerfile.dockerignore").read_text().splitlines())
+        self.assertIn("/docker/certs/", (ROOT / ".gitignore").read_text().splitlines())
+
     def test_what_the_binary_links_to_has_packages(self):
         if not shutil.which("readelf") or not shutil.which("dpkg"):
             self.skipTest("readelf and dpkg are not here")
