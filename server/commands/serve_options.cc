@@ -164,8 +164,8 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
       command
           .add_option(
               "--host", options.http.hosts,
-              "A name that the server goes by, besides those of this machine; several, or with commas. Without "
-              "tokens no other is answered")
+              "A name that the server goes by, besides those of this machine; several, or with commas. Others are "
+              "refused once one is named, and always without tokens")
           ->delimiter(',');
   CLI::Option* cors_origins =
       command

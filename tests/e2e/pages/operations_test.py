@@ -160,7 +160,12 @@ class Operations(OperationsCase):
         self.assertEqual([answer.status for answer in answers], [200, 429, 200, 200, 200])
         server.stop()
         who = self.token("read")
-        self.assertIsNotNone(allowed(self.serve("--workers", "0"), "https://any.example", **who))
+        server = self.serve("--workers", "0")
+        self.assertIsNotNone(allowed(server, "https://any.example", **who))
+        self.assertEqual(self.status(server, Host="any.example", **who), 200)
+        server.stop()
+        server = self.serve_page(host.replace("NAME", "field.example"))
+        self.assertEqual([self.status(server, Host=name, **who) for name in ("field.example", "any.example")], [200, 421])
 
     @replays("--base-path /skyquilt", "location /skyquilt .*")
     def test_below_a_path(self, base_path, location):
