@@ -1,6 +1,6 @@
 // WriteThumbnail: the whole map as one small PNG, transparent where it is empty, from the overviews of a
 // GeoTIFF. WriteTilesThumbnail: from the tiles of an MBTiles, as far as its GeoTIFF would reach; in memory
-// some 64 MiB (or 4 bytes a cell), whatever overviews it has. Published by rename. Blocking. Errors: kIo,
+// some 64 MiB (or 4 bytes per cell), whatever overviews it has. Published by rename. Blocking. Errors: kIo,
 // kOutOfSpace, kCorrupt, kTooLarge (tiles that lie too far apart, as of the GeoTIFF).
 #pragma once
 

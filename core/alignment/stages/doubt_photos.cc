@@ -147,9 +147,9 @@ PhotoSet LeaveOutFarAway(AlignedFlight& flight) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return (places[a] - middle).norm() < (places[b] - middle).norm();
   });
-  const double most = std::max(1.0, kMaxLeftOutShare * static_cast<double>(count));
+  const double may_leave = std::max(1.0, kMaxLeftOutShare * static_cast<double>(count));
   std::size_t kept = count;
-  for (std::size_t k = count - 1; static_cast<double>(count - k) <= most; --k) {
+  for (std::size_t k = count - 1; static_cast<double>(count - k) <= may_leave; --k) {
     const double inner_m = (places[order[k - 1]] - middle).norm();
     const double gap_m = (places[order[k]] - middle).norm() - inner_m;
     if (gap_m > std::max(kMinGapM, 2.0 * kGapOverExtent * inner_m)) kept = k;
