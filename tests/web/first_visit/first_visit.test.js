@@ -159,9 +159,11 @@ async function closeAll(page) {
 
 /** By the keyboard, at a photo's place in the middle of the window. @param {any} page */
 async function openPhoto(page) {
-  await page.evaluate(() => {
+  await page.waitForFunction(() => {
     const { map } = /** @type {any} */ (window).skyquilt;
-    map.jumpTo({ center: map.querySourceFeatures('cameras')[0].geometry.coordinates });
+    const [camera] = map.querySourceFeatures('cameras');  // none while they are drawn in other colours
+    if (camera) map.jumpTo({ center: camera.geometry.coordinates });
+    return Boolean(camera);
   });
   await mapIdle(page);
   await openPhotoCard(page);
