@@ -124,7 +124,7 @@ test('a map without any position is placed by points that are imported and click
   }
   // The panel is still open, with the residuals, and the points are on the map.
   await page.waitForSelector('#control-residuals');
-  assert.match(await page.innerText('#control-points tbody tr:first-child'), /\d.*m.*px/);
+  assert.match(await page.innerText('#control-points tbody tr:first-child'), /\d.*ft.*px/);
   await page.click('#control-residuals > summary');
   assert.equal(await page.locator('#control-residuals tbody tr').count(), 15);
   await page.waitForSelector('.control-mark[data-point="P6"]');
