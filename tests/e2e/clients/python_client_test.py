@@ -75,8 +75,7 @@ class PythonClient(ServerTestCase):
         long_file.write_bytes(os.urandom(40 << 20))
         told, killed = [], threading.Event()
 
-        def kill_and_start():
-            server.kill()
+        def start_again():
             time.sleep(1.0)
             self.start("--workers", "1", port=server.port)
 
@@ -84,7 +83,8 @@ class PythonClient(ServerTestCase):
             told.append(progress)
             if progress.stage == "upload" and progress.done_bytes > 20 << 20 and not killed.is_set():
                 killed.set()
-                self.again = threading.Thread(target=kill_and_start)
+                server.kill()  # here: beside it all could have been sent before
+                self.again = threading.Thread(target=start_again)
                 self.again.start()
 
         paths = [self.folder, long_file]
