@@ -1,6 +1,7 @@
 #include "server/jobs/stitch_job.h"
 
 #include <memory>
+#include <system_error>
 #include <utility>
 
 #include "core/base/parallel_for.h"
@@ -57,10 +58,23 @@ Result<void> WriteUtm(const std::filesystem::path& mbtiles, const StitchJobOptio
   return storage::WriteUtmGeotiff(mbtiles, out_dir / "mosaic_utm.tif", utm, progress);
 }
 
+// Another format that is not written now must not stay of an earlier map: it would pass for this one.
+Result<void> RemoveUnwritten(const StitchJobOptions& options, const std::filesystem::path& out_dir) {
+  for (const auto& [name, is_written] :
+       {std::pair{"mosaic.pmtiles", options.write_pmtiles}, std::pair{"mosaic.tif", options.write_cog},
+        std::pair{"mosaic.kmz", options.write_kmz}, std::pair{"mosaic_utm.tif", options.mosaic.write_utm}}) {
+    std::error_code failed;
+    if (!is_written) std::filesystem::remove(out_dir / name, failed);
+    if (failed) return storage::FileError("cannot remove", out_dir / name, failed.value());
+  }
+  return {};
+}
+
 // The tileset in the other formats that were asked for.
 Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions& options,
                     const pipeline::MosaicReport& report, const std::filesystem::path& out_dir,
                     Progress& progress) {
+  SKYQUILT_TRY(RemoveUnwritten(options, out_dir));
   if (options.write_pmtiles) {
     const TraceSpan span("write mosaic.pmtiles");
     SKYQUILT_TRY(storage::WritePmtiles(mbtiles, out_dir / "mosaic.pmtiles", progress));

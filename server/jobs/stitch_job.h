@@ -3,6 +3,7 @@
 // dsm.tif with dsm_photos.tif and dsm_hillshade.tif, dtm.tif with dtm_ground.tif and contours, and
 // layer_*.mbtiles with layers.json by option, report.json, photos.geojson, and for OpenDroneMap cameras.json
 // and, of a map with a place on Earth, geo.txt, each written under a temporary name and published by rename.
+// Of what is not written nothing stays of an earlier map, but for heights.
 // What both the `stitch` command and the worker run. Blocking; one call at a time per process (it uses all
 // the threads asked for). Errors: kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo; of
 // a file beside the finished map only after its reports are written.

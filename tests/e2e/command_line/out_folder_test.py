@@ -49,6 +49,14 @@ class OutFolder(ScratchCase):
         self.stitch(self.scratch / "other", out, "--overwrite", code=0)
         self.assertNotEqual(contents(out)["mosaic.mbtiles"], before["mosaic.mbtiles"])
 
+    def test_a_format_that_is_not_written_does_not_stay_of_the_map_before(self):
+        out = self.scratch / "formats"
+        self.stitch(self.scratch / "one", out, "--formats", "geotiff,pmtiles", code=0)
+        self.assertLessEqual({"mosaic.tif", "mosaic.pmtiles"}, set(contents(out)))
+        # What "export" copies as it lies there would show the other photos.
+        self.stitch(self.scratch / "other", out, "--overwrite", "--no-cog", "--no-pmtiles", code=0)
+        self.assertEqual({"mosaic.tif", "mosaic.pmtiles"} & set(contents(out)), set())
+
     def test_the_same_photos_are_stitched_again_wherever_they_lie(self):
         out = self.copy_of_map("again")
         elsewhere = self.scratch / "elsewhere"
