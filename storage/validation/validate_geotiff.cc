@@ -137,6 +137,11 @@ void JudgeOrder(const std::vector<Level>& levels, Severity layout, FileVerdict& 
   }
 }
 
+// Says which pixels are shown; null: nothing of its own does. Alpha is a band as the others.
+GDALRasterBand* MaskOf(GDALRasterBand& band) {
+  return band.GetMaskFlags() == GMF_PER_DATASET ? band.GetMaskBand() : nullptr;
+}
+
 class BlockWalk {
  public:
   BlockWalk(const fs::path& path, bool quick, FileVerdict& verdict, Progress& progress)
@@ -158,6 +163,7 @@ class BlockWalk {
     std::int64_t count = 0;
     for (std::size_t k = 0; k < levels.size(); ++k) {
       const Level& level = levels[k];
+      GDALRasterBand* const mask = MaskOf(*level.band);
       const int columns = BlocksAcross(level.band->GetXSize(), level.block_width);
       const int rows = BlocksAcross(level.band->GetYSize(), level.block_height);
       for (int y = 0; y < rows; ++y) {
@@ -172,6 +178,8 @@ class BlockWalk {
           const bool is_read = !quick_ || count++ % kQuickStep == 0;
           if (!is_outside && is_read && !CanBeRead(raster, k, level, x, y))
             findings.Add(Severity::kError, "blocks are damaged", name);
+          if (is_read && mask != nullptr && !CanBeRead(*mask, level, x, y))
+            findings.Add(Severity::kError, "blocks of the mask are damaged", name);
           progress_.Report(++done / all, "reading blocks");
         }
       }
@@ -193,15 +201,18 @@ class BlockWalk {
     for (int number = 1; number <= raster.GetRasterCount(); ++number) {
       GDALRasterBand* band = raster.GetRasterBand(number);
       if (k > 0) band = band->GetOverview(static_cast<int>(k) - 1);
-      if (band == nullptr) continue;
-      // Locking decodes it; an overview or band of other blocks is read where these lie.
-      int width = 0, height = 0;
-      band->GetBlockSize(&width, &height);
-      if (width != level.block_width || height != level.block_height) continue;
-      GDALRasterBlock* block = band->GetLockedBlockRef(x, y);
-      if (block == nullptr) return false;
-      block->DropLock();
+      if (band != nullptr && !CanBeRead(*band, level, x, y)) return false;
     }
+    return true;
+  }
+  // Locking decodes it; an overview, band or mask of other blocks is read where these lie.
+  static bool CanBeRead(GDALRasterBand& band, const Level& level, int x, int y) {
+    int width = 0, height = 0;
+    band.GetBlockSize(&width, &height);
+    if (width != level.block_width || height != level.block_height) return true;
+    GDALRasterBlock* block = band.GetLockedBlockRef(x, y);
+    if (block == nullptr) return false;
+    block->DropLock();
     return true;
   }
 

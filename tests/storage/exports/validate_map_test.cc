@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
@@ -14,6 +15,7 @@
 #include "core/pyramid/encode_tile.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/pmtiles_writer.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_of.h"
@@ -72,6 +74,23 @@ TEST(ValidateMap, StillFindsTilesBeyondTheBoundsThere) {
   SilentProgress progress;
   WriteAcross(folder.path() / "map.mbtiles", 180.0 - 3 * kTileDeg);
   EXPECT_NE(ErrorsOf(test::ValueOf(ValidateMap(folder.path() / "map.mbtiles", false, progress)).front()), "");
+}
+
+// What is not shown of a map would be shown, and the other way round.
+TEST(ValidateMap, FindsADamagedMask) {
+  const test::TemporaryFolder folder;
+  SilentProgress progress;
+  WriteAcross(folder / "map.mbtiles", 180.0 - kTileDeg);
+  ASSERT_TRUE(WriteCog(folder / "map.mbtiles", folder / "map.tif", {}, progress));
+  std::string bytes = test::ValueOf(ReadWholeFile(folder / "map.tif"));
+  constexpr std::string_view kDeflated = "\x78\x9c";  // of the last mask, which ends the file
+  const std::size_t mask = bytes.rfind(kDeflated);
+  ASSERT_NE(mask, std::string::npos);
+  bytes.replace(mask, 4, 4, '\xff');
+  const auto damaged = folder.Write("damaged.tif", bytes);
+  const auto verdicts = test::ValueOf(ValidateMap(damaged, false, progress));
+  EXPECT_NE(ErrorsOf(verdicts.front()).find("1 blocks of the mask are damaged"), std::string::npos)
+      << ErrorsOf(verdicts.front());
 }
 
 }  // namespace
