@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <span>
 #include <system_error>
+#include <utility>
 
 #include "core/base/try.h"
 
@@ -63,16 +65,28 @@ Validate ValidatorFor(const fs::path& path) {
   return nullptr;
 }
 
-Result<std::vector<FileVerdict>> ValidateFolder(const fs::path& folder, bool quick, Progress& progress) {
-  std::vector<FileVerdict> verdicts;
+// What reports speak of, and what lies beside it where it was asked for: each sound or not by itself.
+constexpr std::array kTiles = {"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif"};
+constexpr std::array kRasters = {"mosaic_utm.tif",    "bands.tif", "dsm.tif",       "dsm_photos.tif",
+                                 "dsm_hillshade.tif", "dtm.tif",   "dtm_ground.tif"};
+
+Result<void> JudgeThoseOf(const fs::path& folder, std::span<const char* const> names, bool quick,
+                          Progress& progress, std::vector<FileVerdict>& verdicts) {
   std::error_code gone;
-  for (const char* name : {"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif"}) {
+  for (const char* name : names) {
     const fs::path path = folder / name;
     if (!fs::exists(path, gone)) continue;
     progress.BeginStage(name);
     SKYQUILT_TRY_ASSIGN(FileVerdict verdict, ValidatorFor(path)(path, quick, progress));
     verdicts.push_back(std::move(verdict));
   }
+  return {};
+}
+
+Result<std::vector<FileVerdict>> ValidateFolder(const fs::path& folder, bool quick, Progress& progress) {
+  std::vector<FileVerdict> verdicts;
+  std::error_code gone;
+  SKYQUILT_TRY(JudgeThoseOf(folder, kTiles, quick, progress, verdicts));
   std::vector<FileVerdict> reports = ValidateReports(folder, verdicts);
   if (verdicts.empty() && reports.empty())
     return Error{ErrorCode::kUnsupportedFormat,
@@ -80,6 +94,7 @@ Result<std::vector<FileVerdict>> ValidateFolder(const fs::path& folder, bool qui
                      " is no map: it has neither mosaic.mbtiles, mosaic.pmtiles, mosaic.tif nor "
                      "report.json. Name the folder that \"skyquilt stitch -o\" wrote, or a file.",
                  ""};
+  SKYQUILT_TRY(JudgeThoseOf(folder, kRasters, quick, progress, verdicts));
   if (!fs::exists(folder / "mosaic.mbtiles", gone) || !fs::exists(folder / "report.json", gone)) {
     FileVerdict missing;
     missing.file = folder.filename().string();

@@ -39,6 +39,14 @@ class Dsm(ScratchCase):
         self.assertEqual((info["bands"][0]["type"], info["bands"][0]["unit"]), ("Float32", "m"))
         self.assertIn("UTM zone", info["coordinateSystem"]["wkt"])
 
+    def test_validate_looks_at_heights_too(self):
+        self.assertIn("dsm.tif: cloud-optimised GeoTIFF\n", run("validate", self.map).stdout)
+        damaged = self.scratch / "damaged"
+        shutil.copytree(self.map, damaged)
+        heights = (damaged / "dsm.tif").read_bytes()
+        (damaged / "dsm.tif").write_bytes(heights[:len(heights) // 2])
+        self.assertIn("Not sound", run("validate", damaged, code=1).stdout)
+
     def test_the_ground_below_is_that_of_the_world_and_has_contours(self):
         gdal, ogr, truth_of = self.imported("GDAL's Python package with numpy is not installed", "osgeo.gdal", "osgeo.ogr",
                                             "heights_against_truth")

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -91,6 +92,18 @@ TEST(ValidateMap, FindsADamagedMask) {
   const auto verdicts = test::ValueOf(ValidateMap(damaged, false, progress));
   EXPECT_NE(ErrorsOf(verdicts.front()).find("1 blocks of the mask are damaged"), std::string::npos)
       << ErrorsOf(verdicts.front());
+}
+
+TEST(ValidateMap, LooksAtTheRastersBesideAMap) {
+  const test::TemporaryFolder folder;
+  SilentProgress progress;
+  WriteAcross(folder / "mosaic.mbtiles", 180.0 - kTileDeg);
+  folder.Write("dsm.tif", std::string_view("no heights"));
+  const auto verdicts = test::ValueOf(ValidateMap(folder.path(), false, progress));
+  const auto heights = std::find_if(verdicts.begin(), verdicts.end(),
+                                    [](const FileVerdict& verdict) { return verdict.file == "dsm.tif"; });
+  ASSERT_NE(heights, verdicts.end());
+  EXPECT_NE(ErrorsOf(*heights).find("cannot be opened"), std::string::npos);
 }
 
 }  // namespace
