@@ -111,6 +111,13 @@ void DescribeUse(const flight::FlightLog& log, const LogTie& tie, const PosedFli
     *line += ": " + use;
 }
 
+// Whoever gives one may mean that the map is to lie there.
+void TellUnusedOrigin(const EstimatePosesOptions& options, PosedFlight& posed) {
+  const bool is_used = std::find(posed.warnings.begin(), posed.warnings.end(),
+                                 Remark(RemarkCode::kReckonedFromOrigin)) != posed.warnings.end();
+  if (options.origin && !is_used) posed.warnings.push_back(RemarkCode::kOriginNotUsed);
+}
+
 void TakeLogged(Takeoff takeoff, PlacedByLog placed, bool has_origin, PosedFlight& posed) {
   PoseReport& report = posed.report;
   posed.ground_z_in_enu_m = takeoff.ground_above_takeoff_m;
@@ -391,6 +398,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     LeaveUnplaced(flight, options, given_takeoff_m, posed);
     return posed;
   }
+  TellUnusedOrigin(options, posed);
   const geo::Wgs84& origin = posed.frame.origin();
   const bool is_by_log = log && posed.report.photos_by_log > 0;
   TellLackOfGeoid(geo::GeoidHeightM({origin.lat_deg, origin.lon_deg}), tie.photos,

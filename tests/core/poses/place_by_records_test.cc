@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -112,6 +113,21 @@ TEST(EstimatePoses, SaysThatACompassTurnsPhotos) {
   EXPECT_EQ(posed.assumptions[0].missing.code, RemarkCode::kNoAngles);
   EXPECT_EQ(posed.assumptions[0].assumed,
             (flight::Remark{RemarkCode::kAnglesAssumedByDirection, {{"photos", 1}}}));
+}
+
+TEST(PlaceByRecords, TellsThatAnOriginIsNotUsedWherePhotosSayWhereTheyWere) {
+  flight::Flight flight;
+  flight.photos = {WithCompass(0.0, 0.0), WithCompass(30.0, 0.0), WithCompass(60.0, 0.0)};
+  EstimatePosesOptions options;
+  const auto is_told = [&] {
+    const PosedFlight posed = test::ValueOf(EstimatePoses(flight, options));
+    return std::any_of(posed.warnings.begin(), posed.warnings.end(), [](const flight::Remark& remark) {
+      return remark.code == RemarkCode::kOriginNotUsed;
+    });
+  };
+  EXPECT_FALSE(is_told());
+  options.origin = geo::LatLon{46.8, 7.1};
+  EXPECT_TRUE(is_told());
 }
 
 }  // namespace

@@ -219,6 +219,7 @@ export const remark_words = {
   events_beyond: (v) => `mehr als ${number(v.most)} Kameraauslösungen; die letzten ${number(v.dropped)} werden nicht verwendet`,
   reckoned_from_origin: () => 'Keine Position ist aufgezeichnet: Der Flug ist vom angegebenen Startort aus gekoppelt, und der Fehler wächst mit der Zeit.',
   reckoned_from_nowhere: () => 'Keine Position ist aufgezeichnet: Der Maßstab der Karte folgt den aufgezeichneten Höhen und ihre Nordrichtung dem Kompass, die um einige Prozent und Grad falsch sein können; ihr Ort auf der Erde ist nicht bekannt. Verwenden Sie „Auf der Erde platzieren“ oder geben Sie in den Optionen den Startort an.',
+  origin_not_used: () => 'Der angegebene Startort wird nicht verwendet: Fotos oder ein Flugprotokoll sagen, wo der Flug war. Lassen Sie ihn weg, oder verschieben Sie die fertige Karte mit „Auf der Erde platzieren“.',
   not_georeferenced: (v) => `Die Karte ist vollständig, aber nicht georeferenziert: ${v.north}, und ${v.scale}. Verwenden Sie „Auf der Erde platzieren“ oder fügen Sie Flugprotokoll, Positionsliste (geo.txt) oder Passpunkte hinzu.`,
   north_guessed: () => 'Die Nordrichtung ist geschätzt',
   north_by_cameras: () => 'Die Nordrichtung ist die, welche die Kameras aufgezeichnet haben',

@@ -218,6 +218,7 @@ export const remark_words = {
   events_beyond: (v) => `more than ${number(v.most)} camera events; the last ${number(v.dropped)} are not used`,
   reckoned_from_origin: () => 'No position is recorded: the flight is reckoned from the given take-off location, and its error grows with time.',
   reckoned_from_nowhere: () => 'No position is recorded: the map has its scale from the recorded heights and its north from the compass, which may be off by some percent and degrees; its place on Earth is not known. Use “Place on Earth”, or give the take-off location in the options.',
+  origin_not_used: () => 'The given take-off location is not used: photos or a log say where the flight was. Leave it out, or move the finished map with “Place on Earth”.',
   not_georeferenced: (v) => `The map is complete but not georeferenced: ${v.north}, and ${v.scale}. Use “Place on Earth”, or add the flight log, a list of positions (geo.txt) or control points.`,
   north_guessed: () => 'north is a guess',
   north_by_cameras: () => 'north is as the cameras recorded it',
