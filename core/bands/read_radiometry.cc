@@ -84,6 +84,7 @@ constexpr std::uint16_t kBlackLevelTag = 0xC61A;
 constexpr std::uint16_t kModelTag = 0x0110, kSoftwareTag = 0x0131;
 constexpr double kLevels16 = 65536.0;
 constexpr double kLevelsOfTenBits = 64.0;  // 16-bit levels in one of 10 bits
+constexpr double kIsoOfGainOne = 100.0;
 
 std::optional<double> Positive(std::optional<double> value) {
   return value && *value > 0.0 && std::isfinite(*value) ? value : std::nullopt;
@@ -98,7 +99,6 @@ std::optional<Exposure> ExposureOf(const ExifTable& exif) {
   const auto time_s = flight::ExposureTimeS(exif);
   const auto iso = flight::IsoOf(exif);
   if (!time_s) return std::nullopt;
-  constexpr double kIsoOfGainOne = 100.0;
   return Exposure{*time_s, iso ? *iso / kIsoOfGainOne : 1.0};
 }
 
@@ -175,12 +175,13 @@ bool ReadSequoia(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiomet
         "the factory's measurement of camera and sunshine sensor under one light (Parrot SEQ-AN-01, SEQ-AN-02)";
     return true;
   }
-  if (sensor && (*sensor)[0] * exposure->time_s * exposure->gain + (*sensor)[2] > 0.0) {
+  // A and C beside each other count the speed as ISO, not as a gain.
+  const double iso_s = exposure->time_s * exposure->gain * kIsoOfGainOne;
+  if (sensor && (*sensor)[0] * iso_s + (*sensor)[2] > 0.0) {
     constexpr std::uint16_t kFNumberTag = 0x829D;
     const double f_number = Positive(exif.Number(ExifIfd::kExif, kFNumberTag)).value_or(1.0);
     radiometry.black.fill(std::clamp((*sensor)[1], 0.0, kLevels16));
-    radiometry.per_level =
-        f_number * f_number / ((*sensor)[0] * exposure->time_s * exposure->gain + (*sensor)[2]);
+    radiometry.per_level = f_number * f_number / ((*sensor)[0] * iso_s + (*sensor)[2]);
     radiometry.method = "the sensor model (Parrot SEQ-AN-01)";
   } else {
     radiometry.per_level = 1.0 / (kLevels16 * exposure->time_s * exposure->gain);

@@ -7,7 +7,7 @@
 //     calibrated camera and sunshine sensor under one light (Camera:CalibrationMeasurement: gain, exposure
 //     time, level of 10 bits; Camera:IrradianceCalibrationMeasurement), both are counted in that light, which
 //     brings the bands near each other; no document says what the camera looked at then, so that factors stay
-//     open. Otherwise by Camera:SensorModel.
+//     open. Otherwise by Camera:SensorModel (A, B, C): f^2 (level - B) / (A exposure_s ISO + C).
 //   MicaSense RedEdge, Altum: "Radiometric calibration model for MicaSense sensors":
 //     L = V(x, y) * a1 / gain * (p - pBL) / (te + a2 y - a3 te y) with p a share of 65536; reflectance is pi
 //     L over the irradiance of the light sensor. Which firmwares wrote a wrong exposure time or a wrong

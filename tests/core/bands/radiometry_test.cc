@@ -139,7 +139,8 @@ TEST(RadiometryOfSequoia, WithoutATagOfTheTiffTheBlackLevelIsOfTenBits) {
 TEST(RadiometryOfSequoia, BySensorModelIsUpToAFactor) {
   const Radiometry radiometry = RadiometryOf("Camera:SensorModel=\"5000,4000,16\"");
   EXPECT_EQ(radiometry.calibration, Calibration::kRadiance);
-  EXPECT_NEAR(ValueAt(radiometry, 0, 0), 16'000.0 / (5000.0 * 2.0 / 500.0 + 16.0), 1e-2);
+  const double iso = 200.0, exposure_s = 1.0 / 500.0;
+  EXPECT_NEAR(ValueAt(radiometry, 0, 0), 16'000.0 / (5000.0 * exposure_s * iso + 16.0), 1e-3);
 }
 
 TEST(RadiometryOfOthers, TakesExposureWhereThereIsOne) {
