@@ -3,12 +3,15 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/median.h"
+
 namespace skyquilt::flight {
 namespace {
 
 using geo::DegToRad;
 
 constexpr std::size_t kMaxVehicleEvents = 200'000;
+constexpr std::uint64_t kByCamerasClock = 1;  // beside an event, where a Unix time may stand
 
 bool IsUnixUs(std::uint64_t us) { return us > 946'684'800'000'000 && us < 4'102'444'800'000'000; }
 UtcTime FromUnixUs(std::uint64_t us) {
@@ -99,10 +102,13 @@ void MavlinkVehicle::Finish() {
     builder_.log().utc_sigma_s = std::hypot(5.0, ground->scatter_s);
     builder_.Warn(RemarkCode::kClockOfGroundStation);
   }
+  const double behind_s = CameraBehindS();
   for (auto& list : events_) {  // the best kind that is there
     if (list.empty()) continue;
     for (auto& [event, unix_us] : list) {
-      if (unix_us != 0 && builder_.log().utc_at_zero) {
+      if (unix_us == kByCamerasClock) {
+        event.t_s += behind_s;
+      } else if (unix_us != 0 && builder_.log().utc_at_zero) {
         event.t_s = SecondsBetween(*builder_.log().utc_at_zero, FromUnixUs(unix_us));
       }
       builder_.Add(event);
@@ -126,6 +132,13 @@ double MavlinkVehicle::FromGround(const MavlinkPacket& packet) const {
 
 double MavlinkVehicle::EitherClock(const MavlinkPacket& packet, std::uint64_t us) const {
   return us == 0 || IsUnixUs(us) ? FromGround(packet) : static_cast<double>(us) * 1e-6;
+}
+
+// Packets come within seconds; those that were asked for again are few.
+double MavlinkVehicle::CameraBehindS() const {
+  constexpr double kLatestPacketS = 5.0;
+  const double late_s = MedianIfAny(image_late_s_).value_or(0.0);
+  return std::abs(late_s) > kLatestPacketS ? late_s : 0.0;
 }
 
 void MavlinkVehicle::TakeGlobalPosition(const MavlinkPacket& packet) {
@@ -220,7 +233,9 @@ void MavlinkVehicle::TakeImageCaptured(const MavlinkPacket& packet) {
   }
   event.sequence = MavlinkField<std::int32_t>(p, 44);
   if (event.t_s > 0.0) {
-    if (events_[1].size() < kMaxVehicleEvents) events_[1].emplace_back(event, 0);
+    if (events_[1].size() >= kMaxVehicleEvents) return;
+    if (last_ground_us_ != 0) image_late_s_.push_back(FromGround(packet) - event.t_s);
+    events_[1].emplace_back(event, kByCamerasClock);
   } else {
     Keep(events_[1], event, packet, MavlinkField<std::uint64_t>(p, 0));
   }

@@ -51,6 +51,8 @@ class MavlinkVehicle {
   double FromGround(const MavlinkPacket& packet) const;
   // Fields named time_usec hold the time since boot or Unix time, at the sender's choice.
   double EitherClock(const MavlinkPacket& packet, std::uint64_t us) const;
+  // Cameras may count from their own start: by how much less than the vehicle does.
+  double CameraBehindS() const;
   void TakeGlobalPosition(const MavlinkPacket& packet);
   void TakeGps(const MavlinkPacket& packet);
   void TakeImu(const MavlinkPacket& packet);
@@ -70,6 +72,7 @@ class MavlinkVehicle {
   std::optional<std::uint8_t> gimbal_;  // the first of them
   bool has_mount_ = false;              // whose orientation counts by the vehicle's clock
   Events events_[3];                    // the best kind first
+  std::vector<double> image_late_s_;    // how long after its time each CAMERA_IMAGE_CAPTURED came
 };
 
 }  // namespace skyquilt::flight

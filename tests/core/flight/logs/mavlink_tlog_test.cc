@@ -119,6 +119,25 @@ TEST(ParseMavlinkTlog, ReadsHowAGimbalHoldsItsCamera) {
   }
 }
 
+TEST(ParseMavlinkTlog, ACameraMayCountFromItsOwnStart) {
+  for (const std::uint32_t started_ms : {0U, 58'000U}) {
+    TlogWriter w;
+    for (std::uint32_t i = 0; i < 10; ++i) {
+      const std::uint32_t boot_ms = 60'000 + i * 250;
+      const std::uint64_t ground = kGroundUs + std::uint64_t{boot_ms} * 1000;
+      w.Packet(ground, 30, 39, Pack(boot_ms, 0.1f, -0.2f, 1.5f, 0.0f, 0.0f, 0.0f), true);
+      w.Packet(ground + 20'000, 263, 133,
+               Pack(std::uint64_t{0}, boot_ms - started_ms, std::int32_t{-353'632'610},
+                    std::int32_t{1'491'652'300}, std::int32_t{610'500}, std::int32_t{26'500}, 1.0f, 0.0f,
+                    0.0f, 0.0f, static_cast<std::int32_t>(i), std::uint8_t{0}, std::int8_t{1}),
+               true);
+    }
+    const auto log = ValueOf(ParseMavlinkTlog("t.tlog", w.bytes()));
+    ASSERT_EQ(log.events.size(), 10U) << started_ms;
+    EXPECT_NEAR(log.events[3].t_s, 60.75, started_ms == 0 ? 1e-9 : 0.021) << started_ms;
+  }
+}
+
 TEST(ParseMavlinkTlog, SkipsPacketsWithAWrongChecksum) {
   Bytes bytes = Telemetry(true, true);
   bytes[bytes.size() / 2] ^= 0xFF;
