@@ -93,11 +93,14 @@ class KmlReader {
   explicit KmlReader(TrackPoints& points) : points_(points) {}
 
   void Open(std::string_view name) {
-    if (name == "Track") {
+    if (name == "MultiTrack") {
+      in_multi_track_ = true;
+      mode_of_tracks_.clear();
+    } else if (name == "Track") {
       in_track_ = true;
       whens_.clear();
       coords_.clear();
-      mode_.clear();
+      mode_ = mode_of_tracks_;
     } else if (name == "Placemark") {
       time_.clear();
       place_.clear();
@@ -110,6 +113,10 @@ class KmlReader {
   void Close(std::string_view name, std::string_view words) {
     if (name == "altitudeMode") {
       mode_ = words;
+      if (in_multi_track_ && !in_track_) mode_of_tracks_ = words;
+    } else if (name == "MultiTrack") {
+      in_multi_track_ = false;
+      mode_of_tracks_.clear();
     } else if (name == "coord" && in_track_) {
       if (coords_.size() < kMaxTrackPoints) coords_.push_back(PointOf(words, false));
     } else if (name == "when" && in_track_) {
@@ -166,8 +173,10 @@ class KmlReader {
   TrackPoints& points_;
   std::vector<std::string_view> parts_;
   bool in_track_ = false;
+  bool in_multi_track_ = false;
   bool in_point_ = false;
   std::string mode_;
+  std::string mode_of_tracks_;  // of those in a MultiTrack, which may say it for all of them
   std::vector<std::string> whens_;
   std::vector<std::optional<TrackPoint>> coords_;
   std::string time_;   // of the Placemark

@@ -180,6 +180,21 @@ TEST(ParseKml, ReadsTracksAndTimedPlacemarks) {
   EXPECT_DOUBLE_EQ(log.baro[0].height_above_takeoff_m, 40.0);
 }
 
+TEST(ParseKml, AMultiTrackSaysWhatTheHeightsOfItsTracksCountFrom) {
+  const std::string track =
+      "<gx:Track><when>2016-06-23T21:31:09Z</when><gx:coord>-91.5 46.25 40</gx:coord></gx:Track>";
+  const std::string later =
+      "<gx:Track><when>2016-06-23T21:31:19Z</when><gx:coord>-91.5 46.25 198</gx:coord></gx:Track>";
+  const auto log = ValueOf(ParseKml(
+      "a.kml", BytesOf("<kml><Placemark><gx:MultiTrack><altitudeMode>relativeToGround</altitudeMode>" +
+                       track + "</gx:MultiTrack></Placemark><Placemark>" + later + "</Placemark></kml>")));
+  ASSERT_EQ(log.gnss.size(), 2U);
+  EXPECT_FALSE(log.gnss[0].height_amsl_m);
+  ASSERT_EQ(log.baro.size(), 1U);
+  EXPECT_DOUBLE_EQ(log.baro[0].height_above_takeoff_m, 40.0);
+  EXPECT_EQ(log.gnss[1].height_amsl_m, 198.0) << "a track by itself";
+}
+
 TEST(ParseKml, SaysThatLinesHaveNoTimes) {
   const Error line = ErrorOf(
       ParseKml("field.kml", BytesOf("<kml><Placemark><LineString><coordinates>8,47 8.1,47</coordinates>"
