@@ -32,9 +32,9 @@ void MavlinkVehicle::Take(const MavlinkPacket& packet) {
     }
     case kAttitude:
       heading_rad_ = MavlinkField<float>(p, 12);
-      builder_.Add(AttitudeSample{Boot(packet, MavlinkField<std::uint32_t>(p, 0)),
-                                  NedFromYawPitchRoll(MavlinkField<float>(p, 12), MavlinkField<float>(p, 8),
-                                                      MavlinkField<float>(p, 4))});
+      ned_from_body_ = NedFromYawPitchRoll(MavlinkField<float>(p, 12), MavlinkField<float>(p, 8),
+                                           MavlinkField<float>(p, 4));
+      builder_.Add(AttitudeSample{Boot(packet, MavlinkField<std::uint32_t>(p, 0)), *ned_from_body_});
       break;
     case kGlobalPositionInt:
       TakeGlobalPosition(packet);
@@ -216,6 +216,12 @@ void MavlinkVehicle::TakeFeedback(const MavlinkPacket& packet) {
   Keep(events_[0], event, packet, MavlinkField<std::uint64_t>(p, 0));
 }
 
+bool MavlinkVehicle::IsOfAirframe(const Eigen::Quaterniond& attitude) const {
+  constexpr double kSameDeg = 20.0, kSteepestDeg = -45.0;  // which no airframe flies
+  return ned_from_body_ && ned_from_body_->angularDistance(attitude) < DegToRad(kSameDeg) &&
+         YawPitchRollFromNed(attitude)[1] > DegToRad(kSteepestDeg);
+}
+
 void MavlinkVehicle::TakeImageCaptured(const MavlinkPacket& packet) {
   const LogBytes p = packet.payload;
   if (MavlinkField<std::int8_t>(p, 49) == 0) return;  // capture_result: failed
@@ -229,7 +235,7 @@ void MavlinkVehicle::TakeImageCaptured(const MavlinkPacket& packet) {
                              MavlinkField<float>(p, 36), MavlinkField<float>(p, 40));
   if (q.coeffs().allFinite() && q.norm() > 0.5) {
     event.yaw_pitch_roll_rad = YawPitchRollFromNed(q);
-    event.attitude_kind = AttitudeKind::kGimbal;
+    event.attitude_kind = IsOfAirframe(q) ? AttitudeKind::kAirframe : AttitudeKind::kGimbal;
   }
   event.sequence = MavlinkField<std::int32_t>(p, 44);
   if (event.t_s > 0.0) {

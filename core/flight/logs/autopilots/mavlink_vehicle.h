@@ -2,6 +2,7 @@
 // Messages without a time of the vehicle are placed by the ground station's clock. One thread.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -58,6 +59,8 @@ class MavlinkVehicle {
   void TakeImu(const MavlinkPacket& packet);
   void TakeGimbal(const MavlinkPacket& packet);
   void TakeFeedback(const MavlinkPacket& packet);
+  // PX4 hands the vehicle's own attitude on as that of the camera.
+  bool IsOfAirframe(const Eigen::Quaterniond& attitude) const;
   void TakeImageCaptured(const MavlinkPacket& packet);
   void Keep(Events& list, CameraEvent event, const MavlinkPacket& packet, std::uint64_t us);
 
@@ -69,10 +72,11 @@ class MavlinkVehicle {
   double last_boot_s_ = 0.0;
   std::uint64_t last_ground_us_ = 0;
   std::optional<double> heading_rad_;
-  std::optional<std::uint8_t> gimbal_;  // the first of them
-  bool has_mount_ = false;              // whose orientation counts by the vehicle's clock
-  Events events_[3];                    // the best kind first
-  std::vector<double> image_late_s_;    // how long after its time each CAMERA_IMAGE_CAPTURED came
+  std::optional<Eigen::Quaterniond> ned_from_body_;  // the latest
+  std::optional<std::uint8_t> gimbal_;               // the first of them
+  bool has_mount_ = false;                           // whose orientation counts by the vehicle's clock
+  Events events_[3];                                 // the best kind first
+  std::vector<double> image_late_s_;  // how long after its time each CAMERA_IMAGE_CAPTURED came
 };
 
 }  // namespace skyquilt::flight

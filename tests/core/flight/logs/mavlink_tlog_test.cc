@@ -119,22 +119,41 @@ TEST(ParseMavlinkTlog, ReadsHowAGimbalHoldsItsCamera) {
   }
 }
 
+// Ten photos of a camera that was started so long after the vehicle, which is held at yaw 1.5, pitch -0.2.
+Bytes AnnouncedPhotos(std::uint32_t started_ms, const Eigen::Quaterniond& q) {
+  TlogWriter w;
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const std::uint32_t boot_ms = 60'000 + i * 250;
+    const std::uint64_t ground = kGroundUs + std::uint64_t{boot_ms} * 1000;
+    w.Packet(ground, 30, 39, Pack(boot_ms, 0.1f, -0.2f, 1.5f, 0.0f, 0.0f, 0.0f), true);
+    w.Packet(ground + 20'000, 263, 133,
+             Pack(std::uint64_t{0}, boot_ms - started_ms, std::int32_t{-353'632'610},
+                  std::int32_t{1'491'652'300}, std::int32_t{610'500}, std::int32_t{26'500},
+                  static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
+                  static_cast<float>(q.z()), static_cast<std::int32_t>(i), std::uint8_t{0}, std::int8_t{1}),
+             true);
+  }
+  return w.bytes();
+}
+
 TEST(ParseMavlinkTlog, ACameraMayCountFromItsOwnStart) {
   for (const std::uint32_t started_ms : {0U, 58'000U}) {
-    TlogWriter w;
-    for (std::uint32_t i = 0; i < 10; ++i) {
-      const std::uint32_t boot_ms = 60'000 + i * 250;
-      const std::uint64_t ground = kGroundUs + std::uint64_t{boot_ms} * 1000;
-      w.Packet(ground, 30, 39, Pack(boot_ms, 0.1f, -0.2f, 1.5f, 0.0f, 0.0f, 0.0f), true);
-      w.Packet(ground + 20'000, 263, 133,
-               Pack(std::uint64_t{0}, boot_ms - started_ms, std::int32_t{-353'632'610},
-                    std::int32_t{1'491'652'300}, std::int32_t{610'500}, std::int32_t{26'500}, 1.0f, 0.0f,
-                    0.0f, 0.0f, static_cast<std::int32_t>(i), std::uint8_t{0}, std::int8_t{1}),
-               true);
-    }
-    const auto log = ValueOf(ParseMavlinkTlog("t.tlog", w.bytes()));
+    const auto log =
+        ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(started_ms, NedFromYawPitchRoll(1.5, -1.5, 0.0))));
     ASSERT_EQ(log.events.size(), 10U) << started_ms;
     EXPECT_NEAR(log.events[3].t_s, 60.75, started_ms == 0 ? 1e-9 : 0.021) << started_ms;
+  }
+}
+
+TEST(ParseMavlinkTlog, PhotosWithTheVehiclesOwnAttitudeAreOfACameraFixedToIt) {
+  const std::pair<double, AttitudeKind> kinds[] = {
+      {-0.2, AttitudeKind::kAirframe}, {-0.7, AttitudeKind::kGimbal}, {-1.5, AttitudeKind::kGimbal}};
+  for (const auto& [pitch_rad, kind] : kinds) {
+    const auto log =
+        ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, NedFromYawPitchRoll(1.5, pitch_rad, 0.1))));
+    ASSERT_EQ(log.events.size(), 10U) << pitch_rad;
+    EXPECT_TRUE(log.events[3].attitude_kind == kind) << pitch_rad;
+    EXPECT_NEAR((*log.events[3].yaw_pitch_roll_rad)[1], pitch_rad, 1e-4);
   }
 }
 
