@@ -230,7 +230,9 @@ void MavlinkVehicle::TakeImageCaptured(const MavlinkPacket& packet) {
   event.position =
       geo::LatLon{MavlinkField<std::int32_t>(p, 12) * 1e-7, MavlinkField<std::int32_t>(p, 16) * 1e-7};
   event.height_amsl_m = MavlinkField<std::int32_t>(p, 20) * 1e-3;
-  event.height_above_takeoff_m = MavlinkField<std::int32_t>(p, 24) * 1e-3;
+  constexpr std::int32_t kNotKnownMm = -1000;  // as PX4 writes it
+  if (const auto above_mm = MavlinkField<std::int32_t>(p, 24); above_mm != kNotKnownMm)
+    event.height_above_takeoff_m = above_mm * 1e-3;
   const Eigen::Quaterniond q(MavlinkField<float>(p, 28), MavlinkField<float>(p, 32),
                              MavlinkField<float>(p, 36), MavlinkField<float>(p, 40));
   if (q.coeffs().allFinite() && q.norm() > 0.5) {

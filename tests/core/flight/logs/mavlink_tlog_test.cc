@@ -120,7 +120,8 @@ TEST(ParseMavlinkTlog, ReadsHowAGimbalHoldsItsCamera) {
 }
 
 // Ten photos of a camera that was started so long after the vehicle, which is held at yaw 1.5, pitch -0.2.
-Bytes AnnouncedPhotos(std::uint32_t started_ms, const Eigen::Quaterniond& q) {
+Bytes AnnouncedPhotos(std::uint32_t started_ms, const Eigen::Quaterniond& q,
+                      std::int32_t above_takeoff_mm = 26'500) {
   TlogWriter w;
   for (std::uint32_t i = 0; i < 10; ++i) {
     const std::uint32_t boot_ms = 60'000 + i * 250;
@@ -128,7 +129,7 @@ Bytes AnnouncedPhotos(std::uint32_t started_ms, const Eigen::Quaterniond& q) {
     w.Packet(ground, 30, 39, Pack(boot_ms, 0.1f, -0.2f, 1.5f, 0.0f, 0.0f, 0.0f), true);
     w.Packet(ground + 20'000, 263, 133,
              Pack(std::uint64_t{0}, boot_ms - started_ms, std::int32_t{-353'632'610},
-                  std::int32_t{1'491'652'300}, std::int32_t{610'500}, std::int32_t{26'500},
+                  std::int32_t{1'491'652'300}, std::int32_t{610'500}, above_takeoff_mm,
                   static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
                   static_cast<float>(q.z()), static_cast<std::int32_t>(i), std::uint8_t{0}, std::int8_t{1}),
              true);
@@ -155,6 +156,15 @@ TEST(ParseMavlinkTlog, PhotosWithTheVehiclesOwnAttitudeAreOfACameraFixedToIt) {
     EXPECT_TRUE(log.events[3].attitude_kind == kind) << pitch_rad;
     EXPECT_NEAR((*log.events[3].yaw_pitch_roll_rad)[1], pitch_rad, 1e-4);
   }
+}
+
+TEST(ParseMavlinkTlog, AHeightThatPx4DoesNotKnowIsNone) {
+  const auto q = NedFromYawPitchRoll(1.5, -0.2, 0.1);
+  const auto known = ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, q)));
+  EXPECT_EQ(known.events.at(0).height_above_takeoff_m, 26.5);
+  const auto unknown = ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, q, -1000)));
+  EXPECT_FALSE(unknown.events.at(0).height_above_takeoff_m);
+  EXPECT_EQ(unknown.events.at(0).height_amsl_m, 610.5);
 }
 
 TEST(ParseMavlinkTlog, SkipsPacketsWithAWrongChecksum) {
