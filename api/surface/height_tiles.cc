@@ -10,6 +10,7 @@
 #include "api/http/responses.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/tile_answer.h"
+#include "api/tiles/tile_json_place.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/base/text/json_io.h"
@@ -71,7 +72,6 @@ Result<Response> AnswerHeightTileJson(Service& service, const Request& request, 
   const storage::Revision& revision = tileset->revision;
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> heights,
                       service.surfaces.Open(flight_id, revision.revision, surface));
-  const geo::LatLon middle = revision.bounds.Middle();
   const int max_zoom = MaxHeightZoom(*heights, revision);
   nlohmann::ordered_json json;
   json["tilejson"] = "3.0.0";
@@ -79,8 +79,7 @@ Result<Response> AnswerHeightTileJson(Service& service, const Request& request, 
   json["version"] = fmt::format("{}.0.0", revision.revision);
   json["scheme"] = "xyz";
   json["tiles"] = nlohmann::ordered_json::array();
-  json["bounds"] = revision.bounds.ToArray();
-  json["center"] = {middle.lon_deg, middle.lat_deg, std::max(0, max_zoom - 3)};
+  AddPlace(revision.bounds, std::max(0, max_zoom - 3), json);
   json["minzoom"] = 0;
   json["maxzoom"] = max_zoom;
   json["tileSize"] = kHeightTilePx;

@@ -15,6 +15,7 @@
 #include "api/surface/map_surface.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/recode_tile.h"
+#include "api/tiles/tile_json_place.h"
 #include "api/tiles/tiles.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
@@ -42,7 +43,6 @@ struct ShownMap {
 
 Value Document(const Request& request, const std::string& flight_id, const std::string& flight_name,
                const ShownMap& shown) {
-  const auto& [west, south, east, north] = shown.bounds;
   const int center_zoom = std::max(shown.min_zoom, shown.max_zoom - 4);
   Value document;
   document["tilejson"] = "3.0.0";
@@ -52,8 +52,7 @@ Value Document(const Request& request, const std::string& flight_id, const std::
   document["tiles"] = {
       LinkTo(request, fmt::format("/tiles/{}/{}{{z}}/{{x}}/{{y}}{}?rev={}{}", flight_id, shown.below,
                                   shown.ending, shown.revision, shown.parameters))};
-  document["bounds"] = shown.bounds.ToArray();
-  document["center"] = {(west + east) / 2, (south + north) / 2, center_zoom};
+  AddPlace(shown.bounds, center_zoom, document);
   document["minzoom"] = shown.min_zoom;
   document["maxzoom"] = shown.max_zoom;
   document["tileSize"] = shown.tile_size_px;

@@ -35,6 +35,12 @@ struct LatLonBounds {
     turned.west_deg = std::max(turned.west_deg, -180.0);
     return turned;
   }
+  // For whoever knows no box across the antimeridian: all the way around the Earth where this one is.
+  LatLonBounds AroundWhereAcross() const {
+    constexpr double kRoundingDeg = 1e-9;
+    if (east_deg > 180.0 + kRoundingDeg) return {-180.0, south_deg, 180.0, north_deg};
+    return {west_deg, south_deg, std::min(east_deg, 180.0), north_deg};
+  }
   // The same rectangle by whole turns, so that it lies next to `other` as their numbers go.
   LatLonBounds Beside(const LatLonBounds& other) const {
     return Turned(360.0 * std::round((other.Middle().lon_deg - Middle().lon_deg) / 360.0));

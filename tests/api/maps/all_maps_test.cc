@@ -127,6 +127,20 @@ TEST_F(AllMapsTest, PicturesOfAMapAcrossTheAntimeridianShowBothSides) {
   }
 }
 
+// Programs draw tiles within bounds alone, and those of TileJSON neither go on beyond 180 degrees nor wrap.
+TEST_F(AllMapsTest, TileJsonOfAMapAcrossTheAntimeridianGoesAroundTheEarth) {
+  const std::string flight = sample_.NewFlight();
+  sample_.PublishAt({179.75, 0.125, 180.5, 0.25}, flight, {{10, 1023, 511, PlainTile(200, 10, 20)}});
+  const json alone = json::parse(Body("/tiles/" + flight + ".json"));
+  const json listed = json::parse(Body("/tiles/index.json"))[0];
+  for (const json& document : {alone, listed}) {
+    EXPECT_EQ(document["bounds"], json::parse("[-180.0,0.125,180.0,0.25]"));
+    EXPECT_EQ(document["center"][0], -179.875);
+    EXPECT_EQ(document["across_bounds"], json::parse("[179.75,0.125,180.5,0.25]"));
+  }
+  EXPECT_FALSE(json::parse(Body("/tiles/" + red_ + ".json")).contains("across_bounds"));
+}
+
 TEST_F(AllMapsTest, WmsHasTheBackgroundThatIsAskedFor) {
   const std::string beside =
       "/wms?REQUEST=GetMap&VERSION=1.3.0&STYLES=&CRS=CRS:84&BBOX=10,10,80,60"

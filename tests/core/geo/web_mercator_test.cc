@@ -44,6 +44,14 @@ TEST(LatLonBounds, AcrossTheAntimeridianGoOnBeyondItInTheEast) {
   EXPECT_EQ(west_of(7.0, 7.1), 7.0);
 }
 
+TEST(LatLonBounds, GoAroundTheEarthForWhoKnowsNoneAcrossTheAntimeridian) {
+  const LatLonBounds around{-180.0, -17.1, 180.0, -17.0};
+  EXPECT_EQ((LatLonBounds{179.9, -17.1, 180.1, -17.0}.AroundWhereAcross()), around);
+  EXPECT_EQ((LatLonBounds{-180.0, -17.1, 180.0000000000001, -17.0}.AroundWhereAcross()), around);
+  const LatLonBounds beside{179.9, -17.1, 180.0, -17.0};
+  EXPECT_EQ(beside.AroundWhereAcross(), beside);
+}
+
 TEST(LatLonBounds, OfBothSidesOfTheAntimeridianMeet) {
   LatLonBounds seen{179.9994, -17.1, 179.9999, -17.0};
   seen.Include(LatLonBounds{-179.9999, -17.2, -179.9994, -17.0}.Beside(seen));

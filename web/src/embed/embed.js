@@ -39,7 +39,7 @@ function caption(tilejson) {
 
 async function show() {
   const tilejson = await getTileJson(`/tiles/${encodeURIComponent(id)}.json`);
-  const { bounds } = tilejson;
+  const bounds = tilejson.across_bounds ?? tilejson.bounds;
   if (!bounds) throw new ApiError(404, strings.embed.none);
   const view = new MapView(byId('map'), tilejson.name);
   // Who scrolls the page around the frame does not mean the map.

@@ -14,9 +14,10 @@ async function show() {
   const tilejson = await askEarly(`/tiles/${encodeURIComponent(id)}.json`);
   const revision = Number.parseInt(tilejson?.version ?? '', 10);
   const stage = document.getElementById('stage');
-  if (!stage || !tilejson?.bounds || !(revision > 0)) return;  // 0: a preview, of which there is no picture
+  const bounds = tilejson?.across_bounds ?? tilejson?.bounds;
+  if (!stage || !bounds || !(revision > 0)) return;  // 0: a preview, of which there is no picture
   const address = readable(`/api/v1/flights/${encodeURIComponent(id)}/thumbnail.webp?size=1024&rev=${revision}`);
-  await showPoster(stage, { flight_id: id, address, bounds: tilejson.bounds, padding: kEmbedPadding, view: placeOfHash(`#?${wishes}`) });
+  await showPoster(stage, { flight_id: id, address, bounds, padding: kEmbedPadding, view: placeOfHash(`#?${wishes}`) });
   await fetchMapWorker();
 }
 

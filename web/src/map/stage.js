@@ -301,7 +301,7 @@ export class Stage {
     const revision = flight.tilejson ? String(flight.revision ?? '') : kPreview;
     // The preview may have given way to the map since the flight was asked for: then this is the map's document.
     const is_preview = !flight.tilejson && tilejson.version?.startsWith('0.') === true;
-    const bounds = is_preview ? flight.preview?.bounds : (flight.bounds ?? tilejson.bounds);
+    const bounds = is_preview ? flight.preview?.bounds : (flight.bounds ?? tilejson.across_bounds ?? tilejson.bounds);
     const is_new = this.#shown?.id !== flight.id;
     if (!bounds || (!is_new && this.#shown?.revision === revision)) return;
     const was_preview = !is_new && this.#shown?.revision === kPreview;

@@ -250,6 +250,7 @@
  * @property {number} [maxzoom]
  * @property {string} [version] of a preview it begins with "0."
  * @property {Bounds} [bounds]
+ * @property {Bounds} [across_bounds] of a map across the antimeridian, whose `bounds` go around the Earth; its east is beyond 180
  * @property {number} [tileSize] side of a tile's picture in pixels; 256 when not said
  * @property {MapLayer[]} [layers] beside the map
  * @property {string[]} [bands] that expressions can name

@@ -11,8 +11,10 @@ class TileJson(TileJsonForSure, total=False):
     name: str
     version: str
     scheme: Literal['xyz']
-    # west, south, east, north
+    # west, south, east, north; across the antimeridian -180 and 180
     bounds: List[float]
+    # Of what lies across the antimeridian alone: west, south, east, north, the east beyond 180
+    across_bounds: List[float]
     # Longitude, latitude, zoom
     center: List[float]
     minzoom: int
@@ -430,9 +432,3 @@ class PhotosAtAnswer(TypedDict):
     lon: float
     lat: float
     photos: List[SeenPhoto]
-
-
-class JobLogAnswerEventsItem(TypedDict):
-    seq: Any
-    at: Any
-    job: Any

@@ -1,10 +1,16 @@
 """The documents that the server takes and answers.
 
 Written by generate.py from api/openapi.json; changes belong there."""
-from typing import List, TypedDict
+from typing import Any, List, TypedDict
 
 from .documents_1 import *  # noqa: F401,F403
 from .documents_2 import *  # noqa: F401,F403
+
+
+class JobLogAnswerEventsItem(TypedDict):
+    seq: Any
+    at: Any
+    job: Any
 
 
 class JobLogAnswer(TypedDict):
