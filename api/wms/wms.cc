@@ -30,6 +30,8 @@ namespace {
 
 std::string BoxesText(const geo::LatLonBounds& bounds, bool is_newer) {
   const auto& [west, south, east, north] = bounds;
+  // Its schema has no longitudes beyond 180 degrees; the boxes by system go on there, as requests do.
+  const geo::LatLonBounds stated = bounds.AroundWhereAcross();
   const auto [low, high] = geo::MercFromLatLonBounds(bounds);
   const char* crs = is_newer ? "CRS" : "SRS";
   std::string boxes =
@@ -40,7 +42,7 @@ std::string BoxesText(const geo::LatLonBounds& bounds, bool is_newer) {
                      "<southBoundLatitude>{:.9f}</southBoundLatitude>"
                      "<northBoundLatitude>{:.9f}</northBoundLatitude>"
                      "</EX_GeographicBoundingBox>",
-                     west, east, south, north)
+                     stated.west_deg, stated.east_deg, south, north)
                : fmt::format(
                      "<LatLonBoundingBox minx=\"{:.9f}\" miny=\"{:.9f}\" maxx=\"{:.9f}\" maxy=\"{:.9f}\"/>",
                      west, south, east, north);

@@ -127,6 +127,25 @@ TEST_F(AllMapsTest, PicturesOfAMapAcrossTheAntimeridianShowBothSides) {
   }
 }
 
+// The schema of 1.3.0 refuses a document with longitudes beyond 180 degrees.
+TEST_F(AllMapsTest, WmsCapabilitiesOfAMapAcrossTheAntimeridianFitTheirSchema) {
+  const std::string flight = sample_.NewFlight();
+  sample_.PublishAt({179.75, 0.1, 180.25, 0.3}, flight, {{10, 1023, 512, PlainTile(200, 10, 20)}});
+  for (const std::string& path : {"/wms/" + flight, std::string("/wms")}) {
+    const std::string text = Body(path + "?REQUEST=GetCapabilities&VERSION=1.3.0");
+    EXPECT_NE(text.find("<westBoundLongitude>-180.000000000</westBoundLongitude>"
+                        "<eastBoundLongitude>180.000000000</eastBoundLongitude>"
+                        "<southBoundLatitude>0.100000000</southBoundLatitude>"),
+              std::string::npos)
+        << path;
+    EXPECT_EQ(text.find("<eastBoundLongitude>180.25"), std::string::npos) << path;
+    EXPECT_NE(text.find("CRS=\"EPSG:4326\" minx=\"0.100000000\" miny=\"179.750000000\" "
+                        "maxx=\"0.300000000\" maxy=\"180.250000000\""),
+              std::string::npos)
+        << path;
+  }
+}
+
 // Programs draw tiles within bounds alone, and those of TileJSON neither go on beyond 180 degrees nor wrap.
 TEST_F(AllMapsTest, TileJsonOfAMapAcrossTheAntimeridianGoesAroundTheEarth) {
   const std::string flight = sample_.NewFlight();
