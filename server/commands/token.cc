@@ -18,6 +18,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/db/ids.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 
 namespace skyquilt::server {
@@ -26,6 +27,7 @@ namespace {
 struct TokenOptions {
   std::string data_dir;
   CatalogueOptions catalogue;
+  storage::BlobPlace blobs;  // for a new folder beside a catalogue whose photos lie in a store
   std::string name;
   std::string scope = "read";
   std::string flight;           // the one that it opens; empty: every flight
@@ -36,9 +38,10 @@ struct TokenOptions {
 };
 
 std::unique_ptr<storage::CatalogueDb> OpenCatalogue(const TokenOptions& options) {
+  const storage::CataloguePlace given = PlaceOf("skyquilt token", options.catalogue);
+  const storage::CataloguePlace place = OrFail("skyquilt token", storage::WithFilesAt(given, options.blobs));
   storage::OpenedDataFolder opened =
-      OrFail("skyquilt token",
-             storage::OpenOrJoinDataFolder(options.data_dir, PlaceOf("skyquilt token", options.catalogue)));
+      OrFail("skyquilt token", storage::OpenOrJoinDataFolder(options.data_dir, place));
   return std::move(opened.db);
 }
 
@@ -121,6 +124,7 @@ void AddTokenCommand(CLI::App& app) {
   const auto with_data = [&](CLI::App* sub) {
     sub->add_option("--data", options->data_dir, "Data folder of the server")->required();
     AddCatalogueOptions(*sub, options->catalogue);
+    AddBlobAddress(*sub, options->blobs);
     return sub;
   };
   const auto with_name = [&](CLI::App* sub) {

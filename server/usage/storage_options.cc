@@ -38,7 +38,7 @@ std::vector<std::string> WordsOfPlace(const storage::CataloguePlace& place) {
   return {"--catalogue", url};
 }
 
-void AddBlobOptions(CLI::App& command, storage::BlobPlace& place) {
+void AddBlobAddress(CLI::App& command, storage::BlobPlace& place) {
   command
       .add_option(
           "--blobs", place.address,
@@ -49,6 +49,10 @@ void AddBlobOptions(CLI::App& command, storage::BlobPlace& place) {
         const auto settings = storage::ReadS3Settings(text, storage::EnvironmentVariable);
         return settings ? std::string() : settings.error().message;
       });
+}
+
+void AddBlobOptions(CLI::App& command, storage::BlobPlace& place) {
+  AddBlobAddress(command, place);
   command
       .add_option("--cache-bytes", place.cache_bytes,
                   "With --blobs: how much of them is kept on this machine's disk, such as 50GB")

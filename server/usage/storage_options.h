@@ -28,7 +28,8 @@ storage::CataloguePlace PlaceOf(const char* program, const CatalogueOptions& opt
 // environment (PGPASSWORD), never by a command line: called before there are threads.
 std::vector<std::string> WordsOfPlace(const storage::CataloguePlace& place);
 
-// `place` outlives the command line.
+// `place` outlives the command line. The address alone is for who reads and writes none of them.
+void AddBlobAddress(CLI::App& command, storage::BlobPlace& place);
 void AddBlobOptions(CLI::App& command, storage::BlobPlace& place);
 std::vector<std::string> BlobWords(const storage::BlobPlace& place);
 

@@ -58,6 +58,14 @@ class WrongStore(SharedCatalogueCase):
         self.assertEqual(self.postgres.query(f"SELECT count(*) FROM pg_namespace WHERE nspname='empty{self.schemas}'"), "0")
         self.assertFalse(os.path.exists(data))
 
+    def test_a_token_is_made_beside_a_new_folder_with_the_store_that_is_named(self):
+        self.serve_shared(*self.right)
+        data = os.path.join(tempfile.mkdtemp(dir=self.scratch), "new")
+        words = ("token", "add", "late", "--data", data, "--catalogue", self.catalogue)
+        self.assertIn(f"--blobs {self.right[1]}", run(*words, code=1, timeout=120).stderr)
+        self.assertFalse(os.path.exists(data))
+        self.assertTrue(run(*words, *self.right, timeout=120).stdout.startswith("sq_"))
+
     def test_an_emptied_store_is_not_taken_for_a_new_one(self):
         server = self.serve_shared(*self.right)
         self.upload(server)
