@@ -211,7 +211,15 @@ bool IsAnyUsed(const FlightFacts& facts) {
                      [](const alignment::ControlReport& point) { return point.is_used && !point.is_check; });
 }
 
-// A map by its positions misses all check points by what these err by: that is its accuracy, and names none.
+bool IsByOnePoint(const FlightFacts& facts) {
+  const auto& control = facts.align_report->control;
+  return std::count_if(control.begin(), control.end(), [](const alignment::ControlReport& point) {
+           return point.is_used && !point.is_check;
+         }) == 1;
+}
+
+// Where no number is stated of the map, or one surveyed point moved it, which states none. A map by its
+// positions misses all check points by what these err by: that is its accuracy, and names none.
 double CheckedToM(const FlightFacts& facts) {
   if (IsAnyUsed(facts)) return alignment::kNoSurveyM;  // surveyed points place it
   std::vector<const flight::RecordedPosition*> records;
@@ -234,13 +242,29 @@ void TellOfRecords(FlightFacts& facts) {
                                  {{"apart_m", apart->apart_m.norm()}, {"agreed_m", apart->agreed_m}}});
 }
 
-void TellOfChecks(const std::vector<alignment::ControlReport>& checks, FlightFacts& facts) {
+// By the rule that limits the map.
+std::vector<std::optional<double>> AllowedM(const FlightFacts& facts) {
+  if (IsByOnePoint(facts)) return std::vector<std::optional<double>>(facts.align_report->control.size());
+  return MissesAllowedM({.flight = facts.flight,
+                         .poses = facts.poses_report,
+                         .alignment = &*facts.align_report,
+                         .photo_gsd_m = MedianGsdM(facts),
+                         .is_placed = facts.is_placed,
+                         .is_by_images = facts.is_by_images,
+                         .is_by_hand = facts.is_by_hand});
+}
+
+// Of a map with figures of its alignment.
+void TellOfChecks(FlightFacts& facts) {
   std::vector<flight::Remark>& warnings = facts.flight.warnings;
   Forget(flight::RemarkCode::kCheckFarOff, warnings);
-  const double checked_to_m = CheckedToM(facts);
-  for (const alignment::ControlReport& check : checks) {
+  const std::vector<std::optional<double>> allowed_m = AllowedM(facts);
+  const double otherwise_m = CheckedToM(facts);
+  for (std::size_t k = 0; k < allowed_m.size(); ++k) {
+    const alignment::ControlReport& check = facts.align_report->control[k];
+    if (!check.is_check) continue;
     const double apart_m = std::hypot(check.miss_east_m, check.miss_north_m);
-    if (check.is_used && apart_m > checked_to_m) {
+    if (check.is_used && apart_m > allowed_m[k].value_or(otherwise_m)) {
       warnings.push_back({flight::RemarkCode::kCheckFarOff, {{"point", check.name}, {"apart_m", apart_m}}});
     } else if (!check.is_used && check.reason) {
       flight::Remark unused{flight::RemarkCode::kControlNotUsed,
@@ -288,7 +312,7 @@ void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts) {
   const std::vector<alignment::ControlPoint> checks = CheckPointsOf(lists);
   const std::vector<alignment::ControlReport> compared = CompareWithSurvey(facts, checks);
   told.insert(told.end(), compared.begin(), compared.end());
-  TellOfChecks(compared, facts);
+  TellOfChecks(facts);
   TellOfRecords(facts);
   all.insert(all.end(), checks.begin(), checks.end());
   std::map<std::string, std::vector<alignment::ControlMarkReport>> marks_of;

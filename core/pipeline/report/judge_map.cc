@@ -284,20 +284,13 @@ AbsoluteAccuracy Contradictable(const JudgedMap& map, const AbsoluteAccuracy& ab
   return map.is_by_hand || TellOfAll(map, surveyed) ? absolute : ByPositions(map);
 }
 
-// Check points that the map misses by clearly more than what places it and their survey err by.
 MapLimit MissedChecks(const JudgedMap& map) {
   MapLimit missed{LimitKind::kChecksMissed};
-  if (map.alignment == nullptr || !map.is_placed) return missed;
-  const AbsoluteAccuracy placed = WithoutChecks(map);
-  if (!placed.sigma_m) return missed;
-  for (const alignment::ControlReport& point : map.alignment->control) {
-    if (!point.is_used || !point.is_check) continue;
+  const std::vector<std::optional<double>> allowed_m = MissesAllowedM(map);
+  for (std::size_t k = 0; k < allowed_m.size(); ++k) {
+    if (!allowed_m[k]) continue;
     ++missed.of;
-    // Surveyed points that place the map are of the same system.
-    const double system_m = IsByReceiver(placed) ? point.system_error_m.value_or(0.0) : 0.0;
-    const double sigma_m = std::hypot(std::hypot(*placed.sigma_m, system_m) / kCircleSigmas,
-                                      std::sqrt(ExpectedSquareM2(map, point)));
-    if (MissOf(point).norm() > std::max(alignment::kNoSurveyM, kCheckSigmas * sigma_m)) ++missed.count;
+    if (MissOf(map.alignment->control[k]).norm() > *allowed_m[k]) ++missed.count;
   }
   return missed;
 }
@@ -408,6 +401,24 @@ MapQuality JudgeMap(const JudgedMap& map) {
                    : quality.limits.empty() ? MapStatus::kReady
                                             : MapStatus::kLimited;
   return quality;
+}
+
+std::vector<std::optional<double>> MissesAllowedM(const JudgedMap& map) {
+  if (map.alignment == nullptr) return {};
+  const std::vector<alignment::ControlReport>& points = map.alignment->control;
+  std::vector<std::optional<double>> allowed_m(points.size());
+  if (!map.is_placed) return allowed_m;
+  const AbsoluteAccuracy placed = WithoutChecks(map);
+  if (!placed.sigma_m) return allowed_m;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (!points[k].is_used || !points[k].is_check) continue;
+    // Surveyed points that place the map are of the same system.
+    const double system_m = IsByReceiver(placed) ? points[k].system_error_m.value_or(0.0) : 0.0;
+    const double sigma_m = std::hypot(std::hypot(*placed.sigma_m, system_m) / kCircleSigmas,
+                                      std::sqrt(ExpectedSquareM2(map, points[k])));
+    allowed_m[k] = std::max(alignment::kNoSurveyM, kCheckSigmas * sigma_m);
+  }
+  return allowed_m;
 }
 
 std::optional<poses::RecordsApart> RecordsApartOfControl(const JudgedMap& map) {

@@ -47,6 +47,11 @@ MapQuality JudgeMap(const JudgedMap& map);
 // positions, or their heights, jump.
 std::vector<flight::Remark> RemarksOnPositions(const JudgedMap& map);
 
+// Of each surveyed point of the alignment: by how much the map may miss it before the two contradict each
+// other, so much more than what places the map and the point's own survey err by. Nothing: it checks nothing,
+// or nothing states how far off the map is without the points that check it.
+std::vector<std::optional<double>> MissesAllowedM(const JudgedMap& map);
+
 // How far the recorded positions lie from where surveyed points put the map. Nothing: no point places it, or
 // too few positions are recorded.
 std::optional<poses::RecordsApart> RecordsApartOfControl(const JudgedMap& map);

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -354,6 +355,30 @@ TEST(TellMarks, ComparesCheckPointsWithTheMapWhichTheyDoNotMove) {
                   [](const flight::Remark& said) { return said.code == flight::RemarkCode::kCheckFarOff; }),
               1);
   }
+}
+
+// As the map is limited for them (judge_map): it is not said to be ready and not to be trusted there.
+TEST(TellMarks, NamesNoCheckPointThatIsMissedByLessThanTheControlPointsLeaveOpen) {
+  const Shifted flight;
+  std::vector<flight::GcpList> lists = flight.Survey(5, {0.5, 0.0, 0.0});
+  lists[0].points[0].name = "point0_check";
+  auto placed = ValueOf(PlaceByLists(flight.known, lists));
+  const auto are_named = [&] {
+    TellMarks(lists, placed);
+    const auto& warnings = placed.flight.warnings;
+    return std::any_of(warnings.begin(), warnings.end(), [](const flight::Remark& said) {
+      return said.code == flight::RemarkCode::kCheckFarOff;
+    });
+  };
+  EXPECT_TRUE(are_named());
+  double miss_m = 0.5;
+  for (alignment::ControlReport& point : placed.align_report->control) {
+    if (point.is_check) continue;
+    point.miss_east_m = miss_m;
+    point.left_out.reset();
+    miss_m = -miss_m;
+  }
+  EXPECT_FALSE(are_named());
 }
 
 TEST(TellMarks, SaysFirstThatPointsContradictThePositions) {
