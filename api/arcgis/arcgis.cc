@@ -121,7 +121,7 @@ Value MapServer(const MapView& map) {
   answer["maxScale"] = matrices.back().pixel_m * kPixelsPerMetre;
   answer["units"] = "esriMeters";
   answer["supportedImageFormatTypes"] = "PNG,JPG";
-  answer["capabilities"] = "Map";
+  answer["capabilities"] = "Map,TilesOnly";  // without the second word programs ask for pictures (export)
   answer["exportTilesAllowed"] = false;
   return answer;
 }

@@ -117,6 +117,7 @@ TEST_P(StandardsTest, ArcgisFindsServiceLayerAndLevels) {
   EXPECT_NEAR(levels[0]["resolution"].get<double>() * map["tileInfo"]["cols"].get<int>(), 40075016.68557849,
               1e-6);
   EXPECT_EQ(map["maxScale"], levels.back()["scale"]);
+  EXPECT_EQ(map["capabilities"], "Map,TilesOnly");  // nobody is to ask it for "export"
   const json layer = json::parse(Body(at + "/0"));
   EXPECT_EQ(layer["extent"], map["fullExtent"]);
   EXPECT_EQ(json::parse(Body(at + "/layers?f=json")),
