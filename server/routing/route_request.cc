@@ -37,6 +37,24 @@ api::Response ToBaseWithSlash(const std::string& target, const std::string& base
   return response;
 }
 
+// "/stac/" means "/stac": so people paste addresses, and programs put them together. Nothing where there is
+// nothing without the slash either.
+std::optional<api::Response> ToPathWithoutSlash(const std::string& target, const api::Router& router) {
+  std::string path = PathOf(target);
+  if (path.size() < 2 || path.back() != '/') return std::nullopt;
+  const std::string query = target.substr(path.size());
+  path.pop_back();
+  const Result<api::Target> without = api::ParseTarget(path + query);
+  if (!without) return std::nullopt;
+  const api::Router::Match match = router.Find(api::Method::kGet, without->segments);
+  if (match.route == nullptr || !match.route->pattern.starts_with('/'))
+    return std::nullopt;  // the page's own
+  api::Response response;
+  response.status = 308;
+  response.headers.Add("Location", path + query);
+  return response;
+}
+
 }  // namespace
 
 std::string PathOf(const std::string& target) { return target.substr(0, target.find('?')); }
@@ -75,6 +93,9 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   routed.cors = CorsHeaders(head, settings, requires_token);
   if (head.target == "*") return answer(Options("GET, HEAD, POST, PUT, PATCH, DELETE, OPTIONS"));
   Result<api::Target> target = api::ParseTarget(head.target);
+  if (!target && (head.method == "GET" || head.method == "HEAD")) {
+    if (auto without = ToPathWithoutSlash(head.target, router)) return answer(*std::move(without));
+  }
   if (!target) return answer(api::Problem(target.error(), path, request_id));
   const std::optional<api::Method> method = MethodFrom(head.method == "HEAD" ? "GET" : head.method);
   if (!method) return answer(problem(ErrorCode::kNotImplemented, "This method is not known here."));

@@ -131,6 +131,16 @@ TEST_F(HttpServerTest, AnswersHeadLikeGetWithoutTheBody) {
   EXPECT_EQ(client.Ask("GET /healthz HTTP/1.1\r\n" + kHost + "\r\n").status, 200);
 }
 
+TEST_F(HttpServerTest, LeadsFromAnAddressWithASlashBehindItToTheOneWithout) {
+  Start();
+  const RawAnswer led = Ask("GET /stac/?token=a HTTP/1.1\r\n" + kHost + "\r\n");
+  EXPECT_EQ(led.status, 308);
+  EXPECT_NE(led.head.find("Location: /stac?token=a"), std::string::npos) << led.head;
+  for (const std::string line :
+       {"GET /nothing/", "GET /stac//", "GET //stac/", "GET /../stac/", "POST /stac/"})
+    EXPECT_EQ(Ask(line + " HTTP/1.1\r\n" + kHost + "\r\n").status, 400) << line;
+}
+
 TEST_F(HttpServerTest, TellsWhatAnAddressTakes) {
   Start();
   EXPECT_NE(Ask("DELETE /healthz HTTP/1.1\r\n" + kHost + "\r\n").head.find("Allow: GET, HEAD, OPTIONS"),
