@@ -56,6 +56,9 @@ TEST_F(FeaturesTest, CollectionsAreListedAndDescribed) {
     EXPECT_EQ(json::parse(sample_.Get("/ogc/collections/" + id).body), one) << id;
   }
   EXPECT_EQ(list[1]["itemType"], "feature");
+  // More than there may be on a page is no mistake, as of the other lists of OGC API and STAC.
+  EXPECT_EQ(json::parse(sample_.Get("/ogc/collections?limit=1000").body)["collections"], list);
+  EXPECT_EQ(sample_.Get("/ogc/collections?limit=0").status, 400);
   EXPECT_EQ(sample_.Get("/ogc/collections/" + flight_ + ".others").status, 404);
   // A map without photos is one collection.
   const std::string imported = sample_.NewFlight();
