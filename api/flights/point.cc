@@ -163,10 +163,13 @@ Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const ge
   point.flight_name = flight.name;
   point.revision = tileset->revision.revision;
   point.position = position;
+  // Windows of a map across the antimeridian go on beyond 180 degrees; its tiles and places do not.
+  if (tileset->revision.bounds.east_deg > 180.0)
+    point.position.lon_deg = std::remainder(position.lon_deg, 360.0);
   if (look) SKYQUILT_TRY(CheckBands(service.bands, *tileset, look->expression));
   // Beyond the square of the tiles there is no map.
   if (std::abs(position.lat_deg) > 85.0) return point;
-  const Eigen::Vector2d merc = geo::MercFromLatLon(position);
+  const Eigen::Vector2d merc = geo::MercFromLatLon(point.position);
   SKYQUILT_TRY_ASSIGN(point.rgba, ColourAt(*tileset, merc));
   if (look) {
     SKYQUILT_TRY_ASSIGN(point.index_value, ValueAt(service.bands, *tileset, look->expression, merc));

@@ -127,6 +127,22 @@ TEST_F(AllMapsTest, PicturesOfAMapAcrossTheAntimeridianShowBothSides) {
   }
 }
 
+// What is asked beyond 180 degrees is told of the place where its tiles and photos are.
+TEST_F(AllMapsTest, FeatureInfoOfAMapAcrossTheAntimeridianIsOfAPlaceOnEarth) {
+  const std::string flight = sample_.NewFlight();
+  sample_.PublishAt({179.75, 0.1, 180.25, 0.3}, flight,
+                    {{10, 1023, 512, PlainTile(200, 10, 20)}, {10, 0, 512, PlainTile(10, 200, 20)}});
+  const std::string ask = "/wms/" + flight +
+                          "?REQUEST=GetFeatureInfo&VERSION=1.3.0&QUERY_LAYERS=map&CRS=CRS:84"
+                          "&WIDTH=40&HEIGHT=16&J=8&BBOX=179.75,0.1,180.25,0.3&I=";
+  const json west = json::parse(Body(ask + "5"))["features"][0];
+  EXPECT_EQ(west["properties"]["red"], 200);
+  EXPECT_NEAR(west["geometry"]["coordinates"][0].get<double>(), 179.81875, 1e-6);
+  const json east = json::parse(Body(ask + "34"))["features"][0];
+  EXPECT_EQ(east["properties"]["green"], 200);
+  EXPECT_NEAR(east["geometry"]["coordinates"][0].get<double>(), -179.81875, 1e-6);
+}
+
 // The schema of 1.3.0 refuses a document with longitudes beyond 180 degrees.
 TEST_F(AllMapsTest, WmsCapabilitiesOfAMapAcrossTheAntimeridianFitTheirSchema) {
   const std::string flight = sample_.NewFlight();
