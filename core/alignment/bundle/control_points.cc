@@ -231,6 +231,12 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
     tied.surveyed_in_enu = posed.frame.EnuFromWgs84(
         {point.position.lat_deg, point.position.lon_deg,
          posed.frame.origin().height_ellipsoid_m + point.height_m.value_or(tied.track.point_in_enu.z())});
+    // Its height may count from any zero: as high as that the place would lie further out, as seen from the
+    // middle of the Earth, and a survey of mountains would be too large.
+    if (point.height_m) {
+      const double shown_z_m = tied.track.point_in_enu.z();
+      tied.surveyed_in_enu.head<2>() = posed.frame.EnuAtHeight(point.position, shown_z_m).head<2>();
+    }
     tied.sigma_m = {point.sigma_horizontal_m, point.sigma_horizontal_m, point.sigma_vertical_m};
     tied.report = reports.size() - 1;
     problem.control.push_back(std::move(tied));

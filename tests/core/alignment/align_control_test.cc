@@ -153,6 +153,43 @@ TEST(AlignWithControl, TakesNoHeightThatWasLeftEmpty) {
   EXPECT_LT(three.report.control[1].residual_px, 8.0) << "it lies where the photos show it";
 }
 
+// At 2000 m, a kilometre and a half from the frame's origin: surveyed, marked and recorded without any error.
+TEST(TieToControl, IsNoLargerForASurveyInTheMountains) {
+  poses::PosedFlight posed;
+  posed.frame = geo::LocalFrame({46.0, 8.0, 2000.0});
+  const camera::Intrinsics lens = camera::Intrinsics::Centered(2000, 1500, 1400.0);
+  const Eigen::Vector3d at_enu(1006.0, 1006.0, 0.0);
+  const geo::Wgs84 at = posed.frame.Wgs84FromEnu(at_enu);
+  ControlPoint point;
+  point.name = "point";
+  point.position = {at.lat_deg, at.lon_deg};
+  point.height_m = at.height_ellipsoid_m;
+  BundleProblem problem;
+  problem.lenses.emplace_back();
+  problem.lenses[0].recorded = problem.lenses[0].intrinsics = lens;
+  Track shown;
+  shown.point_in_enu = at_enu;
+  for (int i = 0; i < 4; ++i) {
+    BundlePhoto photo;
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        Eigen::Quaterniond(Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX())),
+        {i % 2 == 0 ? 1000.0 : 1012.0, i < 2 ? 1000.0 : 1012.0, 60.0});
+    photo.prior_cam_from_enu = photo.cam_from_enu;
+    photo.height_above_ground_m = 60.0;
+    problem.photos.push_back(photo);
+    posed.photos.emplace_back().photo.name = "photo" + std::to_string(i);
+    const std::optional<Eigen::Vector2d> pixel = lens.Project(photo.cam_from_enu * at_enu);
+    ASSERT_TRUE(pixel);
+    point.sightings.push_back({posed.photos.back().photo.name, *pixel});
+    shown.observations.push_back({i, *pixel, 1.0});
+  }
+  problem.tracks.push_back(shown);
+  std::vector<ControlReport> reports;
+  TieToControl(posed, {point}, problem, reports);
+  ASSERT_EQ(problem.control.size(), 1u);
+  EXPECT_LT(problem.position_bias_m.norm(), 1e-3) << "nothing moves what lies where it was surveyed";
+}
+
 TEST(HeightsLeftEmpty, AreZerosThatTwoOthersAndThePhotosContradict) {
   const auto one = HeightsLeftEmpty({130.0, 0.0, 131.0}, {1.0, 0.5, 2.0});
   EXPECT_FALSE(one[0] || one[2]);
