@@ -26,15 +26,30 @@ std::optional<double> AboveGround(const RecordedPosition& position) {
   return std::nullopt;
 }
 
+// At the first, or in the middle of most where the first is a fix from elsewhere: projected to the level of
+// another part of the Earth, steps are shorter than they are.
+std::optional<geo::LocalFrame> FrameAboutMost(const std::vector<Photo>& photos) {
+  constexpr double kElsewhereM = 50'000.0;
+  std::vector<geo::LatLon> positions;
+  for (const Photo& photo : photos) {
+    if (photo.position) positions.push_back(photo.position->position);
+  }
+  const std::optional<geo::LatLon> middle = MedianPosition(positions);
+  if (!middle) return std::nullopt;
+  const bool is_elsewhere = geo::MetresApart(positions.front(), *middle) > kElsewhereM;
+  const geo::LatLon& origin = is_elsewhere ? *middle : positions.front();
+  return geo::LocalFrame({origin.lat_deg, origin.lon_deg, 0.0});
+}
+
 // The height at which photos spaced as these are would overlap by the usual three quarters along the line.
 std::optional<double> HeightFromSpacing(const std::vector<Photo>& photos) {
+  const std::optional<geo::LocalFrame> frame = FrameAboutMost(photos);
+  if (!frame) return std::nullopt;
   std::vector<double> spacings;
-  std::optional<geo::LocalFrame> frame;
   std::optional<Eigen::Vector3d> before;
   for (const Photo& photo : photos) {
     if (!photo.position) continue;
     const geo::Wgs84 here{photo.position->position.lat_deg, photo.position->position.lon_deg, 0.0};
-    if (!frame) frame.emplace(here);
     const Eigen::Vector3d at = frame->EnuFromWgs84(here);
     if (before) {
       const double step_m = (at - *before).head<2>().norm();

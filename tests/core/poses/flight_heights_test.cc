@@ -41,6 +41,15 @@ class FlatDem final : public geo::DemSource {
   std::optional<double> height_m_;
 };
 
+// A receiver that still has its last fix: a quarter of the Earth to the south, from where these steps
+// northward point straight down.
+TEST(GuessHeightFromSpacing, IsNotMisledByAFirstFixFromElsewhere) {
+  std::vector<flight::Photo> photos = Photos(10);
+  EXPECT_NEAR(GuessHeightFromSpacing(photos), 80.0, 1.0);
+  photos.front().position->position.lat_deg -= 90.0;
+  EXPECT_NEAR(GuessHeightFromSpacing(photos), 80.0, 1.0);
+}
+
 TEST(ChooseHeights, TakesHeightsAboveTakeoffAsRecorded) {
   std::vector<flight::Photo> photos = Photos(3, 60.0, 145.0);
   const FlightHeights heights = ChooseHeights(photos, nullptr);
