@@ -20,7 +20,7 @@ STANDS_FOR = {
     "flight": "AlignedFlight Attempt BundleProblem ExtractedFlight MatchedFlight Registration",
 }
 # Options and questions, verdicts and reports, surveyed points, lenses, pictures, and what is computed with.
-OTHERS = """AlignLensReport AlignOptions AlignReport Appearance AttemptEvidence AveragedRotations Block BlockPlace
+OTHERS = """AlignLensReport AlignOptions AlignReport Appearance AttemptEvidence AveragedRotations BestPartners Block BlockPlace
     BlurredImage BundleControl BundleLens BundleOptions BundlePlane BundleSummary ByImagesReport CameraStart CandidateOptions
     ConnectedComponents ControlMarkReport ControlPoint ControlPrediction ControlReport ControlSighting DetailCell DisjointSets
     FindPoseOptions FittedSimilarity GeoreferenceRecords GroundGraph GroundSimilarity GyroReport Levelling

@@ -6,18 +6,17 @@
 #include <numbers>
 #include <utility>
 
+#include "core/alignment/matching/best_partners.h"
+
 namespace skyquilt::alignment {
 namespace {
 
 constexpr double kMinPairOverlap = 0.12;
-constexpr int kBestPerPhoto = 6;  // by overlap alone; plus the best of each direction
 constexpr int kSamplesAcross = 7;
-constexpr int kDirections = 8;
 // Of how wide the ground is that a photo shows. Photos from far above see all of each one far below: were
 // these their best partners, those of their own height would not be compared. (Two cameras side by side show
 // the same ground in unlike pixels, and are compared as any.)
 constexpr double kUnlikeScale = 2.0;
-constexpr int kBestOfUnlike = 3;  // a photo
 // Beyond this the one shows nothing of what the other's features are made of; what matches, does by chance.
 constexpr double kMaxScaleRatio = 6.0;
 
@@ -49,6 +48,12 @@ double ScaleRatio(const View& a, const View& b) {
 
 bool AreUnlike(const View& a, const View& b) { return ScaleRatio(a, b) > kUnlikeScale; }
 
+// One of BestPartners::kDirections.
+int DirectionOf(const Eigen::Vector2d& away) {
+  const double turn = (std::atan2(away.y(), away.x()) + std::numbers::pi) / (2.0 * std::numbers::pi);
+  return std::min(BestPartners::kDirections - 1, static_cast<int>(turn * BestPartners::kDirections));
+}
+
 }  // namespace
 
 bool AreOfComparableScale(const View& a, const View& b) { return ScaleRatio(a, b) <= kMaxScaleRatio; }
@@ -73,7 +78,7 @@ std::vector<PhotoPair> SelectPairs(const std::vector<View>& views, const std::ve
     return middle[a].x() != middle[b].x() ? middle[a].x() < middle[b].x() : a < b;
   });
   const double widest = count == 0 ? 0.0 : *std::max_element(reach.begin(), reach.end());
-  std::vector<std::vector<std::pair<double, int>>> of_photo(count);  // minus the overlap, with which other
+  std::vector<BestPartners> of_photo(count);
   for (int k = 0; k < count; ++k) {
     const int i = by_east[k];
     if (samples[i].empty()) continue;
@@ -92,29 +97,20 @@ std::vector<PhotoPair> SelectPairs(const std::vector<View>& views, const std::ve
                         [&](const Eigen::Vector3d& point) { return Sees(views[to], point, margin_px); });
       double overlap = static_cast<double>(seen) / (kSamplesAcross * kSamplesAcross);
       if (overlap < kMinPairOverlap) continue;
-      if (AreUnlike(views[i], views[j])) overlap /= std::pow(ScaleRatio(views[i], views[j]), 2);
-      of_photo[i].emplace_back(-overlap, j);
-      of_photo[j].emplace_back(-overlap, i);
+      if (AreUnlike(views[i], views[j])) {
+        overlap /= std::pow(ScaleRatio(views[i], views[j]), 2);
+        of_photo[i].AddUnlike({-overlap, j});
+        of_photo[j].AddUnlike({-overlap, i});
+        continue;
+      }
+      of_photo[i].Add({-overlap, j}, DirectionOf(middle[j] - middle[i]));
+      of_photo[j].Add({-overlap, i}, DirectionOf(middle[i] - middle[j]));
     }
   }
   std::map<std::pair<int, int>, double> chosen;  // overlap
   for (int i = 0; i < count; ++i) {
-    std::sort(of_photo[i].begin(), of_photo[i].end());
-    std::array<bool, kDirections> served{};
-    int taken = 0, taken_of_unlike = 0;
-    for (const auto& [minus_overlap, other] : of_photo[i]) {
-      if (AreUnlike(views[i], views[other])) {
-        if (taken_of_unlike++ < kBestOfUnlike) chosen.emplace(std::minmax(i, other), -minus_overlap);
-        continue;
-      }
-      const Eigen::Vector2d away = middle[other] - middle[i];
-      const double turn = (std::atan2(away.y(), away.x()) + std::numbers::pi) / (2.0 * std::numbers::pi);
-      const int direction = std::min(kDirections - 1, static_cast<int>(turn * kDirections));
-      if (taken >= kBestPerPhoto && served[direction]) continue;
-      served[direction] = true;
-      ++taken;
+    for (const auto& [minus_overlap, other] : of_photo[i].Chosen())
       chosen.emplace(std::minmax(i, other), -minus_overlap);
-    }
   }
   std::vector<PhotoPair> pairs;
   for (const auto& [photos, overlap] : chosen)

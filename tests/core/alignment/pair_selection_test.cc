@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
+
+#include "core/alignment/matching/best_partners.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -83,6 +86,30 @@ TEST(SelectPairs, ComparesCamerasSideBySideAsOne) {
     });
     EXPECT_GE(across, 2) << i;
   }
+}
+
+// All photos of a flight that hovers may be compared with each other.
+TEST(BestPartners, AreFewOfManyAndThoseThatSortingAllWouldChoose) {
+  const auto direction_of = [](int photo) { return photo % 100 == 7 ? 5 : photo % 3; };
+  BestPartners partners;
+  std::vector<BestPartners::Partner> all;
+  for (int photo = 0; photo < 1000; ++photo) {
+    all.emplace_back(-((photo * 37) % 101) / 101.0, photo);
+    partners.Add(all.back(), direction_of(photo));
+  }
+  std::sort(all.begin(), all.end());
+  std::vector<BestPartners::Partner> expected;
+  std::array<bool, BestPartners::kDirections> served{};
+  for (const BestPartners::Partner& one : all) {
+    bool& is_served = served[direction_of(one.second)];
+    if (expected.size() >= BestPartners::kBest && is_served) continue;
+    is_served = true;
+    expected.push_back(one);
+  }
+  EXPECT_EQ(partners.Chosen(), expected);
+  EXPECT_LE(expected.size(), 14u);
+  for (const BestPartners::Partner& one : all) partners.AddUnlike({-2.0 - one.first, one.second});
+  EXPECT_EQ(partners.Chosen().size(), expected.size() + BestPartners::kBestOfUnlike);
 }
 
 }  // namespace
