@@ -23,6 +23,7 @@ constexpr int kObservationsPerPhoto = 80;
 constexpr std::size_t kMaxNeighbours = 10;
 constexpr int kMinKept = 10;  // points of a photo that stays
 constexpr int kMinKeptOverGround = 20;
+constexpr int kMaxTimesTaken = 10;  // of one photo, that goes again whenever the block is adjusted
 
 struct InitialPair {
   std::size_t pair = 0, pose = 0;
@@ -131,18 +132,21 @@ void AdjustWhole(int threads, Block& block) {
 
 // What rounds leave behind for the next one.
 struct Rounds {
-  std::vector<int> failed_at;  // by photo: of how many points it could not be registered
-  bool is_traced = false;      // of a trial nobody is told
+  std::vector<int> failed_at;    // by photo: of how many points it could not be registered
+  std::vector<int> times_taken;  // by photo
+  bool is_traced = false;        // of a trial nobody is told
 };
 
 // One round: what found its place.
 std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, int threads, Rounds& rounds,
                            Block& block) {
   std::vector<NextPhoto> candidates = PhotosThatSee(block, used);
-  // Once refused, a photo is asked again when it sees a good deal more.
+  // Once refused, a photo is asked again when it sees a good deal more. One that comes and goes would do so
+  // for ever.
   std::erase_if(candidates, [&](const NextPhoto& one) {
     const int before = rounds.failed_at[one.photo];
-    return before > 0 && static_cast<double>(one.tracks.size()) < 1.2 * before;
+    return rounds.times_taken[one.photo] >= kMaxTimesTaken ||
+           (before > 0 && static_cast<double>(one.tracks.size()) < 1.2 * before);
   });
   if (candidates.empty()) return {};
   const double enough = kNearlyTheMost * static_cast<double>(candidates.front().tracks.size());
@@ -163,6 +167,7 @@ std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, int threads, 
     if (found[k]) {
       block.Place(candidates[k].photo, found[k]->cam_from_world);
       taken.push_back(candidates[k].photo);
+      ++rounds.times_taken[candidates[k].photo];
     } else {
       rounds.failed_at[candidates[k].photo] = static_cast<int>(candidates[k].tracks.size());
     }
@@ -206,7 +211,7 @@ std::optional<Tried> Try(const Registration& input, const std::vector<BundleLens
   if (block.PointsSeen()[pair.first] < kEnoughPoints) return std::nullopt;
   block.Normalise();
   AdjustAll(threads, block);
-  Rounds rounds{std::vector<int>(input.Photos(), 0)};
+  Rounds rounds{std::vector<int>(input.Photos(), 0), std::vector<int>(input.Photos(), 0)};
   for (int round = 0; round < kPhotosAfterInitialPair && block.size() < 2 + kPhotosAfterInitialPair;
        ++round) {
     const std::vector<int> taken = TakeRound(used, 2, threads, rounds, block);
@@ -248,7 +253,7 @@ std::optional<Block> BeginBlock(const Registration& input, const std::vector<Bun
 
 void GrowBlock(const PhotoSet& used, int threads, Progress& progress, Block& block) {
   PhotoSet left_out = used;  // where photos are taken in over the ground
-  Rounds rounds{std::vector<int>(used.Photos(), 0), true};
+  Rounds rounds{std::vector<int>(used.Photos(), 0), std::vector<int>(used.Photos(), 0), true};
   int whole_at = block.size();
   bool asked_again = false;
   while (!progress.IsCancelled()) {

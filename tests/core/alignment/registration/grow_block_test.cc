@@ -1,0 +1,91 @@
+#include "core/alignment/from_images/grow_block.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace skyquilt::alignment {
+namespace {
+
+// Five photos that agree on sixty points, and a sixth: it sees nine of these where they are, and four 7.8
+// pixels beside. So it is found by thirteen points, of which the block then keeps nine: too few to stay.
+struct ComesAndGoes {
+  Registration input;
+  std::vector<PhotoFeatures> features;
+  std::vector<geo::Rigid3> cam_from_world;
+
+  ComesAndGoes() : features(6) {
+    const camera::Intrinsics lens = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+    input.lenses.emplace_back();
+    input.lenses[0].recorded = input.lenses[0].intrinsics = lens;
+    const double centers[6][2] = {{-6.0, -6.0}, {6.0, -6.0}, {-6.0, 6.0},
+                                  {6.0, 6.0},   {2.0, 1.0},  {0.5, -0.5}};
+    for (const auto& [x, y] : centers) {
+      cam_from_world.push_back(
+          geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), {x, y, 0.0}));
+    }
+    input.tracks_of.resize(6);
+    for (int t = 0; t < 60; ++t) {
+      KeypointTrack& track = input.scene.emplace_back();
+      const Eigen::Vector3d point(4.0 * (t % 10) - 18.0, 4.0 * (t / 10) - 10.0,
+                                  50.0 + 2.0 * std::sin(1.7 * t));
+      for (int photo = 0; photo < 6; ++photo) {
+        std::optional<Eigen::Vector2d> beside_px = BesidePx(t);
+        if (photo < 5) beside_px = Eigen::Vector2d(0.0, 0.0);
+        if (!beside_px) continue;
+        const std::optional<Eigen::Vector2d> seen = lens.Project(cam_from_world[photo] * point);
+        if (!seen) continue;
+        std::vector<Keypoint>& keypoints = features[photo].keypoints;
+        track.push_back({photo, static_cast<int>(keypoints.size())});
+        input.tracks_of[photo].push_back(t);
+        keypoints.push_back({static_cast<float>(seen->x() + beside_px->x()),
+                             static_cast<float>(seen->y() + beside_px->y()), 0.0F, 10.0F});
+      }
+    }
+    for (const PhotoFeatures& one : features) input.Add(&one, 0, {});
+  }
+
+  // Of the sixth photo; nothing: it does not see that point.
+  static std::optional<Eigen::Vector2d> BesidePx(int track) {
+    switch (track) {
+      case 12:
+        return Eigen::Vector2d(7.8, 0.0);
+      case 13:
+        return Eigen::Vector2d(-7.8, 0.0);
+      case 46:
+        return Eigen::Vector2d(0.0, 7.8);
+      case 47:
+        return Eigen::Vector2d(0.0, -7.8);
+      case 0:
+      case 4:
+      case 9:
+      case 20:
+      case 24:
+      case 29:
+      case 50:
+      case 54:
+      case 59:
+        return Eigen::Vector2d(0.0, 0.0);
+      default:
+        return std::nullopt;
+    }
+  }
+};
+
+TEST(GrowBlock, GivesUpAPhotoThatComesAndGoes) {
+  const ComesAndGoes scene;
+  Block block(scene.input, scene.input.lenses);
+  for (int photo = 0; photo < 5; ++photo) block.Place(photo, scene.cam_from_world[photo]);
+  block.TriangulateAll(1);
+  SilentProgress progress;
+  GrowBlock(PhotoSet(6), 1, progress, block);
+  EXPECT_EQ(block.size(), 5);
+  EXPECT_FALSE(block.Has(5));
+  for (int photo = 0; photo < 5; ++photo) EXPECT_EQ(block.PointsSeen()[photo], 60) << photo;
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
