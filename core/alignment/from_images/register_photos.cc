@@ -116,6 +116,7 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
     registration.block_sizes.push_back(size);
     for (Track& track : block.Tracks()) registration.tracks.push_back(std::move(track));
   }
+  registration.NumberBySize();  // of photos left out in the end one has more than another
   registration.residual_rms_px = observations > 0 ? std::sqrt(square / observations) : 0.0;
   for (const PhotoPair& pair : pairs) {
     const int block = registration.block_of[pair.first];

@@ -4,9 +4,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/alignment/scene/keypoints.h"
@@ -45,6 +48,23 @@ struct Registration {
     return lenses[lens_of[photo]].intrinsics;
   }
   int LargestSize() const { return block_sizes.empty() ? 0 : block_sizes.front(); }
+
+  // Makes the largest block number 0, and so on; equals stay in their order.
+  void NumberBySize() {
+    std::vector<int> by_size(block_sizes.size());
+    std::iota(by_size.begin(), by_size.end(), 0);
+    std::stable_sort(by_size.begin(), by_size.end(),
+                     [&](int a, int b) { return block_sizes[a] > block_sizes[b]; });
+    std::vector<int> number(by_size.size()), sizes;
+    for (const int block : by_size) {
+      number[block] = static_cast<int>(sizes.size());
+      sizes.push_back(block_sizes[block]);
+    }
+    for (int& block : block_of) {
+      if (block >= 0) block = number[block];
+    }
+    block_sizes = std::move(sizes);
+  }
 };
 
 }  // namespace skyquilt::alignment

@@ -93,6 +93,17 @@ TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
   for (std::size_t i = 0; i < input.Photos(); ++i) EXPECT_EQ(found.block_of[i], i < 10 ? 0 : 1) << i;
 }
 
+// The larger block is the map where nothing says how two lie to each other, and may have lost photos last.
+TEST(Registration, NumbersBlocksByTheirSizeInTheEnd) {
+  Registration registration;
+  registration.block_of = {0, 0, -1, 1, 1, 1, 2, 2};
+  registration.block_sizes = {2, 3, 2};
+  registration.NumberBySize();
+  EXPECT_EQ(registration.block_of, (std::vector<int>{1, 1, -1, 0, 0, 0, 2, 2}));
+  EXPECT_EQ(registration.block_sizes, (std::vector<int>{3, 2, 2}));
+  EXPECT_EQ(registration.LargestSize(), 3);
+}
+
 TEST(RegisterPhotos, TheSameForAnyNumberOfThreads) {
   const SyntheticScene scene = MakeScene({.columns = 4, .rows = 2});
   const Registration one = Register(InputOf(scene), 1), three = Register(InputOf(scene), 3);
