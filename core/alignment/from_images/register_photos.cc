@@ -6,6 +6,7 @@
 #include "core/alignment/estimators/sampler.h"
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/from_images/grow_block.h"
+#include "core/alignment/from_images/join_groups.h"
 #include "core/base/trace.h"
 
 namespace skyquilt::alignment {
@@ -74,24 +75,17 @@ void AdjustLast(int threads, Block& block) {
                kLastObservationsPerPhoto, threads);
 }
 
-// Each smaller block into the first larger one that it shares points with, again and again.
+// Each smaller block into the first larger one that it shares points with.
 void JoinAll(int threads, std::vector<Block>& blocks) {
-  for (bool is_joined = true; is_joined;) {
-    is_joined = false;
-    std::stable_sort(blocks.begin(), blocks.end(),
-                     [](const Block& a, const Block& b) { return a.size() > b.size(); });
-    for (std::size_t large = 0; large < blocks.size() && !is_joined; ++large) {
-      for (std::size_t small = large + 1; small < blocks.size() && !is_joined; ++small) {
-        const std::optional<Similarity3> joint = FindJoint(blocks[large], blocks[small]);
-        if (!joint) continue;
-        TraceDecision("groups joined", {{"photos", blocks[large].size()}, {"more", blocks[small].size()}});
-        JoinBlocks(*joint, blocks[small], threads, blocks[large]);
-        AdjustLast(threads, blocks[large]);
-        blocks.erase(blocks.begin() + static_cast<std::ptrdiff_t>(small));
-        is_joined = true;
-      }
-    }
-  }
+  const auto take = [threads](const Block& smaller, Block& larger) {
+    const std::optional<Similarity3> joint = FindJoint(larger, smaller);
+    if (!joint) return false;
+    TraceDecision("groups joined", {{"photos", larger.size()}, {"more", smaller.size()}});
+    JoinBlocks(*joint, smaller, threads, larger);
+    AdjustLast(threads, larger);
+    return true;
+  };
+  JoinGroups(take, blocks);
 }
 
 void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>& pairs,

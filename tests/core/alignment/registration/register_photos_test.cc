@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <utility>
+#include <vector>
+
 #include "core/alignment/estimators/similarity.h"
+#include "core/alignment/from_images/join_groups.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
 
 namespace skyquilt::alignment {
@@ -91,6 +96,30 @@ TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
   const Registration found = Register(input);
   ASSERT_EQ(found.block_sizes, (std::vector<int>{10, 8}));
   for (std::size_t i = 0; i < input.Photos(); ++i) EXPECT_EQ(found.block_of[i], i < 10 ? 0 : 1) << i;
+}
+
+struct CountedGroup {
+  int photos = 0;
+  int size() const { return photos; }
+};
+
+// Those of even size fit to each other, the others to none.
+TEST(JoinGroups, AsksNoTwoAgainThatDidNotFit) {
+  std::vector<CountedGroup> groups{{10}, {95}, {40}, {97}, {101}, {20}, {99}};
+  std::map<std::pair<int, int>, int> asked;
+  JoinGroups(
+      [&asked](const CountedGroup& smaller, CountedGroup& larger) {
+        ++asked[{larger.photos, smaller.photos}];
+        if (larger.photos % 2 != 0 || smaller.photos % 2 != 0) return false;
+        larger.photos += smaller.photos;
+        return true;
+      },
+      groups);
+  std::vector<int> sizes;
+  for (const CountedGroup& group : groups) sizes.push_back(group.size());
+  EXPECT_EQ(sizes, (std::vector<int>{101, 99, 97, 95, 70}));
+  EXPECT_TRUE(asked.contains({101, 70})) << "one that has grown may fit now";
+  for (const auto& [pair, times] : asked) EXPECT_EQ(times, 1) << pair.first << " and " << pair.second;
 }
 
 // The larger block is the map where nothing says how two lie to each other, and may have lost photos last.
