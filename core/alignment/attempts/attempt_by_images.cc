@@ -274,6 +274,7 @@ std::optional<Attempt> PlaceByImages(const ExtractedFlight& extracted, std::size
   const std::optional<double> expected_height_m = MedianIfAny(std::move(heights));
   records.trusts_heights =
       expected_height_m && Median(std::move(sigmas)) < kTrustedHeightShare * *expected_height_m;
+  records.has_own_zero = expected_height_m && posed.is_placed;
   for (std::size_t i = 0; i < count && records.trusts_heights; ++i) {
     if (!records.photos[i].is_unplaced)
       records.photos[i].height_above_ground_m = posed.photos[i].height_above_ground_m;

@@ -146,6 +146,19 @@ std::optional<UpDirection> UpOfGround(const std::vector<Vector3d>& points,
   return UpDirection{normal, kSigmaOfGroundRad};
 }
 
+// How far above where a block's place puts them its cameras are recorded; nothing without recorded heights.
+std::optional<double> RecordedAboveM(const std::vector<std::size_t>& photos,
+                                     const std::vector<Vector3d>& centers, const GeoreferenceRecords& records,
+                                     const Similarity3& enu_from_world) {
+  std::vector<double> above_m;
+  for (std::size_t k = 0; k < photos.size(); ++k) {
+    const PhotoRecord& record = records.photos[photos[k]];
+    if (!record.center_in_enu || !std::isfinite(record.sigma_m.z())) continue;
+    above_m.push_back(record.center_in_enu->z() - (enu_from_world * centers[k]).z());
+  }
+  return MedianIfAny(std::move(above_m));
+}
+
 }  // namespace
 
 BlockPlace Georeference(const Registration& registration, int block, const GeoreferenceRecords& records) {
@@ -215,21 +228,29 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     }
     if (!by_control) take(*by_positions, Placing::kByPositions);
   }
-  if (place.placing == Placing::kByControl) {
-    if (place.ignores_surveyed_heights)
-      place.enu_from_world.shift.z() += records.ground_z_in_enu_m - ground_height(place.enu_from_world);
-    return place;
-  }
-  if (place.placing == Placing::kByPositions) {
-    // Heights that count from anywhere, or are of another scale than the pictures: the ground lies where the
-    // flight's ground lies.
+  // Heights that count from anywhere, or are of another scale than the pictures: the ground lies where the
+  // flight's ground lies.
+  const auto keep_to_ground = [&](bool trusts_heights) {
     const double ground_z_m = ground_height(place.enu_from_world);
     const double flown_m = MedianOf(
         centers, [&](const Vector3d& center) { return (place.enu_from_world * center).z() - ground_z_m; });
     const double off_m = records.ground_z_in_enu_m - ground_z_m;
-    if (!records.trusts_heights || std::abs(off_m) > kMaxHeightShare * flown_m) {
+    if (!trusts_heights || std::abs(off_m) > kMaxHeightShare * flown_m) {
       place.enu_from_world.shift.z() += off_m;
     }
+  };
+  if (place.placing == Placing::kByControl) {
+    if (place.ignores_surveyed_heights) {
+      place.enu_from_world.shift.z() += records.ground_z_in_enu_m - ground_height(place.enu_from_world);
+    } else if (records.has_own_zero && has_heights) {
+      const std::optional<double> above_m = RecordedAboveM(photos, centers, records, place.enu_from_world);
+      place.enu_from_world.shift.z() += above_m.value_or(0.0);
+      keep_to_ground(above_m && records.trusts_heights);
+    }
+    return place;
+  }
+  if (place.placing == Placing::kByPositions) {
+    keep_to_ground(records.trusts_heights);
     return place;
   }
 

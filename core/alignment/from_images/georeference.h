@@ -23,6 +23,8 @@ struct GeoreferenceRecords {
   std::vector<PlacePair> control;
   double ground_z_in_enu_m = 0.0;
   bool trusts_heights = false;  // of the positions, up to a quarter of the flying height
+  // Heights of the flight count from one; surveyed ones, which may from another, are brought to it.
+  bool has_own_zero = false;
 };
 
 enum class Placing { kByPositions, kByControl, kByHeights, kByGuess };

@@ -130,6 +130,21 @@ TEST(Georeference, SurveyedPointsComeBeforePositions) {
   EXPECT_LT(WorstM(made, place), 0.2);
 }
 
+// Above the sea, while the flight's heights are above the ellipsoid: cameras at 60 m would lie at 13.
+TEST(Georeference, SurveyedHeightsOfAnotherZeroComeToTheFlightsOwn) {
+  Case made = MakeCase();
+  for (int k = 0; k < 5; ++k) {
+    const Eigen::Vector3d& in_world = made.registration.tracks[k * 90].point_in_enu;
+    const Eigen::Vector3d surveyed = made.enu_from_world * in_world - Eigen::Vector3d(0.0, 0.0, 47.0);
+    made.records.control.push_back({in_world, surveyed, {0.02, 0.02, 0.04}});
+  }
+  EXPECT_GT(WorstM(made, Georeference(made.registration, 0, made.records)), 40.0) << "it has no own zero";
+  made.records.has_own_zero = true;
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_EQ(place.placing, Placing::kByControl);
+  EXPECT_LT(WorstM(made, place), 0.5);
+}
+
 TEST(Georeference, WithoutPositionsRecordedHeightsGiveTheScale) {
   Case made = MakeCase();
   for (PhotoRecord& record : made.records.photos) {
