@@ -9,7 +9,7 @@ import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
 import { loadPageWords, strings } from '../../../web/src/shared/strings.js';
 import { remarkWords, serverWords } from '../../../web/src/shared/api.js';
 import { inOneLine, saidOf, whyLeftOut } from '../../../web/src/shared/remarks.js';
-import { keepUnits } from '../../../web/src/shared/units.js';
+import { errorTold, keepUnits } from '../../../web/src/shared/units.js';
 import { absoluteWords, accuracyMark, relativeWords } from '../../../web/src/flight/flight_words.js';
 import { web_root } from '../support/mock_server.js';
 
@@ -81,7 +81,9 @@ test('accuracies of a map have the units that are chosen', () => {
   const quality = /** @type {any} */ ({ status: 'ready', absolute: { sigma_m: 3.048, by: 'gnss', count: 9 }, relative: { error_m: 0.03048, error_px: 0.7, by: 'seams', count: 31 }, limits: [] });
   const said = () => [accuracyMark(quality), absoluteWords(quality), relativeWords(quality)].join('\n');
   keepUnits('imperial');
-  assert.match(said(), /^\u00b110\u00a0ft\n\u00b110\u00a0ft .*\n0\.1\u00a0ft \(0\.7\u00a0px\)/);
+  assert.match(said(), /^\u00b110\u00a0ft\n\u00b110\u00a0ft .*\n1\.2\u00a0in \(0\.7\u00a0px\)/);
+  const told = (/** @type {number[]} */ ...inches) => inches.map((length_in) => errorTold(length_in * 0.0254).replace('\u00a0', ' '));
+  assert.deepEqual(told(0.021, 0.94, 11.2, 18, 1200), ['0.021 in', '0.94 in', '11 in', '1.5 ft', '100 ft']);
   keepUnits('metric');
   assert.match(said(), /^\u00b13\u00a0m\n\u00b13\u00a0m .*\n3\u00a0cm \(0\.7\u00a0px\)/);
 });

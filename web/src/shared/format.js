@@ -79,6 +79,7 @@ export function formatError(metres) {
 const kUnits = 'skyquilt.units';
 export const kFoot_m = 0.3048;
 export const kMile_ft = 5280;
+const kFoot_in = 12;
 // Whose land is measured in feet and acres.
 const kImperial = new Set(['US', 'LR', 'MM']);
 
@@ -106,8 +107,13 @@ export function keepUnits(units) {
   units_chosen.dispatchEvent(new Event('change'));
 }
 
-/** The same. @param {number} metres @param {Units} units */
-export const errorIn = (metres, units) => (units === 'metric' ? formatError(metres) : `${number(metres / kFoot_m, { maximumSignificantDigits: 2, useGrouping: false })}\u00a0ft`);
+/** The same, below a foot in inches. @param {number} metres @param {Units} units */
+export function errorIn(metres, units) {
+  if (units === 'metric') return formatError(metres);
+  const feet = metres / kFoot_m;
+  const [value, unit] = feet < 1 ? [feet * kFoot_in, 'in'] : [feet, 'ft'];
+  return `${number(value, { maximumSignificantDigits: 2, useGrouping: false })}\u00a0${unit}`;
+}
 
 /** In the units that are chosen. @param {number} metres */
 export const errorTold = (metres) => errorIn(metres, chosenUnits());
