@@ -77,6 +77,15 @@ test('lengths in remarks have the units that are chosen', async () => {
   assert.match(said(), /46\u00a0m[^]*3\u00a0m[^]*30,480\u00a0m[^]*16\u00a0km[^]* 6\.1\u00a0m[^]* 9\.14\u00a0m[^]* 1\.5\u00a0m/);
 });
 
+test('lengths in remarks are no zeros where they are small', async () => {
+  const { remarks } = await loadFlightWords('en');
+  const said = () => [0.034, 0.14].map((apart_m) => remarks.lists_apart({ file: 'a', other: 'b', photos: 3, apart_m, why: [] }).match(/, ([^,]+) apart/)?.[1]);
+  keepUnits('imperial');
+  assert.deepEqual(said(), ['1.3\u00a0in', '5.5\u00a0in']);
+  keepUnits('metric');
+  assert.deepEqual(said(), ['3.4\u00a0cm', '14\u00a0cm']);
+});
+
 test('accuracies of a map have the units that are chosen', () => {
   const quality = /** @type {any} */ ({ status: 'ready', absolute: { sigma_m: 3.048, by: 'gnss', count: 9 }, relative: { error_m: 0.03048, error_px: 0.7, by: 'seams', count: 31 }, limits: [] });
   const said = () => [accuracyMark(quality), absoluteWords(quality), relativeWords(quality)].join('\n');

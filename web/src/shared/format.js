@@ -59,10 +59,10 @@ export function formatLength(metres) {
 }
 
 /**
- * A round length: "200 m", "1.5 km", "1000 km".
+ * A round length: "20 cm", "200 m", "1.5 km", "1000 km".
  * @param {number} metres
  */
-export const formatDistance = (metres) => (metres < 1000 ? `${fixed(metres, metres < 1 ? 1 : 0)}\u00a0m` : `${number(metres / 1000, { maximumFractionDigits: metres < 10_000 ? 1 : 0 })}\u00a0km`);
+export const formatDistance = (metres) => (metres < 1 ? formatError(metres) : metres < 1000 ? `${fixed(metres, 0)}\u00a0m` : `${number(metres / 1000, { maximumFractionDigits: metres < 10_000 ? 1 : 0 })}\u00a0km`);
 
 /**
  * An estimate of an error: two digits are all that it is worth.
@@ -122,6 +122,7 @@ export const errorTold = (metres) => errorIn(metres, chosenUnits());
 export function distanceTold(metres) {
   if (chosenUnits() === 'metric') return formatDistance(metres);
   const feet = metres / kFoot_m;
+  if (feet < 1) return errorIn(metres, 'imperial');
   return feet < kMile_ft ? `${fixed(feet, feet < 10 ? 1 : 0)}\u00a0ft` : `${number(feet / kMile_ft, { maximumFractionDigits: feet < 10 * kMile_ft ? 1 : 0 })}\u00a0mi`;
 }
 
