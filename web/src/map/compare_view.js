@@ -7,6 +7,7 @@ import { h, onEscape } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { takenDay } from '../flight/flight_words.js';
 import { iconButton } from '../shared/icons.js';
+import { lonBeside } from './coordinates.js';
 import { go } from '../shared/router.js';
 import { strings } from '../shared/flight_strings.js';
 
@@ -23,7 +24,9 @@ export function overlap(a, b) {
   if (!a.bounds || !b.bounds) return false;
   const [aw, as, ae, an] = a.bounds;
   const [bw, bs, be, bn] = b.bounds;
-  return aw < be && bw < ae && as < bn && bs < an;
+  // Across the antimeridian the numbers of one go on, and those of the other begin anew.
+  const turn_deg = lonBeside((bw + be) / 2, (aw + ae) / 2) - (bw + be) / 2;
+  return aw < be + turn_deg && bw + turn_deg < ae && as < bn && bs < an;
 }
 
 /**

@@ -20,6 +20,14 @@ export function wrapLongitude(lon_deg) {
 }
 
 /**
+ * The same longitude, by whole turns, so that it lies next to another as their numbers go.
+ * @param {number} lon_deg
+ * @param {number} other_deg
+ * @returns {number}
+ */
+export const lonBeside = (lon_deg, other_deg) => lon_deg + 360 * Math.round((other_deg - lon_deg) / 360);
+
+/**
  * The UTM zone with the exceptions of Norway and Svalbard.
  * @param {number} lon_deg
  * @param {number} lat_deg
