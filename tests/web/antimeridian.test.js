@@ -3,6 +3,11 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { overlap } from '../../web/src/map/compare_view.js';
 import { lonBeside } from '../../web/src/map/coordinates.js';
+import { overlayParts } from '../../web/src/map/map_layers.js';
+import { flightPath } from '../../web/src/map/map_style.js';
+import { isAcross, sourceBounds, tilesIn } from '../../web/src/map/tile_addresses.js';
+import { boundsOfNote, drawnNote, geometryOf, noteOf } from '../../web/src/notes/note_shape.js';
+import { getIndexStatistics } from '../../web/src/shared/api.js';
 
 /** @typedef {import('../../web/src/shared/types.js').Bounds} Bounds */
 
@@ -13,4 +18,45 @@ test('a map across the antimeridian has common ground with those on both sides o
   for (const away of [on(-179.98, -179.97), on(179.97, 179.98), on(-0.01, 0.01)]) assert.deepEqual([overlap(across, away), overlap(away, across)], [false, false], String(away.bounds));
   assert.equal(overlap(on(7, 8), on(7.5, 9)), true);
   assert.deepEqual([lonBeside(-179.75, 180), lonBeside(179.75, -180), lonBeside(7.25, 8), lonBeside(540.5, -179)], [180.25, -180.25, 7.25, -179.5]);
+});
+
+test('the library is given no bounds that it would cut at the antimeridian', () => {
+  const across = /** @type {Bounds} */ ([179.99, -17, 180.01, -16.9]);
+  assert.deepEqual([sourceBounds(across), sourceBounds(null), sourceBounds([7, 46, 8, 47])], [{}, {}, { bounds: [7, 46, 8, 47] }]);
+  assert.deepEqual([isAcross(across), isAcross([-180, -85, 180, 85])], [true, false]);
+  const legends = { photo: null };
+  const tilejson = { tiles: [], bounds: across };
+  assert.equal('bounds' in overlayParts('photo', tilejson, /** @type {any} */ (legends), 1).source, false);
+});
+
+test('tiles that change beyond the antimeridian are those at the other end', () => {
+  const columns = tilesIn([179.99, -17, 180.01, -16.99], 10, 10).map(({ x }) => x);
+  assert.deepEqual([...new Set(columns)], [1023, 0]);
+});
+
+test('lines and paths across the antimeridian do not go round the Earth, and leave with longitudes that there are', () => {
+  const photo = (/** @type {string} */ name, /** @type {number} */ camera_lon) => ({ properties: { name, camera_lon, camera_lat: -17 } });
+  const [path] = flightPath(/** @type {any} */ ({ features: [photo('a', 179.999), photo('b', -179.999), photo('c', 179.998)] })).features;
+  assert.deepEqual(/** @type {any} */ (path.geometry).coordinates, [[179.999, -17], [180.001, -17], [179.998, -17]]);
+  const line = noteOf('line', '', geometryOf([[179.999, -17], [180.001, -17]], 'distance'), 'n');
+  assert.deepEqual(line.geometry.coordinates, [[179.999, -17], [-179.999, -17]]);
+  assert.deepEqual(drawnNote(line).geometry.coordinates, [[179.999, -17], [180.001, -17]]);
+  assert.deepEqual(boundsOfNote(line), [179.999, -17, 180.001, -17]);
+  const area = noteOf('area', '', geometryOf([[179.999, -17], [180.001, -17], [180.001, -16.999]], 'area'), 'n');
+  assert.deepEqual(drawnNote(area).geometry.coordinates, [[[179.999, -17], [180.001, -17], [180.001, -16.999], [179.999, -17]]]);
+});
+
+test('values of an index are counted on both sides of the antimeridian', async () => {
+  /** @type {any[]} */
+  const asked = [];
+  globalThis.fetch = async (_, init) => {
+    asked.push(JSON.parse(String(init?.body)));
+    return new Response('{"index":{}}');
+  };
+  await getIndexStatistics('f', 'index=vari', [179, -17, 181, -16]);
+  await getIndexStatistics('f', 'index=vari', [7, 46, 8, 47]);
+  assert.deepEqual(asked, [
+    { type: 'MultiPolygon', coordinates: [[[[179, -17], [180, -17], [180, -16], [179, -16], [179, -17]]], [[[-180, -17], [-179, -17], [-179, -16], [-180, -16], [-180, -17]]]] },
+    { type: 'Polygon', coordinates: [[[7, 46], [8, 46], [8, 47], [7, 47], [7, 46]]] },
+  ]);
 });

@@ -10,6 +10,7 @@ import { strings } from '../shared/flight_strings.js';
 import { chosenUnits, heightIn, units_chosen } from '../shared/units.js';
 import { height_layers } from '../map/map_style.js';
 import { tilesOf } from '../map/map_layers.js';
+import { sourceBounds } from '../map/tile_addresses.js';
 import { earlierFlights, nameWithDay } from './earlier_flights.js';
 
 const [kChange, ...layers_above] = height_layers;
@@ -74,7 +75,7 @@ export function changeLayer(view) {
       const got = await getChange(view.flight_id, select.value);
       if (own_turn !== turn) return;
       change = got;
-      view.map.addSource(kChange, { type: 'raster', ...tilesOf(change), ...(view.bounds ? { bounds: view.bounds } : {}) });
+      view.map.addSource(kChange, { type: 'raster', ...tilesOf(change), ...sourceBounds(view.bounds) });
       view.addBelowPhotos({ id: kChange, type: 'raster', source: kChange, paint: { 'raster-opacity': kOpacity, 'raster-resampling': 'nearest', 'raster-fade-duration': 0 } }, layers_above);
       put(key, ...legend(change));
     } catch (error) {

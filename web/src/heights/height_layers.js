@@ -8,6 +8,7 @@ import { getContours } from '../shared/api.js';
 import { checkRow, h } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { contour_layers } from '../map/map_style.js';
+import { sourceBounds } from '../map/tile_addresses.js';
 import { chosenUnits, units_chosen } from '../shared/units.js';
 import { changeLayer } from './change_layer.js';
 import { contourLayers, drawnContours, kContours } from './contour_lines.js';
@@ -56,7 +57,7 @@ export function heightLayers(view) {
     get: () => reliefSource(view),
     lay(source) {
       // A source of its own: the library draws one that is the ground of three dimensions as well less well.
-      view.map.addSource(kHillshade, { ...source, ...(view.bounds ? { bounds: view.bounds } : {}) });
+      view.map.addSource(kHillshade, { ...source, ...sourceBounds(view.bounds) });
       view.addBelowPhotos({ id: kHillshade, type: 'hillshade', source: kHillshade, paint: { 'hillshade-illumination-anchor': 'map' } }, contour_layers);
     },
     take: () => view.remove(kHillshade, [kHillshade]),

@@ -7,6 +7,7 @@
 import { ApiError, getHeights, messageOf } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { isImported } from '../flight/flight_words.js';
+import { onEarth } from '../map/coordinates.js';
 import { strings } from '../shared/flight_strings.js';
 import { chosenUnits, heightIn } from '../shared/units.js';
 import { askAtRest, kRest_ms } from './ask_at_rest.js';
@@ -99,7 +100,7 @@ export function heightProfile(view) {
         return;
       }
       const { id } = flight;
-      if (!asker.about(JSON.stringify(places), (signal) => getHeights(id, places, signal))) {
+      if (!asker.about(JSON.stringify(places), (signal) => getHeights(id, places.map(onEarth), signal))) {
         draw();
         return;
       }

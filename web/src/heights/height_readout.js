@@ -7,6 +7,7 @@ import { getSurfaceHeights } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { chosenUnits, heightIn, units_chosen } from '../shared/units.js';
+import { lonBeside, wrapLongitude } from '../map/coordinates.js';
 import { askAtRest } from './ask_at_rest.js';
 
 const kCursorRest_ms = 150;
@@ -49,8 +50,9 @@ export function heightReadout(view) {
     element,
     of({ lng, lat }) {
       const [west, south, east, north] = view.bounds ?? [0, 0, 0, 0];
-      if (!view.heights.includes('dsm') || lng < west || lng > east || lat < south || lat > north) drop();
-      else if (asker.about(`${lng},${lat}`, (signal) => getSurfaceHeights(view.flight_id, lng, lat, signal))) show(null);
+      const lon = lonBeside(lng, (west + east) / 2);
+      if (!view.heights.includes('dsm') || lon < west || lon > east || lat < south || lat > north) drop();
+      else if (asker.about(`${lng},${lat}`, (signal) => getSurfaceHeights(view.flight_id, wrapLongitude(lng), lat, signal))) show(null);
     },
   };
 }

@@ -4,6 +4,7 @@
 /** @import { MapView } from '../map/map_view.js' */
 import { showNote } from '../shared/announce.js';
 import { getBands, getIndexStatistics, getIndexValue, getReport, zonesPath } from '../shared/api.js';
+import { wrapLongitude } from '../map/coordinates.js';
 import { checkRow, h, put, svg } from '../shared/dom.js';
 import { button } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
@@ -188,7 +189,7 @@ export function indexSection(view, download) {
     const index = shown;
     const own_turn = (place_turn += 1);
     if (!index) return;
-    const found = await getIndexValue(view.flight_id, indexQuery(index), place.lng, place.lat).catch(() => null);  // the next place asks again
+    const found = await getIndexValue(view.flight_id, indexQuery(index), wrapLongitude(place.lng), place.lat).catch(() => null);  // the next place asks again
     if (own_turn !== place_turn || index !== shown) return;
     drawValue(found);
   };

@@ -8,6 +8,7 @@ import { formatDate } from '../shared/format.js';
 import { takenDay } from '../flight/flight_words.js';
 import { iconButton } from '../shared/icons.js';
 import { lonBeside } from './coordinates.js';
+import { isAcross } from './tile_addresses.js';
 import { go } from '../shared/router.js';
 import { strings } from '../shared/flight_strings.js';
 
@@ -174,7 +175,8 @@ export class Comparison {
    * @param {(is_on: boolean) => void} on_change
    */
   async begin(below, left, right, on_change) {
-    if (!right.tilejson || !right.bounds) return;
+    const right_bounds = right.bounds;
+    if (!right.tilejson || !right_bounds) return;
     const turn = this.#turn;
     const [{ MapView }, tilejson] = await Promise.all([import('./map_view.js'), getTileJson(right.tilejson)]);
     if (turn !== this.#turn) return;  // ended before it began
@@ -193,12 +195,18 @@ export class Comparison {
       below.setFootprints(shown.footprints);
       below.setPath(shown.path);
       comparison.close();
+      below.goOnBeyond(isAcross(left.bounds ?? right_bounds));
       on_change(false);
       above.map.remove();
       container.remove();
       this.area.classList.remove('comparing');
     };
-    await above.showMosaic(tilejson, right.bounds);
+    await above.showMosaic(tilejson, right_bounds);
+    const is_across = isAcross(right_bounds) || isAcross(left.bounds ?? right_bounds);
+    if (turn !== this.#turn || !is_across) return;
+    // Where one may go, the other follows.
+    for (const view of [below, above]) view.goOnBeyond(true);
+    above.map.jumpTo({ center: below.map.getCenter() });
   }
 
   end() {

@@ -27,6 +27,19 @@ export function wrapLongitude(lon_deg) {
  */
 export const lonBeside = (lon_deg, other_deg) => lon_deg + 360 * Math.round((other_deg - lon_deg) / 360);
 
+/** @param {[number, number]} place @returns {[number, number]} the same with a longitude that programs take */
+export const onEarth = ([lon_deg, lat_deg]) => [wrapLongitude(lon_deg), lat_deg];
+
+/**
+ * Places one after the other across the antimeridian, where their numbers go on: a line through them does not go round the Earth.
+ * @param {number[][]} places
+ * @returns {number[][]}
+ */
+export function goingOn(places) {
+  let before_deg = places[0]?.[0] ?? 0;
+  return places.map(([lon_deg, ...rest]) => [(before_deg = lonBeside(lon_deg, before_deg)), ...rest]);
+}
+
 /**
  * The UTM zone with the exceptions of Norway and Svalbard.
  * @param {number} lon_deg

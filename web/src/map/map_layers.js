@@ -5,7 +5,7 @@
 import { h } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { chosenUnits, heightIn, lengthIn } from '../shared/units.js';
-import { ownHost } from './tile_addresses.js';
+import { ownHost, sourceBounds } from './tile_addresses.js';
 
 /** @typedef {'photo'|'error'|'height'} LayerKind */
 
@@ -36,7 +36,7 @@ export const tilesOf = (tilejson) => ({
  * @returns {{source: SourceSpecification, layer: LayerSpecification}}
  */
 export function overlayParts(kind, tilejson, legends, opacity) {
-  const tiles = { ...tilesOf(tilejson), bounds: /** @type {[number, number, number, number]} */ (tilejson.bounds) };
+  const tiles = { ...tilesOf(tilejson), ...sourceBounds(tilejson.bounds) };
   if (kind === 'height' && legends.height) {
     const stops = heightStops(legends.height.range_m);
     // Where nothing is known the code reads as the lowest height there is.

@@ -2,6 +2,7 @@
 // the mosaic, the photos' footprints and cameras, the flight path, the measured line.
 /** @import { PhotoCollection } from '../shared/types.js' */
 /** @import { LayerSpecification, StyleSpecification, ExpressionSpecification } from '@maplibre/maplibre-gl-style-spec' */
+import { goingOn } from './coordinates.js';
 
 const kAlignedColour = '#1f77d0';
 const kPoseOnlyColour = '#f28e1c';
@@ -133,6 +134,6 @@ export function flightPath(photos) {
     if (x !== y) return x < y ? -1 : 1;
     return a.name < b.name ? -1 : 1;
   });
-  const coordinates = records.map((r) => [r.camera_lon, r.camera_lat]);
+  const coordinates = goingOn(records.map((r) => [r.camera_lon, r.camera_lat]));
   return { type: 'FeatureCollection', features: records.length < 2 ? [] : [{ type: 'Feature', properties: {}, geometry: { type: 'LineString', coordinates } }] };
 }

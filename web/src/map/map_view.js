@@ -7,6 +7,7 @@
 import * as maplibre from '../../vendor/maplibre-gl.mjs';
 import { authorization } from '../shared/token.js';
 import { asMarkup, basemapParts, chosenBasemap } from './basemap.js';
+import { lonBeside, wrapLongitude } from './coordinates.js';
 import { isInside } from './geodesy.js';
 import { kOverlay, overlayOpacity, overlayParts } from './map_layers.js';
 import { cameraPoints, emptyStyle, errorsOf, flightPath, groundColour, height_layers, lineOpacity, ownDataLayers, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
@@ -14,7 +15,7 @@ import { outlineOf } from './outlines.js';
 import { placeMark } from './place_mark.js';
 import { kMaxZoom } from '../first_view/poster_place.js';
 import { strings } from '../shared/flight_strings.js';
-import { ownHost, tilesIn, zoomOfFew } from './tile_addresses.js';
+import { isAcross, ownHost, sourceBounds, tilesIn, zoomOfFew } from './tile_addresses.js';
 import { chosenUnits } from '../shared/units.js';
 
 maplibre.setWorkerUrl(new URL('../../vendor/maplibre-gl-worker.mjs', import.meta.url).href);
@@ -144,8 +145,9 @@ export class MapView {
       minzoom: tilejson.minzoom ?? 0,
       maxzoom: tilejson.maxzoom ?? 22,
       attribution: asMarkup(tilejson.attribution ?? ''),
-      ...(grows ? {} : { bounds }),
+      ...(grows ? {} : sourceBounds(bounds)),
     };
+    this.goOnBeyond(isAcross(bounds));
     this.#drawn_from_zoom = (tilejson.minzoom ?? 0) - Math.log2(512 / (tilejson.tileSize ?? 256));
     this.#zooms = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
     const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground' && id !== old && !id.startsWith('basemap-'))?.id;
@@ -172,8 +174,14 @@ export class MapView {
    */
   growMosaic(bounds, changed) {
     this.bounds = bounds;
+    this.goOnBeyond(isAcross(bounds));
     if (this.#mosaic) this.mark.show(bounds, this.#drawn_from_zoom);
     if (this.#mosaic) this.map.refreshTiles(this.#mosaic, tilesIn(changed, ...this.#zooms));
+  }
+
+  /** Whether the world goes on beyond the antimeridian, as a map across that needs it. @param {boolean} goes_on */
+  goOnBeyond(goes_on) {
+    if (this.map.getRenderWorldCopies() !== goes_on) this.map.setRenderWorldCopies(goes_on);
   }
 
   /**
@@ -219,7 +227,7 @@ export class MapView {
       return;
     }
     if (!this.#index_bounds) return;
-    this.map.addSource(kIndex, { type: 'raster', tiles: [template], tileSize: this.#tile_size, minzoom: this.#zooms[0], maxzoom: this.#zooms[1], bounds: this.#index_bounds });
+    this.map.addSource(kIndex, { type: 'raster', tiles: [template], tileSize: this.#tile_size, minzoom: this.#zooms[0], maxzoom: this.#zooms[1], ...sourceBounds(this.#index_bounds) });
     this.addBelowPhotos({ id: kIndex, type: 'raster', source: kIndex, paint: { 'raster-opacity': this.opacity, 'raster-resampling': 'nearest', 'raster-fade-duration': 0 } }, [kOverlay, ...height_layers]);
   }
 
@@ -343,7 +351,8 @@ export class MapView {
   /** @param {Bounds} bounds @returns {boolean} whether any of it may be seen */
   sees([west, south, east, north]) {
     const seen = this.map.getBounds();
-    return west < seen.getEast() && east > seen.getWest() && south < seen.getNorth() && north > seen.getSouth();
+    const turn_deg = lonBeside((west + east) / 2, seen.getCenter().lng) - (west + east) / 2;
+    return west + turn_deg < seen.getEast() && east + turn_deg > seen.getWest() && south < seen.getNorth() && north > seen.getSouth();
   }
 
   /** @param {number} opacity 0..1 */
@@ -447,9 +456,9 @@ export class MapView {
    */
   photosAt(place) {
     const squeeze = Math.cos((place.lat * Math.PI) / 180);
-    const distance = (/** @type {PhotoRecord} */ r) => Math.hypot((r.camera_lon - place.lng) * squeeze, r.camera_lat - place.lat);
+    const distance = (/** @type {PhotoRecord} */ r) => Math.hypot(wrapLongitude(r.camera_lon - place.lng) * squeeze, r.camera_lat - place.lat);
     return (this.photos?.features ?? [])
-      .filter(({ geometry }) => geometry && isInside([place.lng, place.lat], geometry.coordinates[0]))
+      .filter(({ geometry }) => geometry && isInside([lonBeside(place.lng, geometry.coordinates[0][0][0]), place.lat], geometry.coordinates[0]))
       .map(({ properties }) => properties)
       .sort((a, b) => distance(a) - distance(b));
   }

@@ -9,6 +9,7 @@ import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
 import { showDownloads } from '../flight/flight_actions.js';
 import { isScaleKnown } from '../flight/flight_words.js';
+import { lonBeside } from './coordinates.js';
 import { geodesicLength } from './geodesy.js';
 import { button, iconButton } from '../shared/icons.js';
 import { heightProfile } from '../heights/height_profile.js';
@@ -109,7 +110,7 @@ export function measureTool(view, listener) {
       next_place = null;
     },
     on_move: (index, place) => {
-      places[index] = place;
+      places[index] = [lonBeside(place[0], places[index][0]), place[1]];
       draw(false);
     },
     on_drop: () => {
@@ -169,8 +170,10 @@ export function measureTool(view, listener) {
     places = last;
     draw();
   };
+  /** Across the antimeridian the numbers go on. @param {LonLat} place @returns {LonLat} */
+  const goneOn = ([lon, lat]) => [lonBeside(lon, places.at(-1)?.[0] ?? lon), lat];
   /** @param {LonLat} place */
-  const add = (place) => change([...places, place]);
+  const add = (place) => change([...places, goneOn(place)]);
   /** @param {Units} next */
   const setUnits = (next) => {
     units = next;
@@ -212,7 +215,7 @@ export function measureTool(view, listener) {
   /** @param {LonLat|null} place */
   const aimAt = (place) => {
     if (!kind || places.length === 0) return;
-    next_place = place;
+    next_place = place && goneOn(place);
     drawLines();
   };
   const canvas = view.map.getCanvasContainer();

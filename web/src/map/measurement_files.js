@@ -4,6 +4,7 @@ import { h } from '../shared/dom.js';
 import { button } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { saveText, xmlText } from '../sharing/connect_files.js';
+import { onEarth } from './coordinates.js';
 import { pathLength, polygonArea } from './geodesy.js';
 
 /**
@@ -17,7 +18,7 @@ import { pathLength, polygonArea } from './geodesy.js';
 
 const kDigits = 9;
 /** To a tenth of a millimetre. */
-export const rounded = (/** @type {LonLat} */ place) => place.map((degrees) => Number(degrees.toFixed(kDigits)));
+export const rounded = (/** @type {LonLat} */ place) => onEarth(place).map((degrees) => Number(degrees.toFixed(kDigits)));
 
 /** @param {string} name @param {LonLat[]} places @param {boolean} is_area @returns {Measurement} */
 export const measurementOf = (name, places, is_area) => ({ name, places, length_m: pathLength(is_area ? [...places, places[0]] : places), area_m2: is_area ? polygonArea(places) : null });

@@ -9,10 +9,12 @@ import { byId, h, loadStyle, put, styleLoaded } from '../shared/dom.js';
 import { byClockOf } from '../shared/format.js';
 import { parseRoute } from '../shared/router.js';
 import { controlMark } from './control_mark.js';
+import { wrapLongitude } from './coordinates.js';
 import { Comparison } from './compare_view.js';
 import { mapTools } from './map_tools.js';
 import { measureTool } from './measure_tool.js';
 import { noteLabels } from '../notes/note_labels.js';
+import { drawnNote } from '../notes/note_shape.js';
 import { outlinesOfNotes } from './outlines.js';
 import { placeTool } from './place_tool.js';
 import { kStagePadding } from '../first_view/poster_place.js';
@@ -158,7 +160,7 @@ export class Stage {
     view.map.on('moveend', () => {
       if (!view.is_moved || !this.#shown || parseRoute(location.hash).view !== 'flight') return;
       const { lng, lat } = view.map.getCenter();
-      const shown = { zoom: view.map.getZoom(), lat, lon: lng, bearing: view.map.getBearing() };
+      const shown = { zoom: view.map.getZoom(), lat, lon: wrapLongitude(lng), bearing: view.map.getBearing() };
       history.replaceState(null, '', hashWithPlace(location.hash, shown));
     });
     view.map.getCanvas().addEventListener('keydown', (event) => {
@@ -187,7 +189,7 @@ export class Stage {
     const turn = (this.#place_turn += 1);
     if (!flight) return null;
     // The server knows lens and ground; without its answer the footprints tell which photos, but not where in them.
-    const sightings = await getSightings(flight.id, place.lng, place.lat).catch(() => null);
+    const sightings = await getSightings(flight.id, wrapLongitude(place.lng), place.lat).catch(() => null);
     if (turn !== this.#place_turn || flight.id !== this.#flight?.id || flight.revision !== this.#flight?.revision) return null;
     const seen = new Map((sightings ?? []).sort(byQuality).map((sighting) => [sighting.name, sighting]));
     const records = sightings ? view.recordsOf([...seen.keys()]) : view.photosAt(place);
@@ -400,7 +402,7 @@ export class Stage {
     this.#notes = notes;
     const view = this.#view;
     if (!view) return;
-    void view.showNotes({ type: 'FeatureCollection', features: notes });
+    void view.showNotes({ type: 'FeatureCollection', features: notes.map(drawnNote) });
     this.#note_labels = noteLabels(view, notes, on_choose);
   }
 

@@ -22,6 +22,17 @@ export function tileBox([west, south, east, north], zoom) {
   return { from, to, width: to.x - from.x, height: to.y - from.y };
 }
 
+/** Does a map lie across the antimeridian? Then its bounds go on beyond it. @param {Bounds} bounds */
+export const isAcross = ([west, , east]) => west < -180 || east > 180;
+
+/**
+ * Where a source has tiles, as the library takes it: it cuts bounds off at the antimeridian, so that half of a map across that
+ * would be missing.
+ * @param {Bounds|null|undefined} bounds
+ * @returns {{bounds?: Bounds}} empty: everywhere
+ */
+export const sourceBounds = (bounds) => (!bounds || isAcross(bounds) ? {} : { bounds });
+
 /**
  * Tile addresses of the own host only: whatever name the server believes to have, the page asks where it came from.
  * @param {string} template
@@ -37,14 +48,15 @@ export function ownHost(template) {
  * @param {Bounds} bounds
  * @param {number} min_zoom
  * @param {number} max_zoom
- * @returns {{z: number, x: number, y: number}[]} the tiles of these zooms that touch the bounds
+ * @returns {{z: number, x: number, y: number}[]} the tiles of these zooms that touch the bounds; beyond the antimeridian they are at the other end
  */
 export function tilesIn(bounds, min_zoom, max_zoom) {
   const tiles = [];
   for (let z = min_zoom; z <= max_zoom; z += 1) {
     const { from, to } = tileBox(bounds, z);
+    const around = 2 ** z;
     for (let x = Math.floor(from.x); x <= Math.floor(to.x); x += 1) {
-      for (let y = Math.floor(from.y); y <= Math.floor(to.y); y += 1) tiles.push({ z, x, y });
+      for (let y = Math.floor(from.y); y <= Math.floor(to.y); y += 1) tiles.push({ z, x: ((x % around) + around) % around, y });
     }
   }
   return tiles;

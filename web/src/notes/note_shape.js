@@ -1,6 +1,7 @@
 // What a note is: a GeoJSON feature with a name and, perhaps, words; a point, a measured line or a measured area.
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { Measurement } from '../map/measurement_files.js' */
+import { goingOn } from '../map/coordinates.js';
 import { boundsOf } from '../map/geodesy.js';
 import { measurementOf, polygonOf, rounded } from '../map/measurement_files.js';
 
@@ -15,11 +16,18 @@ export const bytesOf = (text) => new TextEncoder().encode(text).length;
 /** @param {Note} note @returns {LonLat[]} of an area without the last one, which is its first */
 function placesOf({ geometry }) {
   const places = geometry.type === 'Point' ? [geometry.coordinates] : geometry.type === 'LineString' ? geometry.coordinates : geometry.coordinates[0].slice(0, -1);
-  return /** @type {LonLat[]} */ (places);
+  return /** @type {LonLat[]} */ (goingOn(places));
 }
 
 /** @param {Note} note @returns {Measurement} */
 export const measurementOfNote = (note) => ({ ...measurementOf(note.properties.name, placesOf(note), note.geometry.type === 'Polygon'), text: note.properties.text ?? '' });
+
+/** As it is drawn: not round the Earth. @param {Note} note @returns {Note} */
+export function drawnNote(note) {
+  const { geometry } = note;
+  if (geometry.type === 'LineString') return { ...note, geometry: { ...geometry, coordinates: goingOn(geometry.coordinates) } };
+  return geometry.type === 'Polygon' ? { ...note, geometry: { ...geometry, coordinates: geometry.coordinates.map(goingOn) } } : note;
+}
 
 /** @param {Note} note */
 export const boundsOfNote = (note) => boundsOf(placesOf(note));

@@ -326,8 +326,12 @@ const kCountedPixels = 500_000;
  * @returns {Promise<import('./types.js').IndexStatistics>}
  */
 export async function getIndexStatistics(id, query, [west, south, east, north]) {
-  const ring = [[west, south], [east, south], [east, north], [west, north], [west, south]];
-  return (await request('POST', `${flight_path(id)}/statistics?max_pixels=${kCountedPixels}&${query}`, { type: 'Polygon', coordinates: [ring] })).index;
+  const outlineOf = (/** @type {number} */ from, /** @type {number} */ to) => [[[from, south], [to, south], [to, north], [from, north], [from, south]]];
+  // Across the antimeridian one rectangle on either side of it.
+  const area = east > 180
+    ? { type: 'MultiPolygon', coordinates: [outlineOf(west, 180), outlineOf(-180, east - 360)] }
+    : { type: 'Polygon', coordinates: outlineOf(west, east) };
+  return (await request('POST', `${flight_path(id)}/statistics?max_pixels=${kCountedPixels}&${query}`, area)).index;
 }
 
 /**
