@@ -3,13 +3,15 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { formOf, jobArea, kChoices, kLimits, kPresets, kStandard, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
-import { optionWords } from '../../web/src/flight/options_dialog.js';
+import { madeWith, optionWords } from '../../web/src/flight/options_dialog.js';
 import { kLayers } from '../../web/src/shared/api.js';
+import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { speak } from '../../web/src/shared/language.js';
 import { kPhone, mapIdle, reloadMap } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
 
+await loadFlightStrings();
 const { setUp, setUpReady } = usePages();
 const contract = JSON.parse(readFileSync(new URL('../../api/openapi.json', import.meta.url), 'utf8')).components.schemas.JobOptions.properties;
 
@@ -34,6 +36,17 @@ test('what a map was made with is said with the comma of German', () => {
   assert.equal(optionWords({ gsd_m: 0.025 }), '2,5 cm');
   speak('en');
   assert.equal(optionWords({ gsd_m: 0.025 }), '2.5 cm');
+});
+
+test('of what a map was made with nothing is said that belongs to another job', () => {
+  const made = (/** @type {object|null} */ job) => madeWith(/** @type {any} */ ({ id: 'f', job }));
+  assert.equal(made({ state: 'successful', options: { gsd_m: 0.025, layers: kLayers } }), '2.5 cm');
+  assert.equal(made({ state: 'successful', options: { layers: kLayers } }), 'standard');
+  // The map that is there was made before these.
+  for (const state of ['accepted', 'running', 'failed', 'dismissed']) assert.equal(made({ state, options: { gsd_m: 0.05 } }), null, state);
+  assert.equal(made({ state: 'successful', options: { place: 'control', layers: kLayers } }), null, 'it was moved since');
+  assert.equal(made({ state: 'successful', options: { import_file: 'a.tif' } }), null, 'others made it');
+  assert.equal(made(null), null);
 });
 
 test('what was typed is what is asked for, and comes back into the form', () => {
@@ -129,7 +142,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
   test(`a map is made again with other options on a ${screen}, and a preset is kept`, options, async () => {
     const { page, flight } = await setUpReady('Meadow', { job_ms: 300 }, { ...context, errors: /422/ });
     await page.click('#processing-details summary');
-    assert.match((await page.textContent('#processing-details')) ?? '', /Options\s*standard/);
+    assert.doesNotMatch((await page.textContent('#processing-details')) ?? '', /Options/, 'without its job it is not known');
     await page.click('#run-again');
     await page.waitForSelector('#options-dialog[open]');
     assert.ok(await page.locator('label:has(#option-not_finer)').isHidden());

@@ -209,8 +209,19 @@ export function optionWords(options) {
   );
 }
 
-/** What a finished map was made with, as far as is known. @param {Flight} flight @returns {JobOptions} */
+/** What was asked for last, to be asked for again. @param {Flight} flight @returns {JobOptions} */
 export const lastOptions = ({ id, job }) => (job?.options && !movesMap(job) ? job.options : chosenOptions(id));
+
+/**
+ * What a finished map was made with, in words. The server knows the last job's options alone: where that made no map, as it failed
+ * or moved one, or came with its map, those of the map are not known.
+ * @param {Flight} flight
+ * @returns {string|null} null: not known
+ */
+export function madeWith({ job }) {
+  if (!job?.options || job.state !== 'successful' || movesMap(job) || job.options.import_file) return null;
+  return optionWords(job.options) || strings.options.standard;
+}
 
 /**
  * For a map that is still to be made: what is chosen stands beside the button and counts when the job is begun.

@@ -12,7 +12,7 @@ import { areaIn, chosenUnits, inUnits } from '../shared/units.js';
 import { absoluteWords, relativeWords } from './flight_words.js';
 import { hasScale, resultView } from './result_verdict.js';
 import { glanceAtPhoto } from '../upload/exif_reader.js';
-import { lastOptions, optionWords } from './options_dialog.js';
+import { madeWith } from './options_dialog.js';
 import { reasonList } from '../upload/upload_view.js';
 
 /**
@@ -87,6 +87,7 @@ export function reportView(flight, report, photos, change) {
   const of_photos = said.filter(({ photo }) => photo !== null).length;  // for who looks for it
   const remarksOn = (/** @type {boolean} */ is_photo) => inUnits(() => remarkList(saidOf(report).filter(({ photo }) => (photo !== null) === is_photo)));
   const is_scale_known = hasScale(report);
+  const made_with = madeWith(flight);
   const placed = report.photos.aligned + report.photos.pose_only;
   return h(
     'section',
@@ -145,7 +146,7 @@ export function reportView(flight, report, photos, change) {
         fact(words.uploaded, formatDate(flight.created_at)),
         fact(words.zooms, words.zoom_range(report.min_zoom, report.max_zoom)),
         report.peak_memory_bytes > 0 && fact(words.memory, formatBytes(report.peak_memory_bytes)),
-        fact(strings.options.made_with, optionWords(lastOptions(flight)) || strings.options.standard),
+        made_with !== null && fact(strings.options.made_with, made_with),
       ),
       change && button(strings.options.again, change.again, { picture: 'retry', class: 'button small no-print', id: 'run-again' }),
       timingPicture(report),
