@@ -1,4 +1,5 @@
-// What the page says of a flight before it is sent: EXIF against exiftool, verdicts, settings files against GDAL.
+// What the page says of a flight before it is sent: EXIF against exiftool, verdicts, settings files against GDAL; how long an
+// answer to a file is waited for.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -8,6 +9,7 @@ import { after, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { gdalXml, josmAddress, qgisXml, xmlText } from '../../web/src/sharing/connect_files.js';
 import { glanceAtPhoto, kHeadBytes } from '../../web/src/upload/exif_reader.js';
+import { patience_ms } from '../../web/src/upload/send_file.js';
 import { verdictWords } from '../../web/src/upload/verdict_view.js';
 import { verdictOf } from '../../web/src/upload/verdict.js';
 import { boundsOf } from './support/mock_flight.js';
@@ -42,6 +44,15 @@ function assertAgrees(path) {
 }
 
 const images = ['brighton_beach', 'seneca_40'].map((name) => join(data, name, 'images')).filter(existsSync);
+test('an archive that is there whole is waited for while the server unpacks it, other silence is not', () => {
+  const minutes = (/** @type {[string, number, number|null]} */ ...of) => patience_ms(...of) / 60_000;
+  assert.equal(minutes('A.JPG', 100, 100), 1);
+  assert.deepEqual([minutes('flight.zip', 100, 0), minutes('flight.zip', 100, 99)], [1, 1], 'on a line that is cut it is sent again');
+  assert.ok(minutes('flight.zip', 100, 100) >= 10);
+  assert.ok(minutes('flight.tar.gz', 100, null) >= 10, 'who asks again is answered when it is unpacked');
+  assert.equal(minutes('A.JPG', 100, null), 1);
+});
+
 test('real photos are read as exiftool reads them', { skip: !has('exiftool') ? 'no exiftool' : images.length === 0 ? `no photos at ${data}` : false }, () => {
   for (const path of images.flatMap((f) => readdirSync(f).filter((n) => /\.jpe?g$/i.test(n)).slice(0, 4).map((n) => join(f, n)))) assertAgrees(path);
 });

@@ -4,12 +4,23 @@ import { authorization } from '../shared/token.js';
 import { ApiError, problem } from '../shared/api.js';
 import { at } from '../shared/router.js';
 import { strings } from '../shared/strings.js';
+import { isArchive } from './drop_files.js';
 
 // Smaller files go with the request that announces them; larger ones after it, so that a cut loses nothing.
 const kSmallFile_bytes = 512 * 1024;
 // A line that is cut without a word, or a server that is stopped, never answers: after this long without a byte the
 // file is tried again.
 const kSilence_ms = 60_000;
+// But for an archive that is there whole: the server answers when it has unpacked it.
+const kUnpacking_ms = 30 * 60_000;
+
+/**
+ * @param {string} name
+ * @param {number} bytes of the file
+ * @param {number|null} sent_bytes of it; null where an earlier attempt may have sent all
+ * @returns {number} how long no answer is waited for
+ */
+export const patience_ms = (name, bytes, sent_bytes) => (isArchive(name) && (sent_bytes ?? bytes) >= bytes ? kUnpacking_ms : kSilence_ms);
 
 /**
  * @param {string} flight_id
@@ -26,12 +37,12 @@ export async function sendFile(flight_id, name, file, on_progress, signal) {
     const when = file instanceof File ? file.lastModified : 0;
     let from_bytes = 0;
     let silence = 0;
-    const heard = () => {
+    const heard = (/** @type {number|null} */ arrived_bytes) => {
       clearTimeout(silence);
       silence = window.setTimeout(() => {
         upload.abort().catch(() => {});  // nothing was under way yet
         reject(new ApiError(0, strings.errors.silent));
-      }, kSilence_ms);
+      }, patience_ms(name, file.size, arrived_bytes));
     };
     const end = (/** @type {() => void} */ settle) => {
       clearTimeout(silence);
@@ -46,11 +57,11 @@ export async function sendFile(flight_id, name, file, on_progress, signal) {
       removeFingerprintOnSuccess: true,
       retryDelays: null,  // the queue knows best when to try again
       onAfterResponse: (request, response) => {
-        heard();
+        heard(0);
         if (request.getMethod() === 'HEAD') from_bytes = Number(response.getHeader('Upload-Offset') ?? 0) || 0;
       },
       onProgress: (sent_bytes) => {
-        heard();
+        heard(sent_bytes);
         on_progress(sent_bytes, from_bytes);
       },
       onError: (error) => end(() => reject(asApiError(error, tus))),
@@ -67,7 +78,7 @@ export async function sendFile(flight_id, name, file, on_progress, signal) {
     );
     upload.findPreviousUploads().then((earlier) => {
       if (signal.aborted) return;
-      heard();
+      heard(earlier.length > 0 ? null : 0);
       if (earlier.length > 0) upload.resumeFromPreviousUpload(earlier[0]);
       upload.start();
     }, reject);
