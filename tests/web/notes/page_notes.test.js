@@ -227,6 +227,21 @@ test('without the server notes wait in this browser, through a reload, and are s
   assert.deepEqual(kept(flight), ['Well', 'Gate']);
 });
 
+test('a token that ended while a note is saved is asked for, and the note goes with the next one', options, async () => {
+  const { page, flight } = await openNotes({ locale: 'en-GB', errors: /status of 401/ });
+  await page.route('**/notes', (route) => {
+    const is_refused = route.request().method() === 'PUT' && route.request().headers().authorization !== 'Bearer sq_next';
+    return is_refused ? route.fulfill({ status: 401, contentType: 'application/problem+json', json: { title: 'Unauthorized', status: 401, code: 'unauthorized' } }) : route.continue();
+  });
+  await page.evaluate(() => document.body.setAttribute('data-stays', ''));
+  await write(page, 'Well');
+  await page.fill('#token-input', 'sq_next');
+  await page.press('#token-input', 'Enter');
+  await isSaved(page);
+  assert.deepEqual(kept(flight), ['Well']);
+  assert.equal(await page.locator('body[data-stays]').count(), 1, 'the page is not loaded anew, which would lose what cannot be kept');
+});
+
 test('a name that is no markup stays text, one that is too long is refused, and German has its words', options, async () => {
   const { page, flight } = await openNotes({ locale: 'de-DE', viewport: { width: 390, height: 844 } });
   assert.match((await page.textContent('#notes summary')) ?? '', /Notizen und Messungen/);

@@ -7,8 +7,8 @@ import { isFromLink, isTokenHeld, keepToken, pageToken, reloadWithToken } from '
 
 let is_asking = false;
 
-/** Prompts for a token, stores it and reloads the page. Once at a time. */
-export function askForToken() {
+/** Prompts for a token and stores it. Once at a time. @param {() => void} [go_on] with it; else the page is loaded anew */
+export function askForToken(go_on = reloadWithToken) {
   if (is_asking || isTokenHeld()) return;
   is_asking = true;
   const words = strings.access;
@@ -32,6 +32,6 @@ export function askForToken() {
     is_asking = false;
     if (choice !== 'go') return;
     keepToken(input.value.trim());
-    reloadWithToken();
+    go_on();
   });
 }

@@ -27,7 +27,12 @@ export class SavedDocument extends EventTarget {
   async get(init = {}) {
     const turn = (this.asked += 1);
     const address = at(`/api/v1/flights/${encodeURIComponent(this.id)}/${this.name}`);
-    const { response, text } = await answerOf(fetch(address, { priority: this.priority, ...init, headers: { ...authorization(), ...init.headers } }));
+    const { response, text } = await answerOf(fetch(address, { priority: this.priority, ...init, headers: { ...authorization(), ...init.headers } })).catch((error) => {
+      // To be loaded anew would lose what is not saved.
+      const goOn = init.method ? () => void this.flush().catch(() => undefined) : undefined;
+      if (error.status === 401) import('./access.js').then(({ askForToken }) => askForToken(goOn)).catch(() => undefined);  // the state says it too
+      throw error;
+    });
     const document = parsed(response, text);
     if (turn === this.asked) this.#etag = response.headers.get('ETag') ?? '';
     return document;
