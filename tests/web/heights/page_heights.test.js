@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { chartRange, knownRuns, roundTicks, sampleNear } from '../../../web/src/heights/height_chart.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
 import { heightIn } from '../../../web/src/shared/units.js';
-import { kPhone, mapIdle, openMap } from '../support/browser.js';
+import { kPhone, mapIdle, openMap, until } from '../support/browser.js';
 import { allAsked, assertAccessible, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
@@ -116,6 +116,19 @@ test('the server is asked when a line rests, not at each step of a drag', option
   assert.equal(flight.asked_heights - before, 1);
   await page.click('#tool-area');
   assert.equal(await page.isVisible('#heights'), false);
+});
+
+test('a map that is made again while one measures has its own profile', options, async () => {
+  const { page, flight } = await setUpReady('Again', { job_ms: 300 }, laptop);
+  await page.click('#tool-distance');
+  await clickMap(page, [[0.4, 0.5], [0.6, 0.5]]);
+  await page.waitForSelector('#height-chart');
+  const before = flight.asked_heights;
+  await page.click('#processing-details summary');
+  await page.click('#run-again');
+  await page.click('#options-submit');
+  await until(() => flight.asked_heights > before, 'the heights of the map that is shown now are asked for');
+  await page.waitForSelector('#height-chart');
 });
 
 test('maps without heights say so: made on level ground, or older', options, async () => {

@@ -260,6 +260,7 @@ export function measureTool(view, listener) {
       flight = next;
       no_scale.hidden = isScaleKnown(next?.quality);
       heights.of(next);
+      showHeights();  // of a map that was made anew there are others
     },
     /** @param {MeasureKind} next */
     start(next) {
