@@ -194,6 +194,23 @@ test('a new revision of a map takes the place of the old one', options, async ()
   assert.match(await page.textContent('#report'), /20 \/ 21/);
 });
 
+test('photos that come while a map is being made wait for its end, and are in the next one', options, async () => {
+  const { page, flight } = await setUpReady('Meadow', { job_ms: 600_000 }, { locale: 'en-GB', errors: /status of 409/ });
+  await page.click('#processing-details summary');
+  await page.click('#run-again');
+  await page.click('#options-submit');
+  await page.waitForSelector('#job-progress');
+  const first = flight.job;
+  flight.refuses_jobs = { status: 409, detail: 'A map of this flight is being made already.' };
+  await page.setInputFiles('#files-input', photoFiles(4));
+  await page.click('text=Add to this flight');
+  await page.waitForFunction(() => /When it has ended, the next one is begun/.test(document.querySelector('#upload-trouble')?.textContent ?? ''));
+  assert.doesNotMatch((await page.textContent('#upload-trouble')) ?? '', /server responds/);
+  assert.equal(flight.job, first);
+  flight.refuses_jobs = null;
+  await until(() => flight.job !== first, 'a map is made with them');
+});
+
 test('files that are chosen again are judged, and told of, once', options, async () => {
   const { page, mock } = await setUp();
   mock.holdUploads();

@@ -62,7 +62,7 @@ export function uploadView(session) {
       shown_trouble = reason;
       put(trouble, reason && h('p', { class: 'callout callout-warning', id: 'upload-trouble' }, icon('warning'), h('span', {}, reason, ' ', trouble_text)), retry && retry_now);
     }
-    trouble_text.textContent = retry ? words.again_in(Math.max(0, Math.ceil((retry.at_ms - performance.now()) / 1000))) : words.again_soon;
+    trouble_text.textContent = retry ? words.again_in(Math.max(0, Math.ceil((retry.at_ms - performance.now()) / 1000))) : session.waits_for_map ? '' : words.again_soon;
   };
 
   let shown_server_verdict = /** @type {typeof session.server_verdict} */ (null);

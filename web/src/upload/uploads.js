@@ -8,6 +8,7 @@ import { announce, showError } from '../shared/announce.js';
 import { held, sessions } from './drop_zone.js';
 import { confirmCoarse } from '../flight/coarse_map.js';
 import { chosenOptions } from '../flight/job_options.js';
+import { isOver } from '../flight/job_watch.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/flight_strings.js';
 import { forgetUpload, rememberUpload } from './upload_memory.js';
@@ -30,6 +31,8 @@ export class UploadSession extends EventTarget {
   server_verdict = null;
   /** @type {string} why the server cannot be told that all is there; '' when nothing is wrong */
   trouble = '';
+  /** All is there, and a map is being made without it: the next one is begun when that has ended. */
+  waits_for_map = false;
   /** @type {ChosenFile[]} */
   #files = [];
   #starting = false;
@@ -111,15 +114,25 @@ export class UploadSession extends EventTarget {
       try {
         const answer = await ask();
         this.trouble = '';
+        this.waits_for_map = false;
         return answer;
       } catch (error) {
         signal.throwIfAborted();  // stopped meanwhile: whatever came of it is no failure
-        if (!(error instanceof api.ApiError) || !error.is_away) throw error;
-        this.trouble = error.message;
+        if (!(error instanceof api.ApiError)) throw error;
+        this.waits_for_map = error.status === 409 && (await this.#isMapBeingMade(signal));
+        signal.throwIfAborted();
+        if (!error.is_away && !this.waits_for_map) throw error;
+        this.trouble = this.waits_for_map ? strings.upload.after_map : error.message;
         this.#changed();
         await wait(delay_ms, signal);
       }
     }
+  }
+
+  /** Is one under way, which takes no more files? @param {AbortSignal} signal */
+  async #isMapBeingMade(signal) {
+    const { job } = await api.getFlight(this.flight_id, signal).catch(() => ({ job: null }));
+    return Boolean(job && !isOver(job));
   }
 
   /** Queues the flight's job: by itself when all has arrived, or when the user goes on without the failed files. */

@@ -63,6 +63,7 @@ export const flight_words = {
     retry_now: 'Jetzt versuchen',
     again_in: (seconds) => (seconds > 0 ? `Nächster Versuch in ${number(seconds)}\u00a0s. Ihre Dateien bleiben vorgemerkt.` : 'Neuer Versuch \u2026'),
     again_soon: 'Es wird weiter versucht, bis der Server antwortet.',
+    after_map: 'Zu diesem Flug wird gerade eine Karte erstellt. Ist sie fertig, beginnt die nächste, mit diesen Dateien.',
   },
   job: {
     heading: 'Karte wird erstellt',

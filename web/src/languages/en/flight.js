@@ -63,6 +63,7 @@ export const flight_words = {
     retry_now: 'Retry now',
     again_in: (/** @type {number} */ seconds) => (seconds > 0 ? `Retrying in ${number(seconds)}\u00a0s. Your files stay in the queue.` : 'Retrying \u2026'),
     again_soon: 'Retrying until the server responds.',
+    after_map: 'A map of this flight is being made. When it has ended, the next one is begun, with these files.',
   },
   job: {
     heading: 'Creating the map',
