@@ -9,7 +9,7 @@ import { mapIdle, until } from './support/browser.js';
 import { allAsked, assertAccessible, options, stopClock, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
-const { setUp, cleanUp } = usePages();
+const { setUp, setUpReady, cleanUp } = usePages();
 const only = (/** @type {any} */ mock) => [...mock.flights.values()][0];
 
 /** Sends photos of which the server takes so many and holds the rest. */
@@ -91,6 +91,20 @@ test('a stopped upload is resumed without choosing the files again', options, as
   await page.click('#upload-resume');
   await mapIdle(page);
   assert.equal(only(mock).files.size, 12);
+});
+
+test('a stopped upload to a flight that has a map can be resumed, too', options, async () => {
+  const { page, mock, flight } = await setUpReady('Meadow', { job_ms: 300 }, { locale: 'en-GB' });
+  const release = mock.holdUploads();
+  await page.setInputFiles('#files-input', photoFiles(20));
+  await page.click('text=Add to this flight');
+  await page.click('#upload button:has-text("Stop")');
+  await page.waitForSelector('#upload-resume');
+  assert.match((await page.textContent('#waiting')) ?? '', /of 20 files (is|are) on the server/);
+  release();
+  await page.click('#upload-resume');
+  await until(() => flight.job?.state === 'successful', 'a map is made with them');
+  await page.waitForSelector('#waiting', { state: 'detached' });
 });
 
 test('an upload whose flight is deleted goes on when that is taken back', options, async () => {

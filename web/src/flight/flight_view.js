@@ -21,7 +21,7 @@ import { isGuessed } from './result_verdict.js';
 import { strings } from '../shared/flight_strings.js';
 import { inUnits, units_chosen } from '../shared/units.js';
 import { forgetUpload } from '../upload/upload_memory.js';
-import { uploadOf } from '../upload/drop_zone.js';
+import { held, stoppedUploadOf, uploadOf } from '../upload/drop_zone.js';
 import { uploadView } from '../upload/upload_view.js';
 import { waitingView } from './waiting_view.js';
 
@@ -211,7 +211,7 @@ export class FlightView {
       this.#drawFailure(flight);
       return;
     }
-    if (flight.state === 'empty' || flight.state === 'uploaded') {
+    if (flight.state === 'empty' || flight.state === 'uploaded' || stoppedUploadOf(flight.id)) {
       this.#drawWaiting(flight);
       return;
     }
@@ -350,6 +350,7 @@ export class FlightView {
         if (meant) {
           await startJob(flight.id, meant);
           forgetUpload(flight.id);
+          held.delete(flight.id);
         }
       } catch (error) {
         showError(error);

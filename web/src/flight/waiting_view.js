@@ -1,5 +1,5 @@
-// A flight whose files are there and whose map is not begun: what the server has of it, what it lacks, what it makes of
-// it, and how to go on.
+// A flight whose files are there and whose map is not begun, nor its next one after an upload that was stopped: what the server
+// has of it, what it lacks, what it makes of it, and how to go on.
 /** @import { Flight } from '../shared/types.js' */
 import { getVerdict, listFiles } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
@@ -19,7 +19,7 @@ import { serverVerdictView } from '../upload/verdict_view.js';
  */
 export function waitingView(flight, parts) {
   const words = strings.upload;
-  const is_uploaded = flight.state === 'uploaded';
+  const is_uploaded = flight.state !== 'empty';
   let closed = false;
   const text = h('div');
   const actions = h('div', { class: 'row' });
