@@ -23,7 +23,7 @@ export function gdalXml(template, tilejson) {
   const address = template.replace('{z}', '${z}').replace('{x}', '${x}').replace('{y}', '${y}');
   const side = tilejson.tileSize ?? 256;
   const [low, high] = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
-  const { from, to } = tileBox(tilejson.bounds ?? [-180, -85.05, 180, 85.05], low);
+  const { from, to } = tileBox(tilejson.across_bounds ?? tilejson.bounds ?? [-180, -85.05, 180, 85.05], low);
   const first = { x: Math.floor(from.x), y: Math.floor(from.y) };
   const last = { x: Math.ceil(to.x), y: Math.ceil(to.y) };
   const tiles = 2 ** (high - low);
