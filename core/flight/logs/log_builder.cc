@@ -16,6 +16,8 @@ constexpr double kSegmentStepS = 1e9;
 constexpr double kLatestS = 4e8;  // no log lasts 12 years; keeps segments apart
 constexpr int kMaxSegments = 64;
 constexpr std::size_t kMaxEvents = 200'000;
+constexpr double kLowestHeightM = -1e3,
+                 kHighestHeightM = 1e5;  // what lies beyond is no height of an aircraft
 
 bool IsFinite(const ImuSample& s) {
   return s.angular_rate_radps.allFinite() && s.specific_force_mps2.allFinite();
@@ -192,8 +194,8 @@ void LogBuilder::Add(const GnssSample& sample) {
   const auto keep = [](std::optional<double>& value, double least, double most) {
     if (value && !(*value >= least && *value <= most)) value.reset();
   };
-  keep(clean.height_ellipsoid_m, -1e3, 1e5);
-  keep(clean.height_amsl_m, -1e3, 1e5);
+  keep(clean.height_ellipsoid_m, kLowestHeightM, kHighestHeightM);
+  keep(clean.height_amsl_m, kLowestHeightM, kHighestHeightM);
   keep(clean.sigma_horizontal_m, 1e-4, 1e4);
   keep(clean.sigma_vertical_m, 1e-4, 1e4);
   if (clean.velocity_in_ned_mps && !clean.velocity_in_ned_mps->allFinite()) clean.velocity_in_ned_mps.reset();
@@ -216,17 +218,24 @@ void LogBuilder::Add(CameraEvent event) {
                          (event.position->lat_deg == 0.0 && event.position->lon_deg == 0.0))) {
     event.position.reset();
   }
-  const auto finite = [](std::optional<double>& value) {
-    if (value && !std::isfinite(*value)) value.reset();
-  };
-  finite(event.height_ellipsoid_m);
-  finite(event.height_amsl_m);
-  finite(event.height_above_takeoff_m);
-  finite(event.height_above_ground_m);
+  DropHeightsBeyond(event);
   if (event.yaw_pitch_roll_rad && !event.yaw_pitch_roll_rad->allFinite()) event.yaw_pitch_roll_rad.reset();
   if (event.sigma_in_ned_m && !event.sigma_in_ned_m->allFinite()) event.sigma_in_ned_m.reset();
   event.t_s += segment_ * kSegmentStepS;
   log_.events.push_back(std::move(event));
+}
+
+// "-9999" and the like are written for heights that are not known; a flight cannot hang on them.
+void LogBuilder::DropHeightsBeyond(RecordedHeights& heights) {
+  std::optional<double> beyond_m;
+  for (std::optional<double>* const height_m :
+       {&heights.height_ellipsoid_m, &heights.height_amsl_m, &heights.height_above_takeoff_m,
+        &heights.height_above_ground_m}) {
+    if (!*height_m || (**height_m >= kLowestHeightM && **height_m <= kHighestHeightM)) continue;
+    if (std::isfinite(**height_m)) beyond_m = *height_m;
+    height_m->reset();
+  }
+  if (beyond_m && heights_beyond_++ == 0) first_height_beyond_m_ = *beyond_m;
 }
 
 void LogBuilder::KeepLongestSegment() {
@@ -287,6 +296,8 @@ FlightLog LogBuilder::Finish() && {
   std::stable_sort(log_.events.begin(), log_.events.end(),
                    [](const CameraEvent& a, const CameraEvent& b) { return a.t_s < b.t_s; });
   DropHeightsThatAreFillers();
+  if (heights_beyond_ > 0)
+    Warn({RemarkCode::kHeightsBeyond, {{"rows", heights_beyond_}, {"height_m", first_height_beyond_m_}}});
   std::size_t duplicates = 0;
   ForEachSeries([&](auto& samples) { duplicates += SortAndDropDuplicates(samples); }, log_);
   if (duplicates > 0) Warn({RemarkCode::kSamplesOfOneTime, {{"samples", duplicates}}});

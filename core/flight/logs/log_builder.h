@@ -76,6 +76,7 @@ class LogBuilder {
   template <typename T>
   void PushTimed(CappedSeries<T>& series, const T& sample, int which);
   void KeepLongestSegment();
+  void DropHeightsBeyond(RecordedHeights& heights);
   void DropHeightsThatAreFillers();
 
   FlightLog log_;
@@ -99,6 +100,8 @@ class LogBuilder {
   std::uint64_t bad_positions_ = 0;
   std::uint64_t stray_stamps_ = 0;
   std::uint64_t events_dropped_ = 0;
+  std::uint64_t heights_beyond_ = 0;  // rows
+  double first_height_beyond_m_ = 0.0;
 };
 
 // The exposure in a row (from 0) of a list that names photos and does not say when they were taken.

@@ -347,6 +347,17 @@ TEST(NamedLists, CountsDegreesInNoSystemOfThePlaneBesideThem) {
   EXPECT_TRUE(log.written_system.empty());
 }
 
+TEST(NamedLists, HaveNoHeightsThatNoAircraftReaches) {
+  const FlightLog log =
+      ReadList("image,lat,lon,alt\na.jpg,46.8,8.1,-9999\nb.jpg,46.9,8.1,501\nc.jpg,46.9,8.2,1000000000\n");
+  ASSERT_EQ(log.events.size(), 3u);
+  EXPECT_FALSE(log.events[0].height_ellipsoid_m);
+  EXPECT_EQ(log.events[1].height_ellipsoid_m, 501.0);
+  EXPECT_FALSE(log.events[2].height_ellipsoid_m);
+  const Remark said(RemarkCode::kHeightsBeyond, {{"rows", 2}, {"height_m", -9999.0}});
+  EXPECT_THAT(log.warnings, ::testing::Contains(said)) << "of both, with the first";
+}
+
 TEST(NamedLists, LeavesPointsProseAndLogsAlone) {
   const auto reads = [](std::string_view line, std::string_view rows) {
     return ReadListHeading(line, LineReader(rows)).has_value();
