@@ -55,7 +55,9 @@ struct ListUse {
   std::string held_by;        // the list whose rows hold in place of some of these; empty: none
   // What the system's own place on Earth is known to; nothing: to a metre or better.
   std::optional<double> system_error_m;
-  bool lacks_grid = false;                   // which would tell it better
+  bool lacks_grid = false;  // which would tell it better
+  // The step in which all its coordinates are written, where that is worse than what rows claim.
+  std::optional<double> rounded_to_m;
   std::size_t marks = 0, marks_outside = 0;  // of surveyed points, in photos of the flight
   std::optional<double> apart_m;             // median, of the reading, to the photos' own positions
   std::optional<double> as_written_apart_m;  // likewise, of the plain reading

@@ -14,6 +14,7 @@
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/choose_rows.h"
 #include "core/poses/lists/judge_list.h"
+#include "core/poses/lists/list_rounding.h"
 #include "core/poses/lists/list_words.h"
 #include "core/poses/lists/marked_photos.h"
 #include "core/poses/lists/named_photos.h"
@@ -128,6 +129,16 @@ std::optional<JudgedList> Judge(const FlightLog& log, const std::vector<flight::
   return judged;
 }
 
+// Whether any row claimed to be better than the numbers that it is written in.
+bool WidenRounded(const JudgedList& judged, FlightLog& log) {
+  if (!judged.use.rounded_to_m) return false;
+  bool any = false;
+  for (const auto* const events : {&judged.events, &judged.others}) {
+    for (const std::size_t i : *events) any = WidenToStep(*judged.use.rounded_to_m, log.events[i]) || any;
+  }
+  return any;
+}
+
 void TakeReading(const JudgedList& judged, FlightLog& log) {
   const auto take = [&](const std::vector<std::size_t>& events,
                         const std::vector<std::optional<LatLon>>& places) {
@@ -173,11 +184,13 @@ void TellContradicting(const JudgedList& judged, const FlightLog& log, Flight& f
 void Tell(ListUse use, Flight& flight) {
   if (auto remark = RemarkOf(use)) flight.warnings.push_back(*std::move(remark));
   if (auto remark = RemarkOnSystem(use)) flight.warnings.push_back(*std::move(remark));
+  if (auto remark = RemarkOnRounding(use)) flight.warnings.push_back(*std::move(remark));
   flight.list_uses.push_back(std::move(use));
 }
 
 void TakeList(JudgedList judged, FlightLog& log, OwnRecords& own, Flight& flight) {
   TakeReading(judged, log);
+  if (!WidenRounded(judged, log)) judged.use.rounded_to_m.reset();
   TellContradicting(judged, log, flight);
   Learn(judged, own);
   Tell(std::move(judged.use), flight);

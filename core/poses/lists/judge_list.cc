@@ -11,8 +11,10 @@
 #include "core/geo/crs/zoned_easting.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/local_frame.h"
+#include "core/poses/evidence/common_error.h"
 #include "core/poses/evidence/records_apart.h"
 #include "core/poses/heights/flight_heights.h"
+#include "core/poses/lists/list_rounding.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -293,6 +295,26 @@ std::optional<geo::InexactShift> ShiftOf(const ListReader& reader, const std::ve
   return std::nullopt;
 }
 
+// The step of the written numbers on the ground, of the first row that has a place.
+std::optional<double> RoundedToM(const ListReader& reader, const std::vector<WrittenPlace>& rows,
+                                 const ListVerdict& verdict) {
+  const ListReading& reading = verdict.use.reading;
+  const bool are_degrees = reading.counts_in == CountsIn::kDegrees ||
+                           (reading.counts_in == CountsIn::kSystem && reader.named()->is_geographic());
+  const std::optional<double> step = FindWrittenStep(rows, are_degrees);
+  for (std::size_t i = 0; step && i < rows.size(); ++i) {
+    if (!verdict.places[i]) continue;
+    const Places beside = reader.PlacesOf(
+        {WrittenPlace{rows[i].x + *step, rows[i].y}, WrittenPlace{rows[i].x, rows[i].y + *step}}, reading);
+    if (!beside[0] || !beside[1]) return std::nullopt;
+    const double step_m =
+        std::hypot(MetresApart(*verdict.places[i], *beside[0]), MetresApart(*verdict.places[i], *beside[1])) /
+        std::sqrt(2.0);
+    return SigmaOfStep(step_m) > kWorstCorrectedM ? std::optional(step_m) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 ListVerdict JudgeList(const WrittenList& list) {
@@ -353,6 +375,8 @@ ListVerdict JudgeList(const WrittenList& list) {
       verdict.use.system_error_m = shift->error_m;
       verdict.use.lacks_grid = shift->lacks_grid;
     }
+    if (list.use.kind == flight::ListKind::kPositions)
+      verdict.use.rounded_to_m = RoundedToM(reader, list.rows, verdict);
     verdict.other_places = reader.PlacesOf(list.others, verdict.use.reading);
   }
   return verdict;

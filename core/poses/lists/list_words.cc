@@ -177,6 +177,11 @@ std::optional<Remark> RemarkOnSystem(const ListUse& use) {
                 {{"file", use.file_name}, {"system", SystemOf(use)}, {"error_m", *use.system_error_m}}};
 }
 
+std::optional<Remark> RemarkOnRounding(const ListUse& use) {
+  if (use.fault != ListFault::kNone || !use.rounded_to_m) return std::nullopt;
+  return Remark{RemarkCode::kListRounded, {{"file", use.file_name}, {"step_m", *use.rounded_to_m}}};
+}
+
 std::string QuestionOf(const ListUse& use, const geo::LatLon& as_read, const ListReading& other,
                        const geo::LatLon& as_other) {
   return fmt::format(

@@ -23,6 +23,9 @@ std::optional<flight::Remark> RemarkOf(const flight::ListUse& use);
 // That its system's own place on Earth is not known well; nothing where it is, or the list does not serve.
 std::optional<flight::Remark> RemarkOnSystem(const flight::ListUse& use);
 
+// That its coordinates are written in a coarse step; nothing where they are not, or the list does not serve.
+std::optional<flight::Remark> RemarkOnRounding(const flight::ListUse& use);
+
 // The question of a list that two readings fit.
 std::string QuestionOf(const flight::ListUse& use, const geo::LatLon& as_read,
                        const flight::ListReading& other, const geo::LatLon& as_other);

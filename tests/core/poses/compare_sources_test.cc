@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <random>
+#include <tuple>
 #include <utility>
 
 #include "core/geo/crs/reference_system.h"
@@ -27,6 +28,43 @@ TEST(CompareSources, BelievesAListThatAgreesWithoutAWord) {
     ExpectTaken(flight, place, "as written");
     EXPECT_NEAR(*flight.list_uses[0].apart_m, 4.0, 0.1);
     EXPECT_TRUE(flight.warnings.empty());
+  }
+}
+
+// A list of degrees in steps, whose rows claim centimetres or nothing.
+Flight ComparedInSteps(double steps_a_degree, bool claims) {
+  const auto in_steps = [&](double deg) { return std::round(deg * steps_a_degree) / steps_a_degree; };
+  const auto write = [&](const LatLon& at) {
+    return flight::WrittenPlace{in_steps(at.lon_deg), in_steps(at.lat_deg)};
+  };
+  FlightLog list = ListOf(kZurich, 18, write, "EPSG:4326");
+  for (flight::CameraEvent& row : list.events) {
+    if (claims) row.sigma_in_ned_m = Eigen::Vector3d(0.02, 0.02, 0.03);
+    row.is_rtk_fixed = claims;
+  }
+  return Compared(kZurich, std::move(list));
+}
+
+// Four decimals of a degree, tenths of a second; a metre is no news of a receiver, ten are.
+TEST(CompareSources, BelievesNoListMoreThanTheStepOfItsNumbers) {
+  for (const auto& [steps_a_degree, claims, step_m] :
+       {std::tuple(1e4, true, 9.5), {1e4, false, 9.5}, {36'000.0, true, 2.6}, {1e5, true, 0.95}}) {
+    const Flight flight = ComparedInSteps(steps_a_degree, claims);
+    SCOPED_TRACE(steps_a_degree);
+    ASSERT_EQ(flight.list_uses.size(), 1u);
+    ASSERT_TRUE(flight.list_uses[0].rounded_to_m);
+    EXPECT_NEAR(*flight.list_uses[0].rounded_to_m, step_m, 0.05 * step_m);
+    EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("rounded")));
+    for (const flight::CameraEvent& row : flight.logs[0].events) {
+      ASSERT_TRUE(row.sigma_in_ned_m);
+      EXPECT_NEAR(row.sigma_in_ned_m->x(), step_m / std::sqrt(12.0), 0.02 * step_m);
+      EXPECT_FALSE(row.is_rtk_fixed);
+    }
+  }
+  for (const auto& [steps_a_degree, claims] : {std::pair(1e8, true), {1e5, false}}) {
+    const Flight flight = ComparedInSteps(steps_a_degree, claims);
+    EXPECT_TRUE(flight.warnings.empty()) << steps_a_degree;
+    EXPECT_EQ(flight.logs[0].events[0].is_rtk_fixed, claims);
   }
 }
 

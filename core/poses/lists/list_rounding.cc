@@ -1,0 +1,70 @@
+#include "core/poses/lists/list_rounding.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "core/poses/evidence/common_error.h"
+
+namespace skyquilt::poses {
+namespace {
+
+// As many numbers end in 0 by chance in one list of a million.
+constexpr std::size_t kFewestNumbers = 6;
+
+// The coarsest first.
+std::vector<double> StepsTried(bool are_degrees) {
+  constexpr int kPlacesTried = 6;
+  constexpr double kMinutesADegree = 60.0, kSecondsADegree = 3600.0, kLongestStepM = 1000.0;
+  std::vector<double> steps;
+  double decimal = 1.0;
+  for (int places = 0; places < kPlacesTried; ++places, decimal *= 10.0) {
+    if (are_degrees) {
+      for (const double parts : {1.0, kMinutesADegree, kSecondsADegree})
+        steps.push_back(1.0 / (parts * decimal));
+    } else {
+      steps.push_back(kLongestStepM / decimal);
+    }
+  }
+  std::sort(steps.begin(), steps.end(), std::greater<>());
+  return steps;
+}
+
+bool IsWholeIn(double step, double number) {
+  constexpr double kOfReading = 1e-6;  // what is lost where text becomes a number
+  const double steps = number / step;
+  return std::abs(steps - std::round(steps)) <= kOfReading;
+}
+
+}  // namespace
+
+std::optional<double> FindWrittenStep(const std::vector<flight::WrittenPlace>& rows, bool are_degrees) {
+  std::set<double> east, north;
+  for (const flight::WrittenPlace& row : rows) {
+    east.insert(row.x);
+    north.insert(row.y);
+  }
+  if (east.size() + north.size() < kFewestNumbers) return std::nullopt;
+  for (const double step : StepsTried(are_degrees)) {
+    const auto is_whole = [&](double number) { return IsWholeIn(step, number); };
+    if (std::all_of(east.begin(), east.end(), is_whole) && std::all_of(north.begin(), north.end(), is_whole))
+      return step;
+  }
+  return std::nullopt;
+}
+
+double SigmaOfStep(double step) { return step / std::sqrt(12.0); }
+
+bool WidenToStep(double step_m, flight::CameraEvent& event) {
+  const double sigma_m = SigmaOfStep(step_m);
+  if (SigmaOfRowM(event) >= sigma_m) return false;
+  constexpr double kUnsaidVerticalM = 2.0 * flight::kPlainSigmaM;
+  const double vertical_m = event.sigma_in_ned_m ? event.sigma_in_ned_m->z() : kUnsaidVerticalM;
+  event.sigma_in_ned_m = Eigen::Vector3d(sigma_m, sigma_m, vertical_m);
+  event.is_rtk_fixed = false;
+  return true;
+}
+
+}  // namespace skyquilt::poses
