@@ -71,6 +71,7 @@ struct CameraEvent : RecordedHeights {
   // Horizon-zero angles of the camera or of the airframe, as `attitude_kind` says.
   std::optional<Eigen::Vector3d> yaw_pitch_roll_rad;
   AttitudeKind attitude_kind = AttitudeKind::kAirframe;
+  bool yaw_is_from_grid_north = false;  // of omega, phi and kappa, where places count in a plane
   bool has_time = true;  // false: the format names the image only, and t_s is the number of the row
   std::optional<double> sigma_tilt_rad;
   std::optional<double> sigma_yaw_rad;

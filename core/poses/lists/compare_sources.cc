@@ -147,6 +147,8 @@ void TakeReading(const JudgedList& judged, FlightLog& log) {
       if (judged.use.fault == ListFault::kNone) {
         event.position = places[k];
         event.system_error_m = judged.use.system_error_m;
+        if (event.yaw_pitch_roll_rad && event.yaw_is_from_grid_north)
+          event.yaw_pitch_roll_rad->x() += judged.grid_north_rad.value_or(0.0);
         if (std::binary_search(judged.contradicting.begin(), judged.contradicting.end(), events[k]))
           event.yaw_pitch_roll_rad.reset();
       } else {

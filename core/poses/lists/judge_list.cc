@@ -315,6 +315,28 @@ std::optional<double> RoundedToM(const ListReader& reader, const std::vector<Wri
   return std::nullopt;
 }
 
+// Where the north of the plane points at the first row that has a place. Nothing in degrees, and in systems
+// whose axes count south or west: what programs take for north there is not known.
+std::optional<double> GridNorthRad(const ListReader& reader, const std::vector<WrittenPlace>& rows,
+                                   const ListVerdict& verdict) {
+  constexpr double kOn = 100.0, kMaxTurnedDeg = 45.0;  // metres or feet
+  const ListReading& reading = verdict.use.reading;
+  const bool is_plane = reading.counts_in == CountsIn::kUtmOfFlight ||
+                        (reading.counts_in == CountsIn::kSystem && !reader.named()->is_geographic());
+  for (std::size_t i = 0; is_plane && i < rows.size(); ++i) {
+    if (!verdict.places[i]) continue;
+    const WrittenPlace on = reading.is_swapped ? WrittenPlace{rows[i].x + kOn, rows[i].y}
+                                               : WrittenPlace{rows[i].x, rows[i].y + kOn};
+    const std::optional<LatLon> there = reader.PlacesOf({on}, reading).front();
+    if (!there) return std::nullopt;
+    const geo::LocalFrame frame({verdict.places[i]->lat_deg, verdict.places[i]->lon_deg, 0.0});
+    const Eigen::Vector3d way = frame.EnuFromWgs84({there->lat_deg, there->lon_deg, 0.0});
+    const double north_rad = std::atan2(way.x(), way.y());
+    return std::abs(north_rad) < geo::DegToRad(kMaxTurnedDeg) ? std::optional(north_rad) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 ListVerdict JudgeList(const WrittenList& list) {
@@ -377,6 +399,7 @@ ListVerdict JudgeList(const WrittenList& list) {
     }
     if (list.use.kind == flight::ListKind::kPositions)
       verdict.use.rounded_to_m = RoundedToM(reader, list.rows, verdict);
+    verdict.grid_north_rad = GridNorthRad(reader, list.rows, verdict);
     verdict.other_places = reader.PlacesOf(list.others, verdict.use.reading);
   }
   return verdict;

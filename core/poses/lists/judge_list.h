@@ -36,6 +36,7 @@ struct ListVerdict {
   std::optional<geo::LatLon> middle;  // of the list as it is read
   std::optional<flight::ListReading> other;
   std::optional<geo::LatLon> other_middle;
+  std::optional<double> grid_north_rad;  // clockwise from true north, where places count in a plane
   std::vector<std::optional<geo::LatLon>> places, other_places;  // by row; empty with a fault
 };
 

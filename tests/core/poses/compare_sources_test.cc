@@ -222,6 +222,22 @@ TEST(CompareSources, AsksWhereTwoReadingsStayPossible) {
   ExpectTaken(tracked, kZurich, "with a track");
 }
 
+TEST(CompareSources, CountsKappaFromTheNorthOfThePlane) {
+  constexpr double kWritten = 0.1;  // ListOf's
+  const auto yaw_of = [](FlightLog list, bool is_kappa) {
+    for (flight::CameraEvent& row : list.events) row.yaw_is_from_grid_north = is_kappa;
+    return Compared(kDuluth, std::move(list)).logs[0].events[0].yaw_pitch_roll_rad.value().x();
+  };
+  // A degree east of the middle of zone 15.
+  const double north_rad = geo::DegToRad((kDuluth.lon_deg + 93.0) * std::sin(geo::DegToRad(kDuluth.lat_deg)));
+  const auto as_metres = In(32615);
+  EXPECT_NEAR(yaw_of(ListOf(kDuluth, 18, as_metres, "EPSG:32615"), true), kWritten + north_rad, 1e-4);
+  EXPECT_NEAR(yaw_of(ListOf(kDuluth, 18, NorthFirst(as_metres), "EPSG:32615"), true), kWritten + north_rad,
+              1e-4);
+  EXPECT_EQ(yaw_of(ListOf(kDuluth, 18, as_metres, "EPSG:32615"), false), kWritten) << "a compass's";
+  EXPECT_EQ(yaw_of(ListOf(kDuluth, 18, AsDegrees, "EPSG:4326"), true), kWritten) << "no plane";
+}
+
 // The flight at Duluth and a list of it whose times lie so many days behind those of the photos.
 Flight ComparedDaysLater(int days, bool has_positions, bool has_receiver = true) {
   const flight::UtcTime noon{std::chrono::seconds(1'717'243'200)};

@@ -182,6 +182,7 @@ void TakePose(const CsvRow& row, AttitudeKind kind, CameraEvent& event) {
   } else if (row.Has(M::kOmega, M::kKappa)) {
     event.yaw_pitch_roll_rad = YawPitchRollFromOpk(*row[M::kOmega], *row[M::kPhi], *row[M::kKappa]);
     event.attitude_kind = AttitudeKind::kAirframe;
+    event.yaw_is_from_grid_north = true;
   }
 }
 
