@@ -263,6 +263,43 @@ class OffsetSearch {
     return true;
   }
 
+  // Where photos name their zone, and the log contradicts it: by it the aircraft stood still while they were
+  // taken, or their headings or spacing say another. What a receiver told is no zone's mistake.
+  std::optional<ZoneChoice> ZoneInsteadOfWritten(double as_it_stands_s) const {
+    constexpr std::size_t kNearlyAll = 9, kOf = 10;
+    constexpr int kHalfHourMin = 30;
+    const bool is_written = photos_[camera_.photo.front()].clock_minus_utc.has_value();
+    const bool is_told = std::any_of(camera_.photo.begin(), camera_.photo.end(), [&](std::size_t i) {
+      return photos_[i].receiver_time || photos_[i].receiver_time_of_day;
+    });
+    if (!is_written || is_told || !cover_.HasTrack()) return std::nullopt;
+    const auto are_nearly_all = [&](std::size_t covered) {
+      return kOf * covered >= kNearlyAll * camera_.photo.size();
+    };
+    const std::vector<double> times_s = TimesAt(as_it_stands_s);
+    if (!are_nearly_all(static_cast<std::size_t>(
+            std::count_if(times_s.begin(), times_s.end(), [&](double t_s) { return cover_.Covers(t_s); }))))
+      return std::nullopt;
+    auto zone = ChooseZone(photos_, camera_, refined_.times_s, as_it_stands_s, log_);
+    if (!zone || zone->zone_min == 0 || zone->zone_min % kHalfHourMin != 0 ||
+        !are_nearly_all(zone->covered) || cover_.WayM(TimesAt(zone->offset_s)) <= kStandsWithinM)
+      return std::nullopt;
+    const bool stood = cover_.WayM(times_s) <= kStandsWithinM;
+    const bool is_decided = !zone->decided_by.empty() && zone->open_with_min.empty();
+    return stood || is_decided ? zone : std::nullopt;
+  }
+
+  void TakeInsteadOfWritten(const ZoneChoice& zone) {
+    const auto written_min = static_cast<int>(photos_[camera_.photo.front()].clock_minus_utc->count());
+    found_.offset_s = zone.offset_s;
+    if (!zone.open_with_min.empty()) found_.sigma_s = kOpenClockSigmaS;
+    SayCovered(zone.covered);
+    found_.warnings.push_back({RemarkCode::kWrittenZoneRefuted,
+                               {{"file", log_.file_name},
+                                {"zone", "UTC" + ZoneInWords(written_min)},
+                                {"other", "UTC" + ZoneInWords(written_min + zone.zone_min)}}});
+  }
+
   void SayCovered(std::size_t covered) {
     if (covered == refined_.times_s.size()) return;
     found_.notes.push_back(
@@ -275,7 +312,12 @@ class OffsetSearch {
     found_.method = TimeSyncMethod::kClocks;
     found_.sigma_s = std::hypot(kCameraClockSigmaS, log_.utc_sigma_s);
     found_.method_in_words = fmt::format("the clocks of camera and log as they stand{}", stamps_);
-    if (log_.utc_at_zero && !photos_[camera_.photo.front()].captured_at_is_local) return ByUtc(as_it_stands);
+    if (log_.utc_at_zero && !photos_[camera_.photo.front()].captured_at_is_local) {
+      const auto instead = ZoneInsteadOfWritten(as_it_stands);
+      if (!instead) return ByUtc(as_it_stands);
+      TakeInsteadOfWritten(*instead);
+      return true;
+    }
     const auto zone = ChooseZone(photos_, camera_, refined_.times_s, as_it_stands, log_);
     if (!zone) return false;
     found_.offset_s = zone->offset_s;

@@ -149,6 +149,27 @@ TEST(ChooseZone, BelievesHeadingsThatFollowTheCourse) {
   EXPECT_THAT(sync.notes, ::testing::Contains(HasSubstr("headings")));
 }
 
+// Of clocks whose time zone stands in the photos.
+std::vector<Photo> InWrittenZone(std::vector<Photo> photos, int zone_h = 2) {
+  for (Photo& photo : photos) {
+    photo.captured_at_is_local = false;
+    photo.clock_minus_utc = std::chrono::hours(zone_h);
+  }
+  return photos;
+}
+
+TEST(MatchPhotosToLog, BelievesNoWrittenZoneByWhichTheAircraftStood) {
+  const FlightLog log = TrackFrom(-4000.0, 120.0, StandsUntilTen);
+  EXPECT_THAT(ExpectTied(InWrittenZone(EveryFiveSeconds(0)), log, 0).warnings, IsEmpty());
+  const TimeSync sync = ExpectTied(InWrittenZone(EveryFiveSeconds(-kHourS)), log, -1);
+  ASSERT_THAT(sync.warnings, SizeIs(1));
+  EXPECT_THAT(InWords(sync.warnings.front()), HasSubstr("zone UTC+02:00, by which"));
+  EXPECT_THAT(InWords(sync.warnings.front()), HasSubstr("taken for UTC+01:00"));
+  // Where it flew then too, nothing speaks against the zone.
+  const FlightLog flies = TrackFrom(-4000.0, 300.0);
+  EXPECT_THAT(ExpectTied(InWrittenZone(EveryFiveSeconds(-kHourS)), flies, 0).warnings, IsEmpty());
+}
+
 TEST(ChooseZone, KnowsWhereClocksAreHalfAnHourOff) {
   const Photo photo = PhotoTakenAt(0.0, 0);
   StampedPhotos camera;

@@ -158,6 +158,7 @@ export const remark_words = {
   track_coarser: () => 'der größere Fehler angibt.',
   track_undecided: () => 'obwohl nichts sagt, welcher die Kamera trug. Fügen Sie nur diesen hinzu.',
   zone_open: (v) => `Die Fotos passen in mehreren Zeitzonen zu ${v.file}. Für ihre Uhr wurde ${v.zone} angenommen, ebenso gut passt ${v.others}, und die Karte kann anderswo auf dem Track liegen. Fügen Sie nur das Flugprotokoll dieses Flugs hinzu, oder Fotos, deren Zeiten die Zeitzone nennen.`,
+  written_zone_refuted: (v) => `Die Zeiten der Fotos nennen die Zeitzone ${v.zone}. Danach wären sie entstanden, als das Fluggerät nach ${v.file} still stand, oder wo ihre Richtungen oder Abstände nicht dazu passen. Für ihre Uhr wurde ${v.other} angenommen. Prüfen Sie, wo auf dem Track die Karte liegt, und berichtigen Sie die Zeitzone der Fotos.`,
   photos_beyond_log: (v) => `Nach der Uhr der Kamera liegen ${number(v.outside)} von ${number(v.photos)} Fotos, ohne Pause vor oder nach den anderen aufgenommen, außerhalb der Zeit, die ${v.file} abdeckt. Die Uhr geht vielleicht falsch, und die anderen liegen dann anderswo auf dem Track. Berichtigen Sie die Zeiten der Fotos, oder fügen Sie alle Protokolle des Flugs hinzu.`,
   log_unusable: (v) => `Das Flugprotokoll ließ sich nicht verwenden: ${v.why}`,
   angles_read_otherwise: () => 'So wie aufgezeichnet sähen die Kameras nicht auf den Boden; ihre Winkel wurden nach einer anderen Konvention gelesen.',

@@ -157,6 +157,7 @@ export const remark_words = {
   track_coarser: () => 'which states larger errors.',
   track_undecided: () => 'although nothing tells which of them carried the camera. Add that one alone.',
   zone_open: (v) => `The photos fit ${v.file} in several time zones. Their clock was taken for ${v.zone}, but ${v.others} would fit as well, and the map may lie elsewhere on the track. Add the log of this flight alone, or photos whose times name their time zone.`,
+  written_zone_refuted: (v) => `The times of the photos name the time zone ${v.zone}, by which they would have been taken where ${v.file} stood still, or where their headings or spacing do not fit it. Their clock was taken for ${v.other}. Check where the map lies on the track, and correct the zone of the times.`,
   photos_beyond_log: (v) => `By the camera’s clock ${number(v.outside)} of ${number(v.photos)} photos, taken without a pause before or after the others, lie outside of the time that ${v.file} covers. The clock may be off, and the others may lie elsewhere on the track. Correct the times of the photos, or add all logs of the flight.`,
   log_unusable: (v) => `The log could not be used: ${v.why}`,
   angles_read_otherwise: () => 'As recorded, the cameras would not look at the ground; their angles were read by another convention.',
