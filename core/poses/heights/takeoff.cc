@@ -2,7 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "core/base/median.h"
 #include "core/geo/geoid.h"
@@ -25,11 +28,30 @@ std::optional<double> At(const std::vector<Sample>& samples, double t_s, Value v
   return (1.0 - around.weight) * value(*around.before) + around.weight * value(*around.after);
 }
 
+// A sensor out of reach repeats its limit to the last digit: over it the ground would seem to lie as far
+// below a flight of constant height.
+std::vector<flight::RangeSample> EchoesWithinReach(std::vector<flight::RangeSample> echoes) {
+  constexpr std::size_t kFewestAtLimit = 20, kOneIn = 10;
+  constexpr double kOthersShorterM = 1.0;
+  if (echoes.empty()) return echoes;
+  const auto [nearest, farthest] = std::minmax_element(
+      echoes.begin(), echoes.end(), [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
+  const double limit_m = farthest->distance_m;
+  const auto is_at_limit = [&](const flight::RangeSample& echo) { return echo.distance_m == limit_m; };
+  const auto at_limit = static_cast<std::size_t>(std::count_if(echoes.begin(), echoes.end(), is_at_limit));
+  const bool is_repeated = at_limit >= kFewestAtLimit && kOneIn * at_limit >= echoes.size();
+  if (is_repeated && limit_m - nearest->distance_m > kOthersShorterM) std::erase_if(echoes, is_at_limit);
+  return echoes;
+}
+
 class TakeoffSearch {
  public:
   TakeoffSearch(const FlightLog& log, const std::vector<PhotoAtTime>& photos,
                 const std::optional<double>& given_ellipsoid_m)
-      : log_(log), photos_(photos), given_ellipsoid_m_(given_ellipsoid_m) {
+      : log_(log),
+        photos_(photos),
+        given_ellipsoid_m_(given_ellipsoid_m),
+        echoes_(EchoesWithinReach(log.range)) {
     if (!log.gnss.empty()) geoid_m_ = geo::GeoidHeightM(log.gnss.front().position).value_or(0.0);
   }
 
@@ -90,9 +112,9 @@ class TakeoffSearch {
   }
 
   bool ByRange() {
-    if (log_.range.size() < 5) return false;
+    if (echoes_.size() < 5) return false;
     std::vector<double> grounds;
-    for (const flight::RangeSample& echo : log_.range) {
+    for (const flight::RangeSample& echo : echoes_) {
       const auto height_m = GnssHeightAt(echo.t_s);
       if (height_m && std::isfinite(*height_m)) grounds.push_back(*height_m - echo.distance_m);
     }
@@ -162,9 +184,9 @@ class TakeoffSearch {
   // What the range finder saw below the flight, against the barometer's zero.
   void GroundByRange() {
     // Without positions the track itself hangs on the range finder's plane.
-    if (log_.range.empty() || log_.baro.empty() || !out_.middle) return;
+    if (log_.baro.empty() || !out_.middle) return;
     std::vector<double> grounds;
-    for (const flight::RangeSample& echo : log_.range) {
+    for (const flight::RangeSample& echo : echoes_) {
       const auto height_m = BaroAt(echo.t_s);
       if (height_m && *height_m > 3.0 && echo.distance_m > 2.0)
         grounds.push_back(*height_m - echo.distance_m);
@@ -183,6 +205,7 @@ class TakeoffSearch {
   const FlightLog& log_;
   const std::vector<PhotoAtTime>& photos_;
   const std::optional<double>& given_ellipsoid_m_;
+  const std::vector<flight::RangeSample> echoes_;
   double geoid_m_ = 0.0;
   Takeoff out_;
 };

@@ -85,6 +85,15 @@ TEST_F(FindTakeoffTest, DoesNotBelieveARangeFinderAtItsLimit) {
   EXPECT_EQ(Find().ground_above_takeoff_m, 0.0);
 }
 
+TEST_F(FindTakeoffTest, DoesNotBelieveALimitThatAFlightOfConstantHeightRepeats) {
+  AddBarometer();
+  for (int k = 0; k < 10; ++k) log_.range.push_back({11.0 + 0.1 * k, 5.0 + k});
+  for (int k = 0; k <= 100; ++k) log_.range.push_back({30.0 + 0.1 * k, 40.0});
+  const Takeoff takeoff = Find();
+  EXPECT_EQ(takeoff.ground_above_takeoff_m, 0.0);
+  EXPECT_EQ(takeoff.rule.find("range finder"), std::string::npos) << takeoff.rule;
+}
+
 TEST_F(FindTakeoffTest, TakesTheRangeFinderWithoutABarometer) {
   AddRange(0.0);
   const Takeoff takeoff = Find();
