@@ -17,9 +17,19 @@ bool IsRtkFixed(std::string_view fix) {
   return lower.find("fixed") != std::string::npos;
 }
 
+// "46.842.607": a spreadsheet took the point for one of thousands, and where it stood is lost. As whole
+// numbers of 1e-7 degrees they would be places elsewhere.
+bool HasLostItsPoint(std::string_view cell, double degrees) {
+  constexpr double kHalfTurnDeg = 180.0;
+  const auto points = std::count(cell.begin(), cell.end(), '.');
+  const auto commas = std::count(cell.begin(), cell.end(), ',');
+  return std::abs(degrees) > kHalfTurnDeg && ((points > 1 && commas == 0) || (commas > 1 && points == 0));
+}
+
 // Degrees, nothing where a letter behind or before them is none of `letters`.
 std::optional<double> ReadDegrees(std::string_view cell, std::string_view letters) {
   const auto read = ReadCoordinateCell(cell);
+  if (read && HasLostItsPoint(cell, read->value)) return std::nullopt;
   const bool fits =
       read && (read->hemisphere == 0 || letters.find(read->hemisphere) != std::string_view::npos);
   return fits ? std::optional(read->value) : std::nullopt;

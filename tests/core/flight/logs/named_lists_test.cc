@@ -358,6 +358,17 @@ TEST(NamedLists, HaveNoHeightsThatNoAircraftReaches) {
   EXPECT_THAT(log.warnings, ::testing::Contains(said)) << "of both, with the first";
 }
 
+// As spreadsheets of some countries keep them; they were places off Ghana.
+TEST(NamedLists, HaveNoDegreesThatLostTheirPoint) {
+  const FlightLog log =
+      ReadList("image;lat;lon;alt\na.jpg;46.842.607;8.123.456;500\nb.jpg;46.842.612;8.123.461;500\n");
+  ASSERT_EQ(log.events.size(), 2u);
+  for (const CameraEvent& event : log.events) EXPECT_FALSE(event.position || event.written);
+  EXPECT_THAT(InWords(log.warnings), ::testing::Contains(HasSubstr("\"46.842.607\"")));
+  EXPECT_TRUE(
+      FirstRow("image;lat;lon;alt\na.jpg;468426070;81234560;500\nb.jpg;468426120;81234610;500\n").position);
+}
+
 TEST(NamedLists, LeavesPointsProseAndLogsAlone) {
   const auto reads = [](std::string_view line, std::string_view rows) {
     return ReadListHeading(line, LineReader(rows)).has_value();
