@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <optional>
 #include <utility>
 
@@ -246,6 +247,37 @@ CsvColumn MapTolerantColumn(std::string_view header) {
   return column;
 }
 
+// What a name is without the last of its words that it ends with; empty where it ends with none of them.
+std::string_view WithoutEndOf(std::string_view letters, std::initializer_list<std::string_view> ends) {
+  for (const std::string_view end : ends) {
+    if (letters.size() > end.size() && letters.ends_with(end))
+      return letters.substr(0, letters.size() - end.size());
+  }
+  return {};
+}
+
+// Degrees whose minutes stand in a column of their own ("lat_deg", "lat_min") are no coordinate without them:
+// whole degrees lie up to a hundred kilometres away. Beside "lat_max" the least is meant.
+void LeaveDegreesBesideMinutes(std::vector<CsvColumn>& columns) {
+  for (const M coordinate : {M::kLat, M::kLon}) {
+    const auto has = [&](std::initializer_list<std::string_view> ends) {
+      return std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& column) {
+        const std::string letters = LettersAndDigits(LowerCase(column.header.substr(0, kMaxColumnName)));
+        return FindCsvSynonym(WithoutEndOf(letters, ends)) == coordinate;
+      });
+    };
+    if (!has({"minutes", "minute", "mins", "min"}) || has({"maximum", "max"})) continue;
+    if (!has({"degrees", "degree", "degs", "deg"})) continue;
+    for (CsvColumn& column : columns) {
+      const std::string letters = LettersAndDigits(LowerCase(column.header.substr(0, kMaxColumnName)));
+      const bool is_part = !WithoutEndOf(letters, {"degrees", "degree", "degs", "deg", "minutes", "minute",
+                                                   "mins", "min", "seconds", "second", "secs", "sec"})
+                                .empty();
+      if (column.meaning == coordinate && is_part) column.meaning = M::kIgnored;
+    }
+  }
+}
+
 }  // namespace
 
 bool IsZeroOfHeights(std::string_view word) { return ZeroOfHeights(word) != M::kIgnored; }
@@ -261,6 +293,7 @@ std::string LettersAndDigits(std::string_view lower) {
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header) {
   std::vector<CsvColumn> columns;
   for (const std::string_view name : header) columns.push_back(MapTolerantColumn(name));
+  LeaveDegreesBesideMinutes(columns);
   // Counts of satellites have names that mean something else beside their like alone.
   constexpr std::array kCounts = {std::pair{std::string_view("ns"), M::kLonLetter},
                                   std::pair{std::string_view("sv"), M::kSigmaHorizontal}};

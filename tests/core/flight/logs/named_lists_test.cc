@@ -369,6 +369,26 @@ TEST(NamedLists, HaveNoDegreesThatLostTheirPoint) {
       FirstRow("image;lat;lon;alt\na.jpg;468426070;81234560;500\nb.jpg;468426120;81234610;500\n").position);
 }
 
+// Whole degrees, whose minutes are in columns of their own, are up to a hundred kilometres off.
+TEST(NamedLists, HaveNoDegreesWithoutTheirMinutes) {
+  const auto reads = [](const std::string& names, const std::string& row) {
+    return ParseLog("list.csv", BytesOf(names + "\n" + row + "\n" + row + "\n")).ok();
+  };
+  const std::string in_parts = "a.jpg,46,50,33.39,8,7,24.4,500";
+  EXPECT_FALSE(reads("image,lat_deg,lat_min,lat_sec,lon_deg,lon_min,lon_sec,alt", in_parts));
+  EXPECT_FALSE(reads(
+      "image,Latitude (deg),Latitude (min),Latitude (sec),Longitude (deg),Longitude (min),Longitude (sec),alt",
+      in_parts));
+  EXPECT_TRUE(
+      reads("image,lat_deg,lat_min,lat_max,lon_deg,lon_min,lon_max,alt", "a.jpg,46.84,46,47,8.1,8,9,500"))
+      << "the least and the most of an area";
+  EXPECT_DOUBLE_EQ(FirstRow("image,latitude,longitude,lat_deg,lat_min,lon_deg,lon_min\n"
+                            "a.jpg,46.84,8.1,46,50.4,8,6\n")
+                       .position.value_or(geo::LatLon())
+                       .lat_deg,
+                   46.84);
+}
+
 TEST(NamedLists, LeavesPointsProseAndLogsAlone) {
   const auto reads = [](std::string_view line, std::string_view rows) {
     return ReadListHeading(line, LineReader(rows)).has_value();
