@@ -124,6 +124,35 @@ TEST(PhotoRows, SayHeightsThatContradictThoseOfThePhotos) {
   EXPECT_TRUE(warnings_of(60.0, 2).empty()) << "one may be wrong by itself";
 }
 
+// "height" of a site by the sea, above the ellipsoid, is read as above the take-off.
+TEST(PhotoRows, SayHeightsAboveTheTakeoffThatContradictThoseOfThePhotos) {
+  const auto warnings_of = [](double list_m, double own_m, bool has_position) {
+    std::vector<flight::Photo> photos(3);
+    flight::FlightLog list;
+    for (std::size_t k = 0; k < photos.size(); ++k) {
+      photos[k].name = std::to_string(k) + ".jpg";
+      if (has_position)
+        photos[k].position.emplace().height_above_takeoff_m = own_m;
+      else
+        photos[k].lone_height_above_takeoff_m = own_m;
+      flight::CameraEvent& row = list.events.emplace_back();
+      row.has_time = false;
+      row.image_name = photos[k].name;
+      row.position = geo::LatLon{46.84, -91.99};
+      row.height_above_takeoff_m = list_m;
+    }
+    return ApplyPhotoRows({list}, photos).warnings;
+  };
+  for (const bool has_position : {true, false}) {
+    const std::vector<flight::Remark> said = warnings_of(100.0, 40.0, has_position);
+    ASSERT_EQ(said.size(), 1U) << has_position;
+    EXPECT_EQ(said.front().code, flight::RemarkCode::kListTakeoffHeightsContradict);
+    EXPECT_EQ(said.front().values.at("apart_m"), flight::RemarkValue(60.0));
+  }
+  EXPECT_TRUE(warnings_of(52.0, 40.0, true).empty()) << "another barometer";
+  EXPECT_TRUE(warnings_of(60.0, 0.0, true).empty()) << "a field that is never filled";
+}
+
 NamedPhotos Named(const std::vector<std::string>& names) {
   std::vector<flight::Photo> photos;
   for (const std::string& name : names) photos.emplace_back().name = name;
