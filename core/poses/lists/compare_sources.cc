@@ -195,6 +195,7 @@ void TakeList(JudgedList judged, FlightLog& log, OwnRecords& own, Flight& flight
   if (!WidenRounded(judged, log)) judged.use.rounded_to_m.reset();
   TellContradicting(judged, log, flight);
   Learn(judged, own);
+  if (auto remark = RemarkOnUnit(judged.use, judged.middle)) flight.warnings.push_back(*std::move(remark));
   Tell(std::move(judged.use), flight);
 }
 

@@ -182,6 +182,16 @@ std::optional<Remark> RemarkOnRounding(const ListUse& use) {
   return Remark{RemarkCode::kListRounded, {{"file", use.file_name}, {"step_m", *use.rounded_to_m}}};
 }
 
+std::optional<Remark> RemarkOnUnit(const ListUse& use, const std::optional<geo::LatLon>& middle) {
+  // No land lies so near to where both are zero, and all radians do.
+  constexpr double kMaxLat = geo::kPi / 2.0, kMaxLon = geo::kPi;
+  const bool are_degrees = use.reading.counts_in == CountsIn::kDegrees || use.system == "EPSG:4326";
+  if (use.fault != ListFault::kNone || use.apart_m || !middle || !are_degrees) return std::nullopt;
+  if (std::abs(middle->lat_deg) > kMaxLat || std::abs(middle->lon_deg) > kMaxLon) return std::nullopt;
+  return Remark{RemarkCode::kListLikeRadians,
+                {{"file", use.file_name}, {"lat_deg", middle->lat_deg}, {"lon_deg", middle->lon_deg}}};
+}
+
 std::string QuestionOf(const ListUse& use, const geo::LatLon& as_read, const ListReading& other,
                        const geo::LatLon& as_other) {
   return fmt::format(

@@ -26,6 +26,10 @@ std::optional<flight::Remark> RemarkOnSystem(const flight::ListUse& use);
 // That its coordinates are written in a coarse step; nothing where they are not, or the list does not serve.
 std::optional<flight::Remark> RemarkOnRounding(const flight::ListUse& use);
 
+// That its places lie where numbers of another unit do; nothing where others say where the flight was.
+std::optional<flight::Remark> RemarkOnUnit(const flight::ListUse& use,
+                                           const std::optional<geo::LatLon>& middle);
+
 // The question of a list that two readings fit.
 std::string QuestionOf(const flight::ListUse& use, const geo::LatLon& as_read,
                        const flight::ListReading& other, const geo::LatLon& as_other);

@@ -222,6 +222,18 @@ TEST(CompareSources, AsksWhereTwoReadingsStayPossible) {
   ExpectTaken(tracked, kZurich, "with a track");
 }
 
+TEST(CompareSources, SaysThatPlacesLieWhereRadiansDo) {
+  const auto as_radians = [](const LatLon& at) {
+    return flight::WrittenPlace{geo::DegToRad(at.lon_deg), geo::DegToRad(at.lat_deg)};
+  };
+  for (const LatLon& place : {kDuluth, kZurich, kSydney, kLaPaz}) {
+    const Flight flight = Compared(place, ListOf(place, 18, as_radians, "EPSG:4326"), false);
+    EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("as radians do")));
+    const Flight in_degrees = Compared(place, ListOf(place, 18, AsDegrees, "EPSG:4326"), false);
+    EXPECT_THAT(InWords(in_degrees.warnings), ::testing::Not(Contains(HasSubstr("radians"))));
+  }
+}
+
 TEST(CompareSources, CountsKappaFromTheNorthOfThePlane) {
   constexpr double kWritten = 0.1;  // ListOf's
   const auto yaw_of = [](FlightLog list, bool is_kappa) {
