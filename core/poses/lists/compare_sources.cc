@@ -281,9 +281,18 @@ void CompareControl(const NamedPhotos& named, const OwnRecords& own, Flight& fli
   }
 }
 
+void WidenRoundedTracks(Flight& flight) {
+  for (FlightLog& log : flight.logs) {
+    if (const auto step_m = WidenToStep(log.gnss))
+      flight.warnings.push_back(
+          {flight::RemarkCode::kListRounded, {{"file", log.file_name}, {"step_m", *step_m}}});
+  }
+}
+
 }  // namespace
 
 Result<void> CompareSources(Flight& flight) {
+  WidenRoundedTracks(flight);
   OwnRecords own = OwnRecordsOf(flight.photos, flight.logs);
   const auto own_of_photos = own.moving;  // the lists add to it
   const NamedPhotos named(flight.photos);

@@ -6,6 +6,8 @@
 #include <functional>
 #include <set>
 
+#include "core/geo/geodesic.h"
+#include "core/geo/lat_lon.h"
 #include "core/poses/evidence/common_error.h"
 
 namespace skyquilt::poses {
@@ -38,19 +40,23 @@ bool IsWholeIn(double step, double number) {
   return std::abs(steps - std::round(steps)) <= kOfReading;
 }
 
-}  // namespace
-
-std::optional<double> FindWrittenStep(const std::vector<flight::WrittenPlace>& rows, bool are_degrees) {
+bool AreManyNumbers(const std::vector<flight::WrittenPlace>& rows) {
   std::set<double> east, north;
   for (const flight::WrittenPlace& row : rows) {
     east.insert(row.x);
     north.insert(row.y);
   }
-  if (east.size() + north.size() < kFewestNumbers) return std::nullopt;
+  return east.size() + north.size() >= kFewestNumbers;
+}
+
+}  // namespace
+
+std::optional<double> FindWrittenStep(const std::vector<flight::WrittenPlace>& rows, bool are_degrees) {
   for (const double step : StepsTried(are_degrees)) {
-    const auto is_whole = [&](double number) { return IsWholeIn(step, number); };
-    if (std::all_of(east.begin(), east.end(), is_whole) && std::all_of(north.begin(), north.end(), is_whole))
-      return step;
+    const bool are_whole = std::all_of(rows.begin(), rows.end(), [&](const flight::WrittenPlace& row) {
+      return IsWholeIn(step, row.x) && IsWholeIn(step, row.y);
+    });
+    if (are_whole) return AreManyNumbers(rows) ? std::optional(step) : std::nullopt;
   }
   return std::nullopt;
 }
@@ -65,6 +71,27 @@ bool WidenToStep(double step_m, flight::CameraEvent& event) {
   event.sigma_in_ned_m = Eigen::Vector3d(sigma_m, sigma_m, vertical_m);
   event.is_rtk_fixed = false;
   return true;
+}
+
+std::optional<double> WidenToStep(std::vector<flight::GnssSample>& fixes) {
+  std::vector<flight::WrittenPlace> rows;
+  rows.reserve(fixes.size());
+  for (const flight::GnssSample& fix : fixes) rows.push_back({fix.position.lon_deg, fix.position.lat_deg});
+  const std::optional<double> step_deg = FindWrittenStep(rows, true);
+  if (!step_deg) return std::nullopt;
+  const geo::LatLon& first = fixes.front().position;
+  const double to_equator_deg = first.lat_deg > 0.0 ? -*step_deg : *step_deg;
+  const double step_m = geo::MetresApart(first, {first.lat_deg + to_equator_deg, first.lon_deg});
+  const double sigma_m = SigmaOfStep(step_m);
+  bool any = false;
+  for (flight::GnssSample& fix : fixes) {
+    const double assumed_m = fix.is_rtk_fixed ? flight::kFixedSigmaM : flight::kPlainSigmaM;
+    if (sigma_m <= kWorstCorrectedM || fix.sigma_horizontal_m.value_or(assumed_m) >= sigma_m) continue;
+    fix.sigma_horizontal_m = sigma_m;
+    fix.is_rtk_fixed = false;
+    any = true;
+  }
+  return any ? std::optional(step_m) : std::nullopt;
 }
 
 }  // namespace skyquilt::poses

@@ -68,6 +68,25 @@ TEST(CompareSources, BelievesNoListMoreThanTheStepOfItsNumbers) {
   }
 }
 
+TEST(CompareSources, BelievesNoTrackMoreThanTheStepOfItsNumbers) {
+  const auto fix_of = [](double steps_a_degree) {
+    Flight flight = FlightAt(kZurich, 18, false);
+    FlightLog& track = flight.logs.emplace_back();
+    for (int k = 0; k < 18; ++k) {
+      flight::GnssSample& fix = track.gnss.emplace_back();
+      fix.t_s = k;
+      const LatLon at = TakenAt(Beside(kZurich, 3.0, 2.0), k);
+      fix.position = {std::round(at.lat_deg * steps_a_degree) / steps_a_degree,
+                      std::round(at.lon_deg * steps_a_degree) / steps_a_degree};
+    }
+    EXPECT_TRUE(CompareSources(flight).ok());
+    EXPECT_EQ(flight.warnings.empty(), steps_a_degree > 1e4) << steps_a_degree;
+    return flight.logs[0].gnss[0];
+  };
+  EXPECT_NEAR(fix_of(1e4).sigma_horizontal_m.value_or(0.0), 11.1 / std::sqrt(12.0), 0.05);
+  for (const double steps_a_degree : {1e5, 1e7}) EXPECT_FALSE(fix_of(steps_a_degree).sigma_horizontal_m);
+}
+
 TEST(CompareSources, LetsPhotosKnowToWhatTheSystemOfTheirListIsKnown) {
   const LatLon milan{45.46, 9.19};
   for (const auto& [epsg, is_known] : {std::pair{3003, false}, std::pair{32632, true}}) {  // Monte Mario, UTM
