@@ -15,8 +15,10 @@
 #include "core/base/text/printable.h"
 #include "core/flight/read_flight.h"
 #include "core/pipeline/report/flight_facts.h"
+#include "core/pipeline/report/odm_exports.h"
 #include "core/render/map_layer.h"
 #include "server/inputs/film_frames.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/map_keeper.h"
 
 namespace skyquilt::server {
@@ -24,14 +26,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kGeoTxt = "geo.txt";
+
+// One that cannot be read may be anybody's.
+bool IsGeoTxtOfMap(const fs::path& path) {
+  const Result<std::string> text = storage::ReadWholeFile(path);
+  return text && pipeline::IsOdmGeoTxt(*text);
+}
+
 // Every file that StitchToDirectory writes or removes.
 std::vector<std::string> ProductNames() {
-  std::vector<std::string> names = {
-      "mosaic.mbtiles",   "mosaic.pmtiles", "mosaic.tif",     "mosaic_utm.tif",   "mosaic.kmz",
-      "thumbnail.png",    "report.json",    "photos.geojson", "locate.json",      "cameras.json",
-      "geo.txt",          "layers.json",    "bands.tif",      "dsm.tif",          "dsm_photos.tif",
-      "dtm.tif",          "dtm_ground.tif", "contours.gpkg",  "contours.geojson", "contours.dxf",
-      "dsm_hillshade.tif"};
+  std::vector<std::string> names = {"mosaic.mbtiles",   "mosaic.pmtiles", "mosaic.tif",
+                                    "mosaic_utm.tif",   "mosaic.kmz",     "thumbnail.png",
+                                    "report.json",      "photos.geojson", "locate.json",
+                                    "cameras.json",     kGeoTxt,          "layers.json",
+                                    "bands.tif",        "dsm.tif",        "dsm_photos.tif",
+                                    "dtm.tif",          "dtm_ground.tif", "contours.gpkg",
+                                    "contours.geojson", "contours.dxf",   "dsm_hillshade.tif"};
   for (const render::MapLayer layer : render::kMapLayers) names.push_back(render::LayerFileName(layer));
   return names;
 }
@@ -134,6 +145,7 @@ Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::I
     return Refusal(out_dir,
                    "has a map whose mosaic.state is damaged or of another version of Skyquilt, so its photos "
                    "are not known.");
+  SKYQUILT_TRY(CheckListStays(out_dir));
   const Missing missing = MissingOf(out_dir, *facts, files);
   const std::string others = OtherOptions(*facts, options);
   if (missing.photos.empty() && !others.empty())
@@ -161,7 +173,19 @@ bool IsOfMap(const fs::path& file, const fs::path& root) {
   const std::string name = file.filename().string();
   const bool is_named_so =
       name.starts_with("mosaic.state") || std::find(names.begin(), names.end(), name) != names.end();
-  return is_named_so && fs::exists(folder / "mosaic.state", none);
+  return is_named_so && fs::exists(folder / "mosaic.state", none) && (name != kGeoTxt || IsGeoTxtOfMap(file));
+}
+
+Result<void> CheckListStays(const fs::path& out_dir) {
+  const fs::path list = out_dir / kGeoTxt;
+  std::error_code none;
+  if (!fs::exists(fs::symlink_status(list, none)) || IsGeoTxtOfMap(list)) return {};
+  return Error{
+      ErrorCode::kConflict,
+      fmt::format("{} was not written with the map there, and the map's own would replace it. Nothing "
+                  "was changed. Move it to another folder, from where it can be given as a list of "
+                  "positions.",
+                  list.string())};
 }
 
 Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<fs::path>& inputs) {
@@ -181,9 +205,11 @@ Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<fs::path>
 }
 
 Result<void> CheckNoInputIsReplaced(const fs::path& out_dir, const std::vector<flight::InputFile>& files) {
-  // Beside a state of ours the products are ours too, whatever folder was given to read.
-  if (storage::MapKeeper::StatedFacts(out_dir)) return {};
-  const std::vector<std::string> names = ProductNames();
+  // Beside a state of ours the products are ours too, whatever folder was given to read; but not a list that
+  // somebody put there.
+  const bool has_map = storage::MapKeeper::StatedFacts(out_dir).ok();
+  if (has_map && IsGeoTxtOfMap(out_dir / kGeoTxt)) return {};
+  const std::vector<std::string> names = has_map ? std::vector<std::string>{kGeoTxt} : ProductNames();
   for (const flight::InputFile& file : files) {
     for (const std::string& name : names) {
       std::error_code none;  // a product that is not there yet replaces nothing

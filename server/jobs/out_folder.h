@@ -18,8 +18,8 @@ Result<void> CheckOutFolder(const std::filesystem::path& out_dir, const std::vec
                             const pipeline::MosaicOptions& options);
 
 // Whether a file below `root`, which is walked, is part of a map that was made there: a product beside its
-// mosaic.state, or a frame of a film, unless the root is the folder of frames. Such would pass for photos,
-// positions and heights of the flight.
+// mosaic.state (a geo.txt that somebody put there is none), or a frame of a film, unless the root is the
+// folder of frames. Such would pass for photos, positions and heights of the flight.
 bool IsOfMap(const std::filesystem::path& file, const std::filesystem::path& root);
 
 // What is given of a flight, without what in its folders IsOfMap. A file that is given by itself counts. Says
@@ -29,6 +29,9 @@ Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<std::file
 // Even where the user said to overwrite: no file that the map is to be made from. Errors: kConflict.
 Result<void> CheckNoInputIsReplaced(const std::filesystem::path& out_dir,
                                     const std::vector<flight::InputFile>& files);
+
+// That no geo.txt but the map's own lies where that is written. Errors: kConflict.
+Result<void> CheckListStays(const std::filesystem::path& out_dir);
 
 // Which heights the folder's map has, so that they are written again with it. They show by dsm_photos.tif and
 // dtm_ground.tif: a dsm.tif alone may be somebody's elevation model.

@@ -3,11 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "core/base/text/json_io.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/log_builder.h"
@@ -49,6 +51,27 @@ Eigen::Vector3d AirframeAngles(const Eigen::Quaterniond& cam_from_enu) {
                                      poses::CamFromBody());
 }
 
+constexpr std::string_view kGeoTxtHead = "EPSG:4326\n", kUnnamedPhotos = "# Not here, for this file ";
+
+bool HasDecimals(std::string_view number, std::size_t decimals) {
+  const std::size_t point = number.find('.');
+  return point != std::string_view::npos && number.size() - point - 1 == decimals &&
+         ParseNumber<double>(number).has_value();
+}
+
+// A photo's name, position and angles, with or without its accuracy, to the digits of OdmGeoTxt.
+bool IsGeoTxtRow(std::string_view line) {
+  constexpr std::array<std::size_t, 8> kDecimals = {10, 10, 4, 6, 6, 6, 4, 4};
+  std::size_t numbers = 0;
+  for (std::size_t blank = line.find(' '); blank != std::string_view::npos; ++numbers) {
+    const std::size_t end = line.find(' ', blank + 1);
+    const std::string_view number = line.substr(blank + 1, end - blank - 1);
+    if (numbers == kDecimals.size() || !HasDecimals(number, kDecimals[numbers])) return false;
+    blank = end;
+  }
+  return numbers == kDecimals.size() || numbers == kDecimals.size() - 2;
+}
+
 }  // namespace
 
 std::string OdmCamerasJson(const alignment::AlignedFlight& flight) {
@@ -64,7 +87,7 @@ std::string OdmCamerasJson(const alignment::AlignedFlight& flight) {
 }
 
 std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m, alignment::ErrorsKnown known) {
-  std::string text = "EPSG:4326\n";
+  std::string text(kGeoTxtHead);
   std::size_t unnamed = 0;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
     if (photo.photo.name.find_first_of(" \t\r\n") != std::string::npos) {
@@ -82,10 +105,23 @@ std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m, a
   // Comments at the end: above the rows they could pass for names of columns.
   if (raised_m != 0.0) text += "# Heights count as those of the surveyed points that place the map.\n";
   if (unnamed > 0) {
-    text += fmt::format("# Not here, for this file cannot hold the blanks in their names: {}\n",
+    text += fmt::format("{}cannot hold the blanks in their names: {}\n", kUnnamedPhotos,
                         Counted(unnamed, "photo"));
   }
   return text;
+}
+
+bool IsOdmGeoTxt(std::string_view text) {
+  if (!text.starts_with(kGeoTxtHead) || !text.ends_with('\n')) return false;
+  bool says_anything = false;
+  for (text.remove_prefix(kGeoTxtHead.size()); !text.empty();) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(line.size() + 1);
+    const bool is_comment = line.starts_with("# ");
+    if (!is_comment && !IsGeoTxtRow(line)) return false;
+    says_anything = says_anything || !is_comment || line.starts_with(kUnnamedPhotos);
+  }
+  return says_anything;
 }
 
 }  // namespace skyquilt::pipeline

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "core/alignment/scene/aligned_flight.h"
 
@@ -15,5 +16,8 @@ std::string OdmCamerasJson(const alignment::AlignedFlight& flight);
 // places the map, from which the list of its points counts. `known`: as of LocateJson.
 std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m = 0.0,
                       alignment::ErrorsKnown known = alignment::ErrorsKnown::kOfAll);
+
+// Whether OdmGeoTxt writes such a text, to the digit: a list of positions that somebody made is none.
+bool IsOdmGeoTxt(std::string_view text);
 
 }  // namespace skyquilt::pipeline

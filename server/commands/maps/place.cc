@@ -124,6 +124,7 @@ void Run(const PlaceArguments& arguments) {
           file.path.string() + " is gone; a map is drawn again when it is placed, which needs its photos "
                                "where they were."});
   }
+  OrFail(kCommand, CheckListStays(arguments.map_dir));
   StitchJobOptions options = OptionsOf(arguments);
   options.mosaic.placing = request;
   const pipeline::MosaicReport report = OrFail(kCommand, [&] {

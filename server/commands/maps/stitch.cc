@@ -191,6 +191,7 @@ void Run(StitchArguments& arguments) {
     Fail("skyquilt", possible.error());
   auto files = OrFail("skyquilt", FilesOfFlight(arguments.inputs));
   if (arguments.append) {
+    OrFail("skyquilt", CheckListStays(arguments.out_dir));
     AddFinishedFiles(arguments.out_dir, files);
     OrFail("skyquilt", TakeOptionsOfMap(arguments.out_dir, arguments.said, arguments.job.mosaic));
   } else if (arguments.overwrite) {

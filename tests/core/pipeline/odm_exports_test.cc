@@ -74,6 +74,20 @@ TEST(OdmExports, CountHeightsAsTheSurveyDoesThatPlacesTheMap) {
   EXPECT_EQ(recorded.find("surveyed points"), std::string::npos);
 }
 
+TEST(OdmExports, AreKnownFromAListThatSomebodyMade) {
+  alignment::AlignedFlight flight = Flight();
+  EXPECT_TRUE(IsOdmGeoTxt(OdmGeoTxt(flight)));
+  EXPECT_TRUE(IsOdmGeoTxt(OdmGeoTxt(flight, -47.25, alignment::ErrorsKnown::kOfNone)));
+  for (const char* others :
+       {"", "mine", "EPSG:4326\n", "EPSG:4326\n# mine\n", "EPSG:4326\nA.JPG 7.1 46.8 560\n",
+        "EPSG:4326\nA.JPG 7.1000000000 46.8000000000 560.0000\n",
+        "EPSG:4326\nA.JPG 7.1000000000 46.8000000000 560.0000 1.000000 2.000000 3.000000 0.02 0.04\n"}) {
+    EXPECT_FALSE(IsOdmGeoTxt(others)) << others;
+  }
+  flight.photos.erase(flight.photos.begin());
+  EXPECT_TRUE(IsOdmGeoTxt(OdmGeoTxt(flight))) << "of photos that it cannot name";
+}
+
 TEST(OdmExports, TellTheLensInWidthsOfTheLongerSide) {
   const auto cameras = nlohmann::json::parse(OdmCamerasJson(Flight()));
   ASSERT_EQ(cameras.size(), 1u);

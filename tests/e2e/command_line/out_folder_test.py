@@ -164,6 +164,23 @@ class OutFolder(ScratchCase):
         self.check_refused(photos, self.stitch(photos, photos, "--overwrite"), "geo.txt", "one of the files given")
         self.assertEqual((photos / "geo.txt").read_text(), "EPSG:4326\n")
 
+    def test_a_list_that_somebody_put_beside_the_map_is_read_and_stays(self):
+        photos = self.scratch / "with_map_and_list"
+        shutil.copytree(self.scratch / "one", photos)
+        self.stitch(photos, photos, code=0)
+        places = json.loads((self.scratch / "sim_one" / "truth" / "poses.json").read_text())["photos"]
+        rows = [f"{photo['name']} {photo['lon_deg']:.9f} {photo['lat_deg']:.9f} {photo['height_ellipsoid_m']:.3f}\n" for photo in places]
+        own = "".join(["EPSG:4326\n", *rows])
+        (photos / "geo.txt").write_text(own)
+        self.assertIn("geo.txt", run("inspect", photos).stdout)
+        for words in ((), ("--overwrite",), ("--append",)):
+            self.check_refused(photos, self.stitch(photos, photos, *words), "geo.txt")
+            self.assertEqual((photos / "geo.txt").read_text(), own)
+        # Where it is none of the files given, the word replaces it.
+        self.check_refused(photos, self.stitch(self.scratch / "one", photos), "geo.txt", "Move it")
+        self.stitch(self.scratch / "one", photos, "--overwrite", code=0)
+        self.assertNotEqual((photos / "geo.txt").read_text(), own)
+
 
 if __name__ == "__main__":
     unittest.main()

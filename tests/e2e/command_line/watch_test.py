@@ -97,7 +97,7 @@ class Watch(ServerTestCase):
         self.fill("field", self.photos)
         self.fill("field/map", [("thumbnail.png", self.photos[0][1])])
         (self.card / "field/map/mosaic.state").write_bytes(b"of a map")
-        (self.card / "field/map/geo.txt").write_text("EPSG:4326\n" + "".join(f"{name} 7.4 46.9 600\n" for name, _ in self.photos))
+        (self.card / "field/map/geo.txt").write_text("EPSG:4326\n" + "".join(f"{name} 7.4000000000 46.9000000000 600.0000 0.000000 0.000000 0.000000\n" for name, _ in self.photos))
         server = self.serve()
         done = self.once(server)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
