@@ -45,7 +45,7 @@ Result<void> FailExhausted(SqlConnection& db, Time now) {
   SKYQUILT_TRY_ASSIGN(
       const std::vector<std::string> jobs,
       db.AllText(
-          "SELECT DISTINCT job_id FROM unit WHERE state='running' AND lease_until_us<?1 AND attempts>=?2",
+          "SELECT DISTINCT job_id FROM unit WHERE state<>'done' AND state='running' AND lease_until_us<?1 AND attempts>=?2",
           ToUs(now), kMaxUnitAttempts));
   for (const std::string& job : jobs) {
     SKYQUILT_TRY(FailJobOf(
@@ -85,6 +85,12 @@ UnitLease UnitFrom(const Statement& row) {
 }
 
 }  // namespace
+
+std::string MayBeClaimed(std::string_view unit, std::string_view at) {
+  return fmt::format(
+      "{0}.state<>'done' AND ({0}.state='waiting' OR ({0}.state='running' AND {0}.lease_until_us<{1}))", unit,
+      at);
+}
 
 Result<bool> UnitQueue::Cut(const Lease& lease, std::string_view kind, int count, std::int64_t items,
                             const UnitProgress& progress, const std::set<int>& done) {
@@ -158,8 +164,8 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
       const auto db = db_.Read();
       const Time now = db_.SharedTime(by_machine, *db);
       SKYQUILT_TRY_ASSIGN(const std::int64_t may_claim,
-                          db->Number("SELECT CASE WHEN EXISTS(SELECT 1 FROM unit WHERE state='waiting'"
-                                     " OR (state='running' AND lease_until_us<?1)) THEN 1 ELSE 0 END",
+                          db->Number("SELECT CASE WHEN EXISTS(SELECT 1 FROM unit WHERE " +
+                                         MayBeClaimed("unit", "?1") + ") THEN 1 ELSE 0 END",
                                      ToUs(db_.LostBefore(now))));
       if (may_claim == 0) return std::optional<UnitLease>();
     }
@@ -173,9 +179,8 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
         db->First(
             UnitFrom,
             std::string("WITH next(a_job, a_kind, a_number) AS (SELECT u.job_id, u.kind, u.number FROM unit u"
-                        " JOIN job j ON j.id=u.job_id WHERE j.state='running' AND j.cancel=0 AND"
-                        " (u.state='waiting' OR (u.state='running' AND u.lease_until_us<?4))"
-                        " ORDER BY j.priority DESC, j.id, u.number LIMIT 1") +
+                        " JOIN job j ON j.id=u.job_id WHERE j.state='running' AND j.cancel=0 AND ") +
+                MayBeClaimed("u", "?4") + " ORDER BY j.priority DESC, j.id, u.number LIMIT 1" +
                 PassOverLocked(*db) +
                 ") UPDATE unit SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
                 " lease_until_us=" +

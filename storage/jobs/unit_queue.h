@@ -76,6 +76,11 @@ struct UnitProgress {
   std::string stage;
 };
 
+// Whether a row of `unit` may be claimed at the time `at`, in SQL: the name of the table and a parameter.
+// SQLite has the index of the open ones, of the few among many that are done, only where its own words stand
+// here.
+std::string MayBeClaimed(std::string_view unit, std::string_view at);
+
 class UnitQueue {
  public:
   explicit UnitQueue(CatalogueDb& db) : db_(db) {}

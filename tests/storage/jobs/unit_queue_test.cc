@@ -60,6 +60,16 @@ TEST_F(UnitQueueTest, AJobWaitsForItsUnitsAndIsThenClaimedAgain) {
   EXPECT_EQ(counts[0].done, 2);
 }
 
+TEST_F(UnitQueueTest, AreFoundByTheIndexOfOpenOnes) {
+  const auto db = db_->Lock();
+  if (db->dialect() != Dialect::kSqlite) GTEST_SKIP() << "PostgreSQL plans by what it finds";
+  const std::vector<std::string> plan = test::ValueOf(
+      db->All([](const Statement& row) { return row.Get<std::string>(3); },
+              "EXPLAIN QUERY PLAN SELECT 1 FROM unit WHERE " + MayBeClaimed("unit", "?1"), ToUs(now_)));
+  ASSERT_EQ(plan.size(), 1U);
+  EXPECT_NE(plan[0].find("unit_open"), std::string::npos) << plan[0];
+}
+
 TEST_F(UnitQueueTest, AreCountedByKindUntilTheirJobEnds) {
   EXPECT_TRUE(units_.Count(now_)->empty());
   CutJob(4);
