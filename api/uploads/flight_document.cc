@@ -75,7 +75,7 @@ Result<std::string> ReplaceDocument(
   };
   const Result<storage::AddedFile> added = add();
   if (!added) {
-    service.store.Remove(flight_id, stored);
+    service.store.TakeBack(flight_id, stored, added.error());
     return added.error();
   }
   incoming.Kept(bytes);

@@ -107,7 +107,7 @@ Result<void> FormReceiver::EndFile() {
   const Result<storage::StoredFile> added =
       service_.catalogue.AddFileUnderFreeName(flight_id_, {file_name_, *stored, bytes}, storage::Now());
   if (!added) {
-    service_.store.Remove(flight_id_, *stored);
+    service_.store.TakeBack(flight_id_, *stored, added.error());
     return added.error();
   }
   incoming_->Kept(bytes);

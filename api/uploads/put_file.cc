@@ -118,9 +118,14 @@ class PutFile final : public BodySink {
   Result<Response> Keep(const StoredFile& file) {
     const std::string& flight_id = request_.Parameter("flight");
     const Result<std::optional<storage::AddedFile>> added = AddInItsPlace(service_, request_, file);
-    if (!added || !*added) service_.store.Remove(flight_id, file.stored_name);
-    if (!added) return added.error();
-    if (!*added) return JsonOf(200, FileJson(file));
+    if (!added) {
+      service_.store.TakeBack(flight_id, file.stored_name, added.error());
+      return added.error();
+    }
+    if (!*added) {
+      service_.store.Remove(flight_id, file.stored_name);
+      return JsonOf(200, FileJson(file));
+    }
     incoming_.Kept(file.bytes);
     if ((*added)->replaced) {
       service_.store.Remove(flight_id, (*added)->replaced_stored_name);
@@ -133,7 +138,7 @@ class PutFile final : public BodySink {
   Result<Response> KeepContent(const StoredFile& file) {
     const std::string& flight_id = request_.Parameter("flight");
     const Result<StoredFile> added = service_.catalogue.AddFileUnderFreeName(flight_id, file, storage::Now());
-    if (!added) service_.store.Remove(flight_id, file.stored_name);
+    if (!added) service_.store.TakeBack(flight_id, file.stored_name, added.error());
     if (!added) return added.error();
     incoming_.Kept(file.bytes);
     SKYQUILT_TRY_ASSIGN(const std::vector<FileOutcome> outcomes, UnpackOnly(service_, flight_id, *added));

@@ -37,7 +37,8 @@ Result<std::vector<FileOutcome>> AddAll(Service& service, const std::string& fli
     if (!added) {
       // Those that the catalogue has stay; the others are taken back.
       for (std::size_t rest = i; rest < files.size(); ++rest) {
-        if (!files[rest].error) service.store.Remove(flight_id, files[rest].file.stored_name);
+        if (!files[rest].error)
+          service.store.TakeBack(flight_id, files[rest].file.stored_name, added.error());
       }
       return added.error();
     }

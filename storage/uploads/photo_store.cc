@@ -234,6 +234,11 @@ void PhotoStore::Remove(const std::string& flight_id, const std::string& stored_
   (void)blobs_->Remove(FilesPrefix(flight_id) + stored_name).ok();
 }
 
+void PhotoStore::TakeBack(const std::string& flight_id, const std::string& stored_name,
+                          const Error& why) const {
+  if (why.code != ErrorCode::kUnavailable) Remove(flight_id, stored_name);
+}
+
 void PhotoStore::RemoveFlight(const std::string& flight_id, const std::vector<std::string>& jobs) const {
   // Out of sight in one step, then gone piece by piece; what a crash leaves in work/ the sweep removes: its
   // name says that it was deleted.

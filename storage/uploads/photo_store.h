@@ -81,6 +81,9 @@ class PhotoStore {
   Result<std::vector<LocalBlob>> FetchAll(const std::string& flight_id,
                                           const std::vector<StoredFile>& files) const;
   void Remove(const std::string& flight_id, const std::string& stored_name) const;
+  // What the catalogue did not take, for `why`. One that did not answer (kUnavailable) may have taken it:
+  // then the file stays, and if it is nobody's a later sweep takes it.
+  void TakeBack(const std::string& flight_id, const std::string& stored_name, const Error& why) const;
   // Files and maps of a flight that the catalogue no longer knows, and what its jobs were making on this
   // machine. What cannot be removed now, because its place is away, SweepBlobs removes later.
   void RemoveFlight(const std::string& flight_id, const std::vector<std::string>& jobs = {}) const;

@@ -101,8 +101,9 @@ class ChunkedUploadBytes final : public UploadBytes {
   }
 
   // One that came whole may be the file by now that another machine made of it.
-  void TakeBack(const SpooledUpload& upload, const std::string& stored_name) const override {
-    if (WholeIn(upload.parts).empty()) UploadBytes::TakeBack(upload, stored_name);
+  void TakeBack(const SpooledUpload& upload, const std::string& stored_name,
+                const Error& why) const override {
+    if (WholeIn(upload.parts).empty()) UploadBytes::TakeBack(upload, stored_name, why);
   }
 
   // Their chunks are its chunks.

@@ -149,7 +149,7 @@ Result<void> UploadSpool::MakeFile(SpooledUpload& upload) const {
   const Result<StoredFile> added = catalogue_.AddFileUnderFreeName(
       upload.flight_id, {upload.name, stored, upload.offset}, Now(), upload.id);
   if (!added) {
-    bytes_->TakeBack(upload, stored);
+    bytes_->TakeBack(upload, stored, added.error());
     return added.error();
   }
   bytes_->Remove(upload);

@@ -62,9 +62,9 @@ class UploadBytes {
                             Time now) const = 0;
   // Durable in the flight's folder; answers the stored name. The bytes stay here too until Remove.
   virtual Result<std::string> PutInFlight(const SpooledUpload& upload) const = 0;
-  // The catalogue did not take what PutInFlight answered.
-  virtual void TakeBack(const SpooledUpload& upload, const std::string& stored_name) const {
-    store_.Remove(upload.flight_id, stored_name);
+  // The catalogue did not take what PutInFlight answered, for `why`.
+  virtual void TakeBack(const SpooledUpload& upload, const std::string& stored_name, const Error& why) const {
+    store_.TakeBack(upload.flight_id, stored_name, why);
   }
   // Gives the bytes of all parts to `joined`; they lose them only when `enter` has told the catalogue.
   virtual Result<void> Join(const std::vector<SpooledUpload>& parts, SpooledUpload& joined,

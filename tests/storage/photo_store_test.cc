@@ -49,6 +49,19 @@ TEST(PhotoStore, StoresBytesUnderANameOfItsOwn) {
   EXPECT_EQ(CountIn(store.dir().Files(flight)), 0);
 }
 
+TEST(PhotoStore, TakesBackWhatTheCatalogueRefusedAndKeepsWhatItMayHave) {
+  test::TemporaryFolder scratch;
+  const PhotoStore store(*DataDir::Open(scratch.path()));
+  const std::string flight = NewId();
+  auto upload = test::ValueOf(store.Begin(flight, 0));
+  ASSERT_TRUE(upload.Write(Bytes("x")));
+  const auto stored = test::ValueOf(upload.Finish());
+  store.TakeBack(flight, stored, {ErrorCode::kUnavailable, "its connection was lost at the commit", ""});
+  EXPECT_EQ(CountIn(store.dir().Files(flight)), 1);
+  store.TakeBack(flight, stored, {ErrorCode::kOutOfSpace, "its disk is full", ""});
+  EXPECT_EQ(CountIn(store.dir().Files(flight)), 0);
+}
+
 TEST(PhotoStore, LeavesNothingOfAnUploadThatBroke) {
   test::TemporaryFolder scratch;
   const PhotoStore store(*DataDir::Open(scratch.path()));

@@ -72,6 +72,23 @@ class UploadsOfTwoServers : public testing::Test {
   Node a_{*this, "a"}, b_{*this, "b"};
 };
 
+TEST_F(UploadsOfTwoServers, KeepAFileThatTheCatalogueMayHaveTaken) {
+  const SpooledUpload upload = Begin(8);
+  EXPECT_EQ(Send(a_, upload.id, 0, "half")->offset, 4);
+  const DataDir dir = *DataDir::Open(folder_ / "gone", NewId());
+  Catalogue away(*db_, FlightRecords(dir));
+  UploadSpool spool(*db_, away, a_.store);
+  std::filesystem::remove(dir.Flights());  // as a database whose connection is lost at the commit
+  {
+    const auto append = test::ValueOf(spool.Begin(upload.id, 4, false, now_));
+    ASSERT_TRUE(append->Write(BytesOf("full")));
+    EXPECT_EQ(test::ErrorOf(append->Commit(now_)).code, ErrorCode::kUnavailable);
+  }
+  EXPECT_EQ(blobs_->List(FilesPrefix(flight_))->size(), 1U);
+  EXPECT_TRUE(b_.spool.Find(upload.id, now_)->is_done);
+  EXPECT_EQ(Stored(), "halffull");
+}
+
 TEST_F(UploadsOfTwoServers, GoOnAtTheOther) {
   const std::string bytes = Pattern(40 * kMib + 123);
   const SpooledUpload upload = Begin(static_cast<std::int64_t>(bytes.size()));
