@@ -163,11 +163,15 @@ bool IsOfDisk(const Result<Value>& read) {
 
 }  // namespace
 
-void PreviewPainter::Remember(const std::vector<storage::StoredFile>& tried) {
+void PreviewPainter::Remember(const PreviewRequest& request) {
+  // Without a preview the process before was not kept: what waited in it waits in this one. More of them are
+  // of a flight that cannot be drawn.
+  constexpr std::size_t kMaxUndrawn = 3;
+  const bool is_undrawn = !request.preview && request.tried.size() <= kMaxUndrawn;
   // The catalogue is right: a file that is gone is no part of the flight any more.
   std::map<std::string, flight::Photo> before = std::exchange(photos_, {});
   std::set<std::string> waiting;
-  for (const storage::StoredFile& file : tried) {
+  for (const storage::StoredFile& file : request.tried) {
     const auto found = before.find(file.stored_name);
     if (waiting_.contains(file.stored_name)) waiting.insert(file.stored_name);
     if (found != before.end()) {
@@ -175,6 +179,8 @@ void PreviewPainter::Remember(const std::vector<storage::StoredFile>& tried) {
       continue;
     }
     Result<flight::Photo> photo = Read(file);
+    const bool may_be_drawn = photo ? photo->position.has_value() : IsOfDisk(photo);
+    if (is_undrawn && may_be_drawn) waiting.insert(file.stored_name);
     if (photo && photo->position) photos_.emplace(file.stored_name, *std::move(photo));
   }
   waiting_ = std::move(waiting);
@@ -186,7 +192,7 @@ Result<flight::Photo> PreviewPainter::Read(const storage::StoredFile& file) cons
 }
 
 Result<PreviewDrawn> PreviewPainter::Draw(const PreviewRequest& request) {
-  Remember(request.tried);
+  Remember(request);
   PreviewDrawn drawn;
   for (const storage::StoredFile& file : request.fresh) {
     Result<flight::Photo> photo = Read(file);

@@ -29,7 +29,7 @@ class PreviewPainter {
   Result<PreviewDrawn> Draw(const PreviewRequest& request);
 
  private:
-  void Remember(const std::vector<storage::StoredFile>& tried);
+  void Remember(const PreviewRequest& request);
   Result<flight::Photo> Read(const storage::StoredFile& file) const;
   Result<std::optional<storage::Preview>> DrawWaiting(std::optional<storage::Preview> preview);
 

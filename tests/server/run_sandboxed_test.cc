@@ -13,8 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/base/text/json_io.h"
 #include "core/flight/remarks/because.h"
+#include "core/simulate/simulate_flight.h"
 #include "server/exports/export_sandboxed.h"
 #include "server/intake/unpack_sandboxed.h"
 #include "server/preview/preview_painter.h"
@@ -75,6 +77,32 @@ TEST(PreviewPainter, APhotoThatTheDiskDoesNotGiveIsNotPassedOverForGood) {
   const auto drawn = test::ValueOf(painter.Draw(request));
   EXPECT_EQ(drawn.forgone, std::vector<std::string>{"damaged"});
   EXPECT_EQ(begun, (std::vector<std::string>{"looped", "damaged"}));
+}
+
+// Which way it flies, the first photo cannot say without another; by then its process is gone.
+TEST(PreviewPainter, TheFirstPhotoIsDrawnOnceTheSecondSaysHowItIsTurned) {
+  const test::TemporaryFolder folder;
+  simulate::SimulateOptions simulated;
+  simulated.trajectory.photos = 2;
+  simulated.intrinsics = camera::Intrinsics::Centered(640, 480, 480.0);
+  simulated.noise = simulate::NoiseClass::kNoAttitude;
+  simulated.write_world = false;
+  SilentProgress progress;
+  const auto flown = test::ValueOf(simulate::SimulateFlight(simulated, folder.path(), progress));
+  const auto stored = [&](std::size_t photo) {
+    const std::string& name = flown.photos.at(photo).photo.name;
+    return storage::StoredFile{name, name, 1};
+  };
+  const auto drawn_by_another_process = [&](const PreviewRequest& request) {
+    PreviewPainter painter(folder / "photos", folder.path(), [](const std::string&) {});
+    return test::ValueOf(painter.Draw(request));
+  };
+  const PreviewDrawn alone = drawn_by_another_process({{stored(0)}, {}, std::nullopt});
+  EXPECT_FALSE(alone.preview);
+  EXPECT_TRUE(alone.forgone.empty());
+  const PreviewDrawn both = drawn_by_another_process({{stored(1)}, {stored(0)}, std::nullopt});
+  ASSERT_TRUE(both.preview);
+  EXPECT_EQ(both.preview->photos, 2);
 }
 
 TEST(AnswerParent, WhatALibraryPrintsIsNoPartOfTheAnswer) {
