@@ -42,21 +42,6 @@ Result<std::optional<StoredFile>> FindInItsPlace(Service& service, const Request
   return known;
 }
 
-Result<bool> HaveSameBytes(Service& service, const std::string& flight_id, const StoredFile& one,
-                           const StoredFile& other) {
-  constexpr std::int64_t kComparedBytes = std::int64_t{4} << 20;
-  if (one.bytes != other.bytes) return false;
-  const std::string prefix = storage::FilesPrefix(flight_id);
-  for (std::int64_t at = 0; at < one.bytes; at += kComparedBytes) {
-    SKYQUILT_TRY_ASSIGN(const std::string here,
-                        service.store.blobs().ReadRange(prefix + one.stored_name, at, kComparedBytes));
-    SKYQUILT_TRY_ASSIGN(const std::string there,
-                        service.store.blobs().ReadRange(prefix + other.stored_name, at, kComparedBytes));
-    if (here != there) return false;
-  }
-  return true;
-}
-
 // Nothing: the flight has the same bytes under this name already.
 Result<std::optional<storage::AddedFile>> AddInItsPlace(Service& service, const Request& request,
                                                         const StoredFile& file) {

@@ -51,26 +51,40 @@ Result<std::vector<FileOutcome>> AddAll(Service& service, const std::string& fli
   return outcomes;
 }
 
-}  // namespace
+// Of what was unpacked, those that the flight has already under their names: they are taken back.
+Result<void> LeaveOutThoseThere(Service& service, const std::string& flight_id,
+                                std::vector<storage::UnpackedFile>& files) {
+  std::vector<storage::UnpackedFile> others;
+  for (storage::UnpackedFile& one : files) {
+    SKYQUILT_TRY_ASSIGN(const std::optional<storage::StoredFile> there,
+                        service.catalogue.FindFile(flight_id, one.file.name));
+    Result<bool> is_there = false;
+    if (there && !one.error) is_there = HaveSameBytes(service, flight_id, *there, one.file);
+    if (!is_there && is_there.error().code != ErrorCode::kNotFound) return is_there.error();
+    if (is_there && *is_there) {
+      service.store.Remove(flight_id, one.file.stored_name);
+    } else {
+      others.push_back(std::move(one));
+    }
+  }
+  files = std::move(others);
+  return {};
+}
 
-Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
-                                              const storage::StoredFile& file) {
-  if (!storage::IsArchiveName(file.name)) return std::vector<FileOutcome>{Outcome(file.name, file.bytes)};
-  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, flight_id));
+// `goes_on`: some of its files may have come before a server died.
+Result<std::vector<FileOutcome>> TakeContent(Service& service, const std::string& flight_id,
+                                             const storage::StoredFile& file, IncomingBytes& incoming,
+                                             bool goes_on) {
   SKYQUILT_TRY_ASSIGN(const std::optional<std::int64_t> room, incoming.Room());
   // The archive's own bytes are counted still, and go when it is unpacked.
   const std::int64_t max_bytes = room ? *room + file.bytes : std::numeric_limits<std::int64_t>::max();
   const Result<storage::LocalBlob> archive = service.store.Fetch(flight_id, file.stored_name);
-  const Result<std::vector<storage::UnpackedFile>> unpacked =
+  Result<std::vector<storage::UnpackedFile>> unpacked =
       archive ? service.unpack(service.store, flight_id, archive->path, max_bytes) : archive.error();
-  const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
-  if (removed) {
-    service.store.Remove(flight_id, removed->stored_name);
-    incoming.Freed(removed->bytes);
-  }
   if (!unpacked) return unpacked.error().code == ErrorCode::kTooLarge ? incoming.Refusal() : unpacked.error();
-  const std::int64_t bytes = SizeOf(*unpacked);
-  const Result<void> taken = incoming.Take(bytes);
+  if (goes_on) SKYQUILT_TRY(LeaveOutThoseThere(service, flight_id, *unpacked));
+  const std::int64_t more_bytes = std::max<std::int64_t>(0, SizeOf(*unpacked) - file.bytes);
+  const Result<void> taken = incoming.Take(more_bytes);
   if (!taken) {
     for (const storage::UnpackedFile& one : *unpacked) {
       if (!one.error) service.store.Remove(flight_id, one.file.stored_name);
@@ -78,8 +92,74 @@ Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::strin
     return taken.error();
   }
   Result<std::vector<FileOutcome>> outcomes = AddAll(service, flight_id, *unpacked);
-  incoming.Kept(bytes);
+  incoming.Kept(more_bytes);
   return outcomes;
+}
+
+// What its files take of its own bytes is counted already.
+void RemoveArchive(Service& service, const std::string& flight_id, const storage::StoredFile& file,
+                   std::int64_t taken_bytes, IncomingBytes& incoming) {
+  const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
+  if (!removed) return;  // a job reads the flight: the next start looks again
+  service.store.Remove(flight_id, removed->stored_name);
+  incoming.Freed(std::max<std::int64_t>(0, removed->bytes - taken_bytes));
+}
+
+std::int64_t BytesTaken(const Result<std::vector<FileOutcome>>& outcomes) {
+  std::int64_t bytes = 0;
+  if (!outcomes) return bytes;
+  for (const FileOutcome& one : *outcomes) bytes += one.error ? 0 : one.bytes;
+  return bytes;
+}
+
+}  // namespace
+
+Result<bool> HaveSameBytes(Service& service, const std::string& flight_id, const storage::StoredFile& one,
+                           const storage::StoredFile& other) {
+  constexpr std::int64_t kComparedBytes = std::int64_t{4} << 20;
+  if (one.bytes != other.bytes) return false;
+  const std::string prefix = storage::FilesPrefix(flight_id);
+  for (std::int64_t at = 0; at < one.bytes; at += kComparedBytes) {
+    SKYQUILT_TRY_ASSIGN(const std::string here,
+                        service.store.blobs().ReadRange(prefix + one.stored_name, at, kComparedBytes));
+    SKYQUILT_TRY_ASSIGN(const std::string there,
+                        service.store.blobs().ReadRange(prefix + other.stored_name, at, kComparedBytes));
+    if (here != there) return false;
+  }
+  return true;
+}
+
+// The archive goes last: where a server dies before, the next start goes on with what is there.
+Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
+                                              const storage::StoredFile& file) {
+  if (!storage::IsArchiveName(file.name)) return std::vector<FileOutcome>{Outcome(file.name, file.bytes)};
+  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, flight_id));
+  Result<std::vector<FileOutcome>> outcomes = TakeContent(service, flight_id, file, incoming, false);
+  RemoveArchive(service, flight_id, file, BytesTaken(outcomes), incoming);
+  return outcomes;
+}
+
+Result<void> UnpackCutOff(Service& service, const std::function<void(const std::string&)>& tell) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, service.catalogue.FlightIds());
+  for (const std::string& flight_id : ids) {
+    SKYQUILT_TRY_ASSIGN(const bool is_there, service.catalogue.HasFlight(flight_id));
+    if (!is_there) continue;  // in the trash
+    SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files, service.catalogue.ListFiles(flight_id));
+    for (const storage::StoredFile& file : files) {
+      if (!storage::IsArchiveName(file.name)) continue;
+      SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, flight_id));
+      const Result<std::vector<FileOutcome>> outcomes = TakeContent(service, flight_id, file, incoming, true);
+      const std::string name = fmt::format("the archive {} of flight {}", Printable(file.name), flight_id);
+      if (outcomes) {
+        RemoveArchive(service, flight_id, file, BytesTaken(outcomes), incoming);
+        tell(fmt::format("{}, which a stop cut off, is unpacked: {} came in", name,
+                         Counted(outcomes->size(), "file")));
+      } else {
+        tell(fmt::format("{} is not unpacked and stays: {}", name, outcomes.error().message));
+      }
+    }
+  }
+  return {};
 }
 
 Result<std::vector<FileOutcome>> UnpackOnly(Service& service, const std::string& flight_id,

@@ -2,6 +2,7 @@
 // thread.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,5 +20,14 @@ Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::strin
 // and none of them was taken.
 Result<std::vector<FileOutcome>> UnpackOnly(Service& service, const std::string& flight_id,
                                             const storage::StoredFile& file);
+
+// Archives that are still there, as no request leaves them: a server died while it unpacked one. At the
+// start, where no other server may be at it. What cannot be unpacked stays; `tell` hears of each. Errors:
+// those of the catalogue.
+Result<void> UnpackCutOff(Service& service, const std::function<void(const std::string&)>& tell);
+
+// Of two files of a flight. kNotFound: the bytes of one are lost.
+Result<bool> HaveSameBytes(Service& service, const std::string& flight_id, const storage::StoredFile& one,
+                           const storage::StoredFile& other);
 
 }  // namespace skyquilt::api

@@ -17,6 +17,7 @@
 
 #include "api/build_api.h"
 #include "api/uploads/tus_chunk.h"
+#include "api/uploads/unpack.h"
 #include "core/base/process/late_library.h"
 #include "core/base/text/plain_text.h"
 #include "core/base/text/printable.h"
@@ -204,6 +205,8 @@ void FinishUploads(api::Service& service) {
     const Result<void> unpacked = api::UnpackUpload(service, upload);
     if (!unpacked) LogFailure(upload.id, "unpack", unpacked.error());
   }
+  // Of a shared catalogue another server may be unpacking it at this moment.
+  if (!service.db.IsShared()) OrFail("skyquilt serve", api::UnpackCutOff(service, LogEvent));
 }
 
 // By default the C library gives memory back to the system after every tile and asks for it again at the
