@@ -127,6 +127,22 @@ Result<void> Catalogue::Record(const std::string& flight_id, const StoredFile& f
   return records_->AddFile(flight_id, file.stored_name, {file.name, file.bytes, now, false});
 }
 
+Result<void> Catalogue::SettleRecord(SqlConnection& db, const std::string& flight_id, const StoredFile& file,
+                                     const Error& why) const {
+  if (db.WasUndoneByOthers()) return why;  // it is done again
+  const auto there =
+      db.First([](const Statement& row) { return std::pair(FileFrom(row), row.Get<Time>(3)); },
+               "SELECT name, stored_name, bytes, created_us FROM file WHERE flight_id=? AND name=?",
+               flight_id, file.name);
+  if (!there) return why;  // nobody knows now
+  if (*there && (*there)->first.stored_name == file.stored_name) return {};
+  if (!records_) return why;
+  // A start takes a catalogue that lacks several recorded files for an older one.
+  (void)records_->RemoveFile(flight_id, file.stored_name).ok();
+  if (*there) (void)Record(flight_id, (*there)->first, (*there)->second).ok();
+  return why;
+}
+
 Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& options, Time now,
                                     const std::string& owner, const FlightChange& marks) {
   const auto db = db_.Lock();
@@ -251,22 +267,26 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
                                      const std::optional<std::string>& expected) {
   return db_.Again([&]() -> Result<AddedFile> {
     const auto db = db_.Lock();
-    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
-    SKYQUILT_TRY(RequireFlight(*db, flight_id));
     AddedFile added;
-    SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> old, FileNamed(*db, flight_id, file.name));
-    if (old) added = {true, old->stored_name, old->bytes};
-    if (expected && *expected != added.replaced_stored_name) {
-      return Error{ErrorCode::kPreconditionFailed,
-                   fmt::format("The file {} was changed elsewhere meanwhile.", file.name), ""};
+    Result<void> committed;
+    {
+      SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+      SKYQUILT_TRY(RequireFlight(*db, flight_id));
+      SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> old, FileNamed(*db, flight_id, file.name));
+      if (old) added = {true, old->stored_name, old->bytes};
+      if (expected && *expected != added.replaced_stored_name) {
+        return Error{ErrorCode::kPreconditionFailed,
+                     fmt::format("The file {} was changed elsewhere meanwhile.", file.name), ""};
+      }
+      if (added.replaced) {
+        SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
+        SKYQUILT_TRY(db->Change("DELETE FROM file WHERE flight_id=? AND name=?", flight_id, file.name));
+      }
+      SKYQUILT_TRY(InsertFile(*db, flight_id, file, now));
+      SKYQUILT_TRY(Record(flight_id, file, now));
+      committed = transaction.Commit();
     }
-    if (added.replaced) {
-      SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
-      SKYQUILT_TRY(db->Change("DELETE FROM file WHERE flight_id=? AND name=?", flight_id, file.name));
-    }
-    SKYQUILT_TRY(InsertFile(*db, flight_id, file, now));
-    SKYQUILT_TRY(Record(flight_id, file, now));
-    SKYQUILT_TRY(transaction.Commit());
+    if (!committed) SKYQUILT_TRY(SettleRecord(*db, flight_id, file, committed.error()));
     if (added.replaced && records_)
       (void)records_->RemoveFile(flight_id, added.replaced_stored_name).ok();  // as below
     return added;
@@ -277,26 +297,31 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
                                                    Time now, const std::optional<std::string>& upload_id) {
   return db_.Again([&]() -> Result<StoredFile> {
     const auto db = db_.Lock();
-    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
-    SKYQUILT_TRY(RequireFlight(*db, flight_id));
     StoredFile added = file;
-    for (int number = 2;; ++number) {
-      SKYQUILT_TRY_ASSIGN(const bool taken, db->Finds("SELECT 1 FROM file WHERE flight_id=? AND name=?",
-                                                      flight_id, added.name));
-      if (!taken) break;
-      // Thousands of equal names must not cost thousands of look-ups each: then our own unique name is the
-      // mark.
-      constexpr int kMaxNumbers = 20;
-      added.name = NumberedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
+    Result<void> committed;
+    {
+      SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+      SKYQUILT_TRY(RequireFlight(*db, flight_id));
+      for (int number = 2;; ++number) {
+        SKYQUILT_TRY_ASSIGN(const bool taken, db->Finds("SELECT 1 FROM file WHERE flight_id=? AND name=?",
+                                                        flight_id, added.name));
+        if (!taken) break;
+        // Thousands of equal names must not cost thousands of look-ups each: then our own unique name is the
+        // mark.
+        constexpr int kMaxNumbers = 20;
+        added.name =
+            NumberedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
+      }
+      SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
+      if (upload_id) {
+        SKYQUILT_TRY(db->Change("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0", *upload_id));
+        if (db->Changes() == 0)
+          return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
+      }
+      SKYQUILT_TRY(Record(flight_id, added, now));
+      committed = transaction.Commit();
     }
-    SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
-    if (upload_id) {
-      SKYQUILT_TRY(db->Change("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0", *upload_id));
-      if (db->Changes() == 0)
-        return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
-    }
-    SKYQUILT_TRY(Record(flight_id, added, now));
-    SKYQUILT_TRY(transaction.Commit());
+    if (!committed) SKYQUILT_TRY(SettleRecord(*db, flight_id, added, committed.error()));
     return added;
   });
 }

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <random>
 
+#include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
 #include "tests/support/temporary_folder.h"
 
@@ -72,6 +73,31 @@ TEST(FlightRecord, ALineTornByAPowerCutCostsOnlyItself) {
   const auto read = *ReadFlightRecord(dir.Flight(id));
   EXPECT_EQ(read->files.size(), 2u);
   EXPECT_EQ(read->files.at(second).name, "b.jpg");
+}
+
+// Several recorded files that a catalogue lacks are what shows an older one, which no server starts with.
+TEST(FlightRecord, NamesNoFileWhoseCommitFailed) {
+  test::TemporaryFolder scratch;
+  const auto dir = *DataDir::Open(scratch.path());
+  const auto db = *CatalogueDb::Open(dir.Catalogue());
+  Catalogue catalogue(*db, FlightRecords(dir));
+  const std::string flight = catalogue.AddFlight("f", "{}", Now())->id;
+  const std::string kept = NewId(), instead = NewId(), other = NewId();
+  ASSERT_TRUE(catalogue.AddFile(flight, {"a.jpg", kept, 1}, Now()));
+  // A commit finds a row without what it belongs to.
+  ASSERT_TRUE(db->Lock()->Exec(
+      "CREATE TABLE stray(id TEXT REFERENCES flight(id) DEFERRABLE INITIALLY DEFERRED);"
+      "CREATE TRIGGER spoil AFTER INSERT ON file BEGIN INSERT INTO stray VALUES('none'); END"));
+  EXPECT_FALSE(catalogue.AddFile(flight, {"a.jpg", instead, 2}, Now()));
+  EXPECT_FALSE(catalogue.AddFileUnderFreeName(flight, {"b.jpg", other, 3}, Now()));
+  const auto record = *ReadFlightRecord(dir.Flight(flight));
+  ASSERT_TRUE(record);
+  EXPECT_TRUE(record->is_whole);
+  EXPECT_TRUE(record->files.at(instead).is_removed);
+  EXPECT_TRUE(record->files.at(other).is_removed);
+  EXPECT_FALSE(record->files.at(kept).is_removed);
+  EXPECT_EQ(record->files.at(kept).replaced_by, "");
+  EXPECT_EQ(catalogue.FindFile(flight, "a.jpg")->value().stored_name, kept);
 }
 
 TEST(FlightRecord, TakesAnyBytes) {
