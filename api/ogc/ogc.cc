@@ -137,9 +137,9 @@ Result<Response> DescribeCollection(Service& service, const Request& request) {
 }
 
 Result<Response> Collections(Service& service, const Request& request) {
-  constexpr int kUsualPage = 50, kLargestPage = 200;
+  constexpr int kUsualMaps = 50, kMostMaps = 200;
   SKYQUILT_TRY_ASSIGN(const int limit,
-                      ParseLimit(request.Query("limit").value_or(""), kUsualPage, kLargestPage));
+                      ParseLimit(request.Query("limit").value_or(""), kUsualMaps, kMostMaps));
   SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
   SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, limit, cursor));
   Value collections = Value::array();
