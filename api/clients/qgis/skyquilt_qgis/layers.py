@@ -77,7 +77,7 @@ def described(client, flight_id, known_tokens):
         definition = ElementTree.fromstring(answer.read_all())
     tiles = flight.tile_json()
     return Described(flight.name, client.url, flight.id, definition.findtext("maplayers/maplayer/datasource"), token,
-                     known_tokens.get(flight.id) != known, tiles["bounds"], tiles["heights"])
+                     known_tokens.get(flight.id) != known, tiles.get("across_bounds", tiles["bounds"]), tiles["heights"])
 
 
 def lacking(map_of, kind):
