@@ -103,6 +103,9 @@ void MavlinkVehicle::Finish() {
     builder_.Warn(RemarkCode::kClockOfGroundStation);
   }
   const double behind_s = CameraBehindS();
+  if (CameraIsFixed()) {
+    for (auto& [event, unix_us] : events_[1]) event.attitude_kind = AttitudeKind::kAirframe;
+  }
   for (auto& list : events_) {  // the best kind that is there
     if (list.empty()) continue;
     for (auto& [event, unix_us] : list) {
@@ -216,10 +219,12 @@ void MavlinkVehicle::TakeFeedback(const MavlinkPacket& packet) {
   Keep(events_[0], event, packet, MavlinkField<std::uint64_t>(p, 0));
 }
 
-bool MavlinkVehicle::IsOfAirframe(const Eigen::Quaterniond& attitude) const {
-  constexpr double kSameDeg = 20.0, kSteepestDeg = -45.0;  // which no airframe flies
-  return ned_from_body_ && ned_from_body_->angularDistance(attitude) < DegToRad(kSameDeg) &&
-         YawPitchRollFromNed(attitude)[1] > DegToRad(kSteepestDeg);
+// Of all photos at once: in a turn the vehicle's latest attitude may be an old one, and a gimbal may look to
+// the horizon now and then.
+bool MavlinkVehicle::CameraIsFixed() const {
+  constexpr double kSameDeg = 10.0;
+  const auto apart_rad = MedianIfAny(image_off_body_rad_);
+  return apart_rad && *apart_rad < DegToRad(kSameDeg);
 }
 
 void MavlinkVehicle::TakeImageCaptured(const MavlinkPacket& packet) {
@@ -237,11 +242,13 @@ void MavlinkVehicle::TakeImageCaptured(const MavlinkPacket& packet) {
                              MavlinkField<float>(p, 36), MavlinkField<float>(p, 40));
   if (q.coeffs().allFinite() && q.norm() > 0.5) {
     event.yaw_pitch_roll_rad = YawPitchRollFromNed(q);
-    event.attitude_kind = IsOfAirframe(q) ? AttitudeKind::kAirframe : AttitudeKind::kGimbal;
+    event.attitude_kind = AttitudeKind::kGimbal;
   }
   event.sequence = MavlinkField<std::int32_t>(p, 44);
+  if (events_[1].size() >= kMaxVehicleEvents) return;
+  if (event.yaw_pitch_roll_rad && ned_from_body_ && ned_from_body_->coeffs().allFinite())
+    image_off_body_rad_.push_back(ned_from_body_->angularDistance(q));
   if (event.t_s > 0.0) {
-    if (events_[1].size() >= kMaxVehicleEvents) return;
     if (last_ground_us_ != 0) image_late_s_.push_back(FromGround(packet) - event.t_s);
     events_[1].emplace_back(event, kByCamerasClock);
   } else {

@@ -60,7 +60,7 @@ class MavlinkVehicle {
   void TakeGimbal(const MavlinkPacket& packet);
   void TakeFeedback(const MavlinkPacket& packet);
   // PX4 hands the vehicle's own attitude on as that of the camera.
-  bool IsOfAirframe(const Eigen::Quaterniond& attitude) const;
+  bool CameraIsFixed() const;
   void TakeImageCaptured(const MavlinkPacket& packet);
   void Keep(Events& list, CameraEvent event, const MavlinkPacket& packet, std::uint64_t us);
 
@@ -76,7 +76,9 @@ class MavlinkVehicle {
   std::optional<std::uint8_t> gimbal_;               // the first of them
   bool has_mount_ = false;                           // whose orientation counts by the vehicle's clock
   Events events_[3];                                 // the best kind first
-  std::vector<double> image_late_s_;  // how long after its time each CAMERA_IMAGE_CAPTURED came
+  // Of each CAMERA_IMAGE_CAPTURED: how long after its time it came, and by how much it was turned against the
+  // vehicle.
+  std::vector<double> image_late_s_, image_off_body_rad_;
 };
 
 }  // namespace skyquilt::flight

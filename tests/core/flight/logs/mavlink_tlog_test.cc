@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
@@ -119,11 +121,13 @@ TEST(ParseMavlinkTlog, ReadsHowAGimbalHoldsItsCamera) {
   }
 }
 
-// Ten photos of a camera that was started so long after the vehicle, which is held at yaw 1.5, pitch -0.2.
-Bytes AnnouncedPhotos(std::uint32_t started_ms, const Eigen::Quaterniond& q,
+// Ten photos, turned so in turn, of a camera that was started so long after the vehicle, which is held at yaw
+// 1.5, pitch -0.2.
+Bytes AnnouncedPhotos(std::uint32_t started_ms, const std::vector<Eigen::Quaterniond>& turned,
                       std::int32_t above_takeoff_mm = 26'500) {
   TlogWriter w;
   for (std::uint32_t i = 0; i < 10; ++i) {
+    const Eigen::Quaterniond& q = turned[i % turned.size()];
     const std::uint32_t boot_ms = 60'000 + i * 250;
     const std::uint64_t ground = kGroundUs + std::uint64_t{boot_ms} * 1000;
     w.Packet(ground, 30, 39, Pack(boot_ms, 0.1f, -0.2f, 1.5f, 0.0f, 0.0f, 0.0f), true);
@@ -139,8 +143,8 @@ Bytes AnnouncedPhotos(std::uint32_t started_ms, const Eigen::Quaterniond& q,
 
 TEST(ParseMavlinkTlog, ACameraMayCountFromItsOwnStart) {
   for (const std::uint32_t started_ms : {0U, 58'000U}) {
-    const auto log =
-        ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(started_ms, NedFromYawPitchRoll(1.5, -1.5, 0.0))));
+    const auto log = ValueOf(
+        ParseMavlinkTlog("t.tlog", AnnouncedPhotos(started_ms, {NedFromYawPitchRoll(1.5, -1.5, 0.0)})));
     ASSERT_EQ(log.events.size(), 10U) << started_ms;
     EXPECT_NEAR(log.events[3].t_s, 60.75, started_ms == 0 ? 1e-9 : 0.021) << started_ms;
   }
@@ -151,18 +155,30 @@ TEST(ParseMavlinkTlog, PhotosWithTheVehiclesOwnAttitudeAreOfACameraFixedToIt) {
       {-0.2, AttitudeKind::kAirframe}, {-0.7, AttitudeKind::kGimbal}, {-1.5, AttitudeKind::kGimbal}};
   for (const auto& [pitch_rad, kind] : kinds) {
     const auto log =
-        ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, NedFromYawPitchRoll(1.5, pitch_rad, 0.1))));
+        ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, {NedFromYawPitchRoll(1.5, pitch_rad, 0.1)})));
     ASSERT_EQ(log.events.size(), 10U) << pitch_rad;
     EXPECT_TRUE(log.events[3].attitude_kind == kind) << pitch_rad;
     EXPECT_NEAR((*log.events[3].yaw_pitch_roll_rad)[1], pitch_rad, 1e-4);
   }
 }
 
+TEST(ParseMavlinkTlog, WhoseAttitudeItIsTheMostPhotosTell) {
+  const auto own = NedFromYawPitchRoll(1.5, -0.2, 0.1);
+  const auto of_turn = NedFromYawPitchRoll(2.0, -0.2, 0.4), down = NedFromYawPitchRoll(1.5, -1.5, 0.0);
+  for (const auto& [usual, other, kind] :
+       {std::tuple{own, of_turn, AttitudeKind::kAirframe}, {down, own, AttitudeKind::kGimbal}}) {
+    const auto log =
+        ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, {usual, usual, usual, usual, other})));
+    ASSERT_EQ(log.events.size(), 10U);
+    for (const CameraEvent& event : log.events) EXPECT_TRUE(event.attitude_kind == kind);
+  }
+}
+
 TEST(ParseMavlinkTlog, AHeightThatPx4DoesNotKnowIsNone) {
   const auto q = NedFromYawPitchRoll(1.5, -0.2, 0.1);
-  const auto known = ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, q)));
+  const auto known = ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, {q})));
   EXPECT_EQ(known.events.at(0).height_above_takeoff_m, 26.5);
-  const auto unknown = ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, q, -1000)));
+  const auto unknown = ValueOf(ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, {q}, -1000)));
   EXPECT_FALSE(unknown.events.at(0).height_above_takeoff_m);
   EXPECT_EQ(unknown.events.at(0).height_amsl_m, 610.5);
 }
