@@ -137,11 +137,14 @@ double MavlinkVehicle::EitherClock(const MavlinkPacket& packet, std::uint64_t us
   return us == 0 || IsUnixUs(us) ? FromGround(packet) : static_cast<double>(us) * 1e-6;
 }
 
-// Packets come within seconds; those that were asked for again are few.
+// Packets come within seconds. Those that are asked for later, one after the other, come at any distance from
+// their times: these say nothing of the camera's clock.
 double MavlinkVehicle::CameraBehindS() const {
   constexpr double kLatestPacketS = 5.0;
   const double late_s = MedianIfAny(image_late_s_).value_or(0.0);
-  return std::abs(late_s) > kLatestPacketS ? late_s : 0.0;
+  if (std::abs(late_s) <= kLatestPacketS) return 0.0;
+  const double scatter_s = MedianOf(image_late_s_, [&](double one_s) { return std::abs(one_s - late_s); });
+  return scatter_s <= kLatestPacketS ? late_s : 0.0;
 }
 
 void MavlinkVehicle::TakeGlobalPosition(const MavlinkPacket& packet) {

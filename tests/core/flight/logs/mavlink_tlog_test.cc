@@ -122,9 +122,9 @@ TEST(ParseMavlinkTlog, ReadsHowAGimbalHoldsItsCamera) {
 }
 
 // Ten photos, turned so in turn, of a camera that was started so long after the vehicle, which is held at yaw
-// 1.5, pitch -0.2.
+// 1.5, pitch -0.2. `earlier_ms`: before its packet, for each photo before.
 Bytes AnnouncedPhotos(std::uint32_t started_ms, const std::vector<Eigen::Quaterniond>& turned,
-                      std::int32_t above_takeoff_mm = 26'500) {
+                      std::int32_t above_takeoff_mm = 26'500, std::uint32_t earlier_ms = 0) {
   TlogWriter w;
   for (std::uint32_t i = 0; i < 10; ++i) {
     const Eigen::Quaterniond& q = turned[i % turned.size()];
@@ -132,7 +132,7 @@ Bytes AnnouncedPhotos(std::uint32_t started_ms, const std::vector<Eigen::Quatern
     const std::uint64_t ground = kGroundUs + std::uint64_t{boot_ms} * 1000;
     w.Packet(ground, 30, 39, Pack(boot_ms, 0.1f, -0.2f, 1.5f, 0.0f, 0.0f, 0.0f), true);
     w.Packet(ground + 20'000, 263, 133,
-             Pack(std::uint64_t{0}, boot_ms - started_ms, std::int32_t{-353'632'610},
+             Pack(std::uint64_t{0}, boot_ms - started_ms - i * earlier_ms, std::int32_t{-353'632'610},
                   std::int32_t{1'491'652'300}, std::int32_t{610'500}, above_takeoff_mm,
                   static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
                   static_cast<float>(q.z()), static_cast<std::int32_t>(i), std::uint8_t{0}, std::int8_t{1}),
@@ -148,6 +148,14 @@ TEST(ParseMavlinkTlog, ACameraMayCountFromItsOwnStart) {
     ASSERT_EQ(log.events.size(), 10U) << started_ms;
     EXPECT_NEAR(log.events[3].t_s, 60.75, started_ms == 0 ? 1e-9 : 0.021) << started_ms;
   }
+}
+
+TEST(ParseMavlinkTlog, PhotosThatAreAnnouncedLaterOnLieAtTheirTimes) {
+  const auto log = ValueOf(
+      ParseMavlinkTlog("t.tlog", AnnouncedPhotos(0, {NedFromYawPitchRoll(1.5, -1.5, 0.0)}, 26'500, 6000)));
+  ASSERT_EQ(log.events.size(), 10U);
+  EXPECT_NEAR(log.events.front().t_s, 62.25 - 54.0, 1e-9);
+  EXPECT_NEAR(log.events.back().t_s, 60.0, 1e-9);
 }
 
 TEST(ParseMavlinkTlog, PhotosWithTheVehiclesOwnAttitudeAreOfACameraFixedToIt) {
