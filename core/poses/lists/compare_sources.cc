@@ -196,6 +196,7 @@ void TakeList(JudgedList judged, FlightLog& log, OwnRecords& own, Flight& flight
   TellContradicting(judged, log, flight);
   Learn(judged, own);
   if (auto remark = RemarkOnUnit(judged.use, judged.middle)) flight.warnings.push_back(*std::move(remark));
+  if (auto remark = RemarkOnHalf(judged.use, judged.middle)) flight.warnings.push_back(*std::move(remark));
   Tell(std::move(judged.use), flight);
 }
 
@@ -270,6 +271,7 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
     flight.warnings.push_back(
         {flight::RemarkCode::kOfFile, {{"file", placed->file_name}, {"said", placed->warnings[i]}}});
   flight.warnings.insert(flight.warnings.end(), found.remarks.begin(), found.remarks.end());
+  if (auto remark = RemarkOnHalf(use, verdict.middle)) flight.warnings.push_back(*std::move(remark));
   Tell(std::move(use), flight);
   return *std::move(placed);
 }

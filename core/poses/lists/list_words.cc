@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string_view>
 
 #include "core/flight/remarks/remark_words.h"
+#include "core/geo/crs/reference_system.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -190,6 +192,22 @@ std::optional<Remark> RemarkOnUnit(const ListUse& use, const std::optional<geo::
   if (std::abs(middle->lat_deg) > kMaxLat || std::abs(middle->lon_deg) > kMaxLon) return std::nullopt;
   return Remark{RemarkCode::kListLikeRadians,
                 {{"file", use.file_name}, {"lat_deg", middle->lat_deg}, {"lon_deg", middle->lon_deg}}};
+}
+
+std::optional<Remark> RemarkOnHalf(const ListUse& use, const std::optional<geo::LatLon>& middle) {
+  // Where the northings of band S, 32 to 40 degrees north, lie in the southern half; little of it is land.
+  constexpr double kSouthDeg = -58.2, kNorthDeg = -50.0;
+  constexpr std::string_view kSouthernUtm = "EPSG:327", kLastZone = "60";
+  if (use.fault != ListFault::kNone || use.apart_m || !middle || use.reading.counts_in != CountsIn::kSystem)
+    return std::nullopt;
+  if (middle->lat_deg < kSouthDeg || middle->lat_deg > kNorthDeg) return std::nullopt;
+  const auto system = geo::ReferenceSystem::Parse(use.system);
+  if (!system || !system->definition().starts_with(kSouthernUtm)) return std::nullopt;
+  const std::string_view zone = std::string_view(system->definition()).substr(kSouthernUtm.size());
+  if (zone.size() != kLastZone.size() || zone > kLastZone) return std::nullopt;
+  return Remark{
+      RemarkCode::kListInSouthernHalf,
+      {{"file", use.file_name}, {"zone", zone}, {"lat_deg", middle->lat_deg}, {"lon_deg", middle->lon_deg}}};
 }
 
 std::string QuestionOf(const ListUse& use, const geo::LatLon& as_read, const ListReading& other,

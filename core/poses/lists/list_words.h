@@ -30,6 +30,10 @@ std::optional<flight::Remark> RemarkOnRounding(const flight::ListUse& use);
 std::optional<flight::Remark> RemarkOnUnit(const flight::ListUse& use,
                                            const std::optional<geo::LatLon>& middle);
 
+// That its places lie in the southern half where those of band S do; nothing where others say where it was.
+std::optional<flight::Remark> RemarkOnHalf(const flight::ListUse& use,
+                                           const std::optional<geo::LatLon>& middle);
+
 // The question of a list that two readings fit.
 std::string QuestionOf(const flight::ListUse& use, const geo::LatLon& as_read,
                        const flight::ListReading& other, const geo::LatLon& as_other);

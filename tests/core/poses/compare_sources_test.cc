@@ -253,6 +253,20 @@ TEST(CompareSources, SaysThatPlacesLieWhereRadiansDo) {
   }
 }
 
+// "UTM 30S" by the letter of MGRS, as lists of Spain are; alone it lies in the sea at 53 degrees south.
+TEST(CompareSources, SaysThatBandSIsNoSouthernHalf) {
+  const LatLon seville{37.4, -5.0};
+  const auto said = [](const LatLon& place, int epsg, const std::string& system, bool has_positions) {
+    return InWords(Compared(place, ListOf(place, 18, In(epsg), system), has_positions).warnings);
+  };
+  EXPECT_THAT(said(seville, 32630, "EPSG:32730", false),
+              Contains(HasSubstr("write UTM zone 30N or EPSG:32630")));
+  for (const auto& words :
+       {said(seville, 32630, "EPSG:32630", false), said(seville, 32630, "EPSG:32730", true),
+        said(kSydney, 32756, "EPSG:32756", false)})
+    EXPECT_THAT(words, ::testing::Not(Contains(HasSubstr("MGRS"))));
+}
+
 TEST(CompareSources, CountsKappaFromTheNorthOfThePlane) {
   constexpr double kWritten = 0.1;  // ListOf's
   const auto yaw_of = [](FlightLog list, bool is_kappa) {
