@@ -62,6 +62,7 @@ struct ListUse {
   std::optional<double> apart_m;             // median, of the reading, to the photos' own positions
   std::optional<double> as_written_apart_m;  // likewise, of the plain reading
   std::optional<double> off_shape_m;         // median, after the median shift
+  std::optional<double> shifted_m;           // what all its rows share of `apart_m`, at least
   std::optional<double> apart_days;  // median of its times and the photos', where no clock errs so much
   bool own_are_photos = false;       // their own positions were compared with; else tracks, other lists
   bool own_are_stale = false;        // most of the photos' own positions are one and the same

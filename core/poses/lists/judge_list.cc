@@ -165,6 +165,11 @@ void CompareShape(const Places& own, TriedReading& tried) {
                              own_at.back());
   }
   if (differences.size() < kMinRowsOfShape) return;
+  // A receiver that lags behind is off to either side on lines there and back, of which the median is one.
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& difference : differences)
+    mean += difference / static_cast<double>(differences.size());
+  tried.use.shifted_m = std::min(mean.norm(), MedianByAxis(differences).norm());
   const auto median_length_around_median = [](const std::vector<Eigen::Vector2d>& points) {
     const Eigen::Vector2d median = MedianByAxis(points);
     std::vector<double> lengths;

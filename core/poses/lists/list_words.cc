@@ -21,6 +21,8 @@ using flight::RemarkCode;
 
 // Lists that agree with what the cameras' receivers say lie within this; further off it is said.
 constexpr double kSaidFromM = 50.0;
+// What no receiver errs by all along a flight, but one datum taken for another does.
+constexpr double kSharedSaidFromM = 20.0;
 
 std::string PlaceInWords(const geo::LatLon& place) {
   return fmt::format("{:.4f} {} {:.4f} {}", std::abs(place.lat_deg), place.lat_deg < 0.0 ? "S" : "N",
@@ -168,7 +170,9 @@ std::optional<Remark> RemarkOf(const ListUse& use) {
   if (use.other_order_apart_m && !use.apart_m)
     return Remark{RemarkCode::kListOrderAssumed, ApartValuesOf(use, *use.other_order_apart_m)};
   if (!use.is_in_area && !use.apart_m) return Remark{RemarkCode::kListOutsideArea, ValuesOf(use)};
-  if (use.kind == ListKind::kPositions && !use.own_are_stale && use.apart_m.value_or(0.0) > kSaidFromM)
+  const bool is_shifted = use.own_are_photos && use.shifted_m.value_or(0.0) > kSharedSaidFromM;
+  if (use.kind == ListKind::kPositions && !use.own_are_stale && use.apart_m &&
+      (*use.apart_m > kSaidFromM || is_shifted))
     return Remark{RemarkCode::kListFarFromOthers, ApartValuesOf(use, *use.apart_m)};
   return std::nullopt;
 }

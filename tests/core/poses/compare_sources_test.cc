@@ -253,6 +253,24 @@ TEST(CompareSources, SaysThatPlacesLieWhereRadiansDo) {
   }
 }
 
+// Degrees of NAD27 under the name of WGS 84 lie so far aside; a receiver that lags behind does on each line.
+TEST(CompareSources, SaysThatAllRowsLieAsideByMoreThanReceiversErr) {
+  const auto said = [](Flight flight, double east_m) {
+    FlightLog list = ListOf(Beside(kDuluth, east_m - 4.0, 5.0), 18, AsDegrees, "EPSG:4326");
+    return InWords(Compared(std::move(flight), std::move(list)).warnings);
+  };
+  const auto is_told = Contains(HasSubstr("It is believed all the same"));
+  EXPECT_THAT(said(FlightAt(kDuluth), -26.0), is_told);
+  EXPECT_THAT(said(FlightAt(kDuluth), -12.0), ::testing::Not(is_told));
+  Flight lagging = FlightAt(kDuluth);
+  for (int k = 0; k < 18; ++k) {
+    const double behind_m = k / 6 % 2 == 0 ? 25.0 : -25.0;
+    lagging.photos[static_cast<std::size_t>(k)].position->position =
+        Beside(TakenAt(kDuluth, k), -behind_m, 0.0);
+  }
+  EXPECT_THAT(said(lagging, 4.0), ::testing::Not(is_told));
+}
+
 // "UTM 30S" by the letter of MGRS, as lists of Spain are; alone it lies in the sea at 53 degrees south.
 TEST(CompareSources, SaysThatBandSIsNoSouthernHalf) {
   const LatLon seville{37.4, -5.0};
