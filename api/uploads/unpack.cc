@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
+#include "core/base/text/file_names.h"
 #include "core/base/text/printable.h"
 #include "core/base/try.h"
 #include "storage/uploads/unpack_archive.h"
@@ -51,22 +53,42 @@ Result<std::vector<FileOutcome>> AddAll(Service& service, const std::string& fli
   return outcomes;
 }
 
-// Of what was unpacked, those that the flight has already under their names: they are taken back.
+void RemoveUnpacked(Service& service, const std::string& flight_id,
+                    const std::vector<storage::UnpackedFile>& files) {
+  for (const storage::UnpackedFile& one : files) {
+    if (!one.error) service.store.Remove(flight_id, one.file.stored_name);
+  }
+}
+
+// Whether the flight has it already, under its name or, where that was another's, under one with a number, as
+// the catalogue gives them.
+Result<bool> HasCome(Service& service, const std::string& flight_id, const storage::StoredFile& file) {
+  constexpr int kMaxNumbers = 20;
+  std::string name = file.name;
+  for (int number = 2; number <= kMaxNumbers + 1; ++number) {
+    SKYQUILT_TRY_ASSIGN(const std::optional<storage::StoredFile> there,
+                        service.catalogue.FindFile(flight_id, name));
+    if (!there) return false;
+    const Result<bool> is_same = HaveSameBytes(service, flight_id, *there, file);
+    if (!is_same && is_same.error().code != ErrorCode::kNotFound) return is_same.error();
+    if (is_same && *is_same) return true;
+    name = NumberedName(file.name, std::to_string(number));
+  }
+  return false;
+}
+
+// Of what was unpacked, those that came before are taken back.
 Result<void> LeaveOutThoseThere(Service& service, const std::string& flight_id,
                                 std::vector<storage::UnpackedFile>& files) {
-  std::vector<storage::UnpackedFile> others;
-  for (storage::UnpackedFile& one : files) {
-    SKYQUILT_TRY_ASSIGN(const std::optional<storage::StoredFile> there,
-                        service.catalogue.FindFile(flight_id, one.file.name));
-    Result<bool> is_there = false;
-    if (there && !one.error) is_there = HaveSameBytes(service, flight_id, *there, one.file);
-    if (!is_there && is_there.error().code != ErrorCode::kNotFound) return is_there.error();
-    if (is_there && *is_there) {
-      service.store.Remove(flight_id, one.file.stored_name);
-    } else {
-      others.push_back(std::move(one));
+  std::vector<storage::UnpackedFile> there, others;
+  for (const storage::UnpackedFile& one : files) {
+    bool has_come = false;
+    if (!one.error) {
+      SKYQUILT_TRY_ASSIGN(has_come, HasCome(service, flight_id, one.file));
     }
+    (has_come ? there : others).push_back(one);
   }
+  RemoveUnpacked(service, flight_id, there);
   files = std::move(others);
   return {};
 }
@@ -82,13 +104,11 @@ Result<std::vector<FileOutcome>> TakeContent(Service& service, const std::string
   Result<std::vector<storage::UnpackedFile>> unpacked =
       archive ? service.unpack(service.store, flight_id, archive->path, max_bytes) : archive.error();
   if (!unpacked) return unpacked.error().code == ErrorCode::kTooLarge ? incoming.Refusal() : unpacked.error();
-  if (goes_on) SKYQUILT_TRY(LeaveOutThoseThere(service, flight_id, *unpacked));
+  const Result<void> left_out = goes_on ? LeaveOutThoseThere(service, flight_id, *unpacked) : Result<void>();
   const std::int64_t more_bytes = std::max<std::int64_t>(0, SizeOf(*unpacked) - file.bytes);
-  const Result<void> taken = incoming.Take(more_bytes);
+  const Result<void> taken = left_out ? incoming.Take(more_bytes) : left_out;
   if (!taken) {
-    for (const storage::UnpackedFile& one : *unpacked) {
-      if (!one.error) service.store.Remove(flight_id, one.file.stored_name);
-    }
+    RemoveUnpacked(service, flight_id, *unpacked);
     return taken.error();
   }
   Result<std::vector<FileOutcome>> outcomes = AddAll(service, flight_id, *unpacked);
@@ -98,18 +118,21 @@ Result<std::vector<FileOutcome>> TakeContent(Service& service, const std::string
 
 // What its files take of its own bytes is counted already.
 void RemoveArchive(Service& service, const std::string& flight_id, const storage::StoredFile& file,
-                   std::int64_t taken_bytes, IncomingBytes& incoming) {
+                   const Result<std::vector<FileOutcome>>& outcomes, IncomingBytes& incoming) {
   const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
   if (!removed) return;  // a job reads the flight: the next start looks again
   service.store.Remove(flight_id, removed->stored_name);
+  if (!outcomes) return;  // some of them may have come
+  std::int64_t taken_bytes = 0;
+  for (const FileOutcome& one : *outcomes) taken_bytes += one.error ? 0 : one.bytes;
   incoming.Freed(std::max<std::int64_t>(0, removed->bytes - taken_bytes));
 }
 
-std::int64_t BytesTaken(const Result<std::vector<FileOutcome>>& outcomes) {
-  std::int64_t bytes = 0;
-  if (!outcomes) return bytes;
-  for (const FileOutcome& one : *outcomes) bytes += one.error ? 0 : one.bytes;
-  return bytes;
+// And not another of its name, which came meanwhile.
+Result<bool> IsStillThere(Service& service, const CutOffArchive& archive) {
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::StoredFile> there,
+                      service.catalogue.FindFile(archive.flight_id, archive.file.name));
+  return there && there->stored_name == archive.file.stored_name;
 }
 
 }  // namespace
@@ -135,30 +158,39 @@ Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::strin
   if (!storage::IsArchiveName(file.name)) return std::vector<FileOutcome>{Outcome(file.name, file.bytes)};
   SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, flight_id));
   Result<std::vector<FileOutcome>> outcomes = TakeContent(service, flight_id, file, incoming, false);
-  RemoveArchive(service, flight_id, file, BytesTaken(outcomes), incoming);
+  RemoveArchive(service, flight_id, file, outcomes, incoming);
   return outcomes;
 }
 
-Result<void> UnpackCutOff(Service& service, const std::function<void(const std::string&)>& tell) {
+Result<std::vector<CutOffArchive>> FindCutOff(Service& service) {
+  std::vector<CutOffArchive> found;
   SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, service.catalogue.FlightIds());
   for (const std::string& flight_id : ids) {
     SKYQUILT_TRY_ASSIGN(const bool is_there, service.catalogue.HasFlight(flight_id));
     if (!is_there) continue;  // in the trash
     SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files, service.catalogue.ListFiles(flight_id));
     for (const storage::StoredFile& file : files) {
-      if (!storage::IsArchiveName(file.name)) continue;
-      SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, flight_id));
-      const Result<std::vector<FileOutcome>> outcomes = TakeContent(service, flight_id, file, incoming, true);
-      const std::string name = fmt::format("the archive {} of flight {}", Printable(file.name), flight_id);
-      if (outcomes) {
-        RemoveArchive(service, flight_id, file, BytesTaken(outcomes), incoming);
-        tell(fmt::format("{}, which a stop cut off, is unpacked: {} came in", name,
-                         Counted(outcomes->size(), "file")));
-      } else {
-        tell(fmt::format("{} is not unpacked and stays: {}", name, outcomes.error().message));
-      }
+      if (storage::IsArchiveName(file.name)) found.push_back({flight_id, file});
     }
   }
+  return found;
+}
+
+Result<std::size_t> UnpackCutOff(Service& service, const CutOffArchive& archive) {
+  SKYQUILT_TRY_ASSIGN(const bool is_there, IsStillThere(service, archive));
+  if (!is_there) return Error{ErrorCode::kNotFound, "It was removed meanwhile.", ""};
+  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, archive.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<FileOutcome> outcomes,
+                      TakeContent(service, archive.flight_id, archive.file, incoming, true));
+  return static_cast<std::size_t>(
+      std::count_if(outcomes.begin(), outcomes.end(), [](const FileOutcome& one) { return !one.error; }));
+}
+
+Result<void> RemoveCutOff(Service& service, const CutOffArchive& archive) {
+  SKYQUILT_TRY_ASSIGN(const bool is_there, IsStillThere(service, archive));
+  if (!is_there) return {};
+  SKYQUILT_TRY(service.catalogue.RemoveFile(archive.flight_id, archive.file.name));
+  service.store.Remove(archive.flight_id, archive.file.stored_name);
   return {};
 }
 

@@ -2,7 +2,7 @@
 // thread.
 #pragma once
 
-#include <functional>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -21,10 +21,23 @@ Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::strin
 Result<std::vector<FileOutcome>> UnpackOnly(Service& service, const std::string& flight_id,
                                             const storage::StoredFile& file);
 
-// Archives that are still there, as no request leaves them: a server died while it unpacked one. At the
-// start, where no other server may be at it. What cannot be unpacked stays; `tell` hears of each. Errors:
-// those of the catalogue.
-Result<void> UnpackCutOff(Service& service, const std::function<void(const std::string&)>& tell);
+// An archive that is still there when a server starts, as no request leaves it: one died while it unpacked
+// it.
+struct CutOffArchive {
+  std::string flight_id;
+  storage::StoredFile file;
+};
+
+// Before requests come, and where no other server may be at them; none of flights in the trash. Errors: those
+// of the catalogue.
+Result<std::vector<CutOffArchive>> FindCutOff(Service& service);
+
+// What is in it comes in, but for what came before; how many files. It is there still, and stays where it
+// cannot be unpacked. Errors: as UnpackStored, kNotFound (removed meanwhile).
+Result<std::size_t> UnpackCutOff(Service& service, const CutOffArchive& archive);
+
+// When it is unpacked. Errors: kConflict (not now: a job reads the flight), those of the catalogue.
+Result<void> RemoveCutOff(Service& service, const CutOffArchive& archive);
 
 // Of two files of a flight. kNotFound: the bytes of one are lost.
 Result<bool> HaveSameBytes(Service& service, const std::string& flight_id, const storage::StoredFile& one,

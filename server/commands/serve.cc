@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "api/build_api.h"
@@ -26,6 +27,7 @@
 #include "server/exports/export_runner.h"
 #include "server/housekeeper.h"
 #include "server/http/http_server.h"
+#include "server/intake/archive_unpacker.h"
 #include "server/intake/unpack_sandboxed.h"
 #include "server/intake/verdict_sandboxed.h"
 #include "server/intake/verdicts.h"
@@ -205,8 +207,6 @@ void FinishUploads(api::Service& service) {
     const Result<void> unpacked = api::UnpackUpload(service, upload);
     if (!unpacked) LogFailure(upload.id, "unpack", unpacked.error());
   }
-  // Of a shared catalogue another server may be unpacking it at this moment.
-  if (!service.db.IsShared()) OrFail("skyquilt serve", api::UnpackCutOff(service, LogEvent));
 }
 
 // By default the C library gives memory back to the system after every tile and asks for it again at the
@@ -272,6 +272,9 @@ void RunServer(const ServeOptions& options) {
   service.made_tiles.SetBudget(options.tile_cache_mb << 20);
   service.event_hub.SetMostOfClient(options.listeners_per_address);
   FinishUploads(service);
+  // Of a shared catalogue another server may be unpacking one at this moment.
+  std::vector<api::CutOffArchive> cut_off;
+  if (!service.db.IsShared()) cut_off = OrFail("skyquilt serve", api::FindCutOff(service));
   const api::Basemap basemap =
       OrFail("skyquilt serve", api::BasemapFrom(options.basemap, options.basemap_attribution));
   service.basemap = basemap;
@@ -304,6 +307,7 @@ void RunServer(const ServeOptions& options) {
   std::fflush(stdout);
 
   const Housekeeper housekeeper(service);
+  const ArchiveUnpacker unpacker(service, std::move(cut_off));
   const ExportRunner export_runner(service);
   std::optional<WebhookSender> sender;
   if (service.sends_webhooks) sender.emplace(service, options.webhooks == "any");

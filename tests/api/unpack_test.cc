@@ -67,14 +67,47 @@ TEST(Unpack, WhatADeadServerLeftIsUnpackedAtTheStart) {
   ASSERT_EQ(sample.Send(Method::kPut, at, "one").status, 201);  // came in before
   LeaveArchive(sample, flight);
   sample.service().unpack = UnpackTwo;
-  std::vector<std::string> told;
-  ASSERT_TRUE(UnpackCutOff(sample.service(), [&](const std::string& line) { told.push_back(line); }));
+  const auto left = test::ValueOf(FindCutOff(sample.service()));
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_EQ(test::ValueOf(UnpackCutOff(sample.service(), left[0])), 1u);
+  EXPECT_EQ(ListedNames(sample, flight), (std::vector<std::string>{"a.jpg", "a.zip", "b.jpg"}));
+  ASSERT_TRUE(RemoveCutOff(sample.service(), left[0]));
   EXPECT_EQ(ListedNames(sample, flight), (std::vector<std::string>{"a.jpg", "b.jpg"}));
   EXPECT_EQ(StoredCount(sample, flight), 2);
-  ASSERT_EQ(told.size(), 1u);
-  EXPECT_NE(told[0].find("1 file came in"), std::string::npos) << told[0];
-  ASSERT_TRUE(UnpackCutOff(sample.service(), [&](const std::string& line) { told.push_back(line); }));
-  EXPECT_EQ(told.size(), 1u) << "there is nothing more";
+  EXPECT_TRUE(FindCutOff(sample.service())->empty());
+  // Another of its name that comes meanwhile is another's.
+  LeaveArchive(sample, flight);
+  EXPECT_EQ(test::ErrorOf(UnpackCutOff(sample.service(), left[0])).code, ErrorCode::kNotFound);
+  ASSERT_TRUE(RemoveCutOff(sample.service(), left[0]));
+  EXPECT_EQ(ListedNames(sample, flight), (std::vector<std::string>{"a.jpg", "a.zip", "b.jpg"}));
+}
+
+TEST(Unpack, WhatCameUnderANumberDoesNotComeAgain) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  for (const char* text : {"six", "one"}) {
+    const std::string stored = StoreBytes(sample.service().store, flight, text);
+    ASSERT_TRUE(sample.catalogue.AddFileUnderFreeName(flight, {"a.jpg", stored, 3}, storage::Now()));
+  }
+  LeaveArchive(sample, flight);
+  sample.service().unpack = UnpackTwo;
+  const auto left = test::ValueOf(FindCutOff(sample.service()));
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_EQ(test::ValueOf(UnpackCutOff(sample.service(), left[0])), 1u);
+  EXPECT_EQ(ListedNames(sample, flight), (std::vector<std::string>{"a(2).jpg", "a.jpg", "a.zip", "b.jpg"}));
+  EXPECT_EQ(StoredCount(sample, flight), 4);
+}
+
+TEST(Unpack, AnArchiveStaysWhileAJobReadsTheFlight) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  LeaveArchive(sample, flight);
+  const auto left = test::ValueOf(FindCutOff(sample.service()));
+  ASSERT_EQ(left.size(), 1u);
+  ASSERT_TRUE(sample.queue.Add(flight, "{}", storage::Now()));
+  ASSERT_TRUE(sample.queue.Claim("w", storage::Now())->has_value());
+  EXPECT_EQ(RemoveCutOff(sample.service(), left[0]).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(ListedNames(sample, flight), std::vector<std::string>{"a.zip"});
 }
 
 TEST(Unpack, WhatCannotBeUnpackedAtTheStartStays) {
@@ -84,9 +117,9 @@ TEST(Unpack, WhatCannotBeUnpackedAtTheStartStays) {
   sample.service().unpack = [](const auto&, const auto&, const auto&, std::int64_t) {
     return Result<std::vector<storage::UnpackedFile>>(Error{ErrorCode::kOutOfSpace, "The disk is full.", ""});
   };
-  std::string told;
-  ASSERT_TRUE(UnpackCutOff(sample.service(), [&](const std::string& line) { told += line; }));
-  EXPECT_NE(told.find("stays: The disk is full."), std::string::npos) << told;
+  const auto left = test::ValueOf(FindCutOff(sample.service()));
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_EQ(test::ErrorOf(UnpackCutOff(sample.service(), left[0])).code, ErrorCode::kOutOfSpace);
   EXPECT_EQ(ListedNames(sample, flight), std::vector<std::string>{"a.zip"});
   EXPECT_EQ(StoredCount(sample, flight), 1);
 }
