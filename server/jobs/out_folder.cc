@@ -13,6 +13,7 @@
 
 #include "core/base/digest.h"
 #include "core/base/text/printable.h"
+#include "core/base/try.h"
 #include "core/flight/read_flight.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/report/odm_exports.h"
