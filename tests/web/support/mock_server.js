@@ -157,6 +157,7 @@ export async function startMockServer(options = {}) {
   });
 
   let is_open = false;  // to the network
+  let is_closed = false;
 
   const server = createServer(async (request, response) => {
     const url = new URL(request.url ?? '/', 'http://mock');
@@ -175,8 +176,8 @@ export async function startMockServer(options = {}) {
       return Buffer.concat(parts);
     };
 
-    const answered = await uploads(path, request, readBody, () => response.destroyed);
-    if (answered && response.destroyed) return undefined;
+    const answered = await uploads(path, request, readBody, () => is_closed || response.destroyed);
+    if (answered && (is_closed || response.destroyed)) return undefined;
     if (answered) return send(answered.status, answered.body ?? null, answered.body ? 'application/problem+json' : 'text/plain', answered.headers);
     let match;
     if (options.scope === 'read' && !['GET', 'HEAD'].includes(request.method ?? '')) {
@@ -353,6 +354,7 @@ export async function startMockServer(options = {}) {
     holdUploads,
     heldUploads: () => held_uploads,
     close: () => {
+      is_closed = true;  // what a test still holds waits no longer
       server.closeAllConnections();
       return new Promise((resolve) => server.close(resolve));
     },
