@@ -75,6 +75,8 @@ class Image(unittest.TestCase):
         packages = out.read_text().split()
         self.assertIn("libc6", packages)
         self.assertLessEqual({"libsqlite3-0", "libarchive13", "libgdal32", *packages_of(["run"])}, set(packages))
+        # No library depends on it: without it every certificate of a store, a webhook's receiver or a server is refused.
+        self.assertIn("ca-certificates", packages)
 
     def test_the_command_serves_with_a_token_and_the_health_check_sees_it(self):
         self.serve_as_the_image(None)
