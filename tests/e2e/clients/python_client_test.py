@@ -196,14 +196,23 @@ class PythonClient(ServerTestCase):
     def test_a_map_below_its_photos_is_not_sent(self):
         listed = self.skyquilt.listing.list_files
         folder = pathlib.Path(tempfile.mkdtemp(prefix="mapped_", dir=self.scratch))
-        for name in ("a.jpg", "map/geo.txt", "map/mosaic.state", "map/report.json", "map/dsm.tif", "map/frames/f.jpg", "map/photos/b.jpg", "c/geo.txt"):
+        of_map = b"EPSG:4326\na.jpg 7.1234567890 46.1234567890 650.1234 12.123456 0.000000 -1.123456 0.0312 0.0312\n# Heights count.\n"
+        own = b"EPSG:4326\na.jpg 7.1 46.1 650\n"
+        contents = {"map/geo.txt": of_map, "c/geo.txt": of_map}
+        for name in ("a.jpg", "map/geo.txt", "map/mosaic.state", "map/report.json", "map/dsm.tif", "map/frames/f.jpg", "map/frames/frames.json",
+                     "map/photos/b.jpg", "c/geo.txt"):
             (folder / name).parent.mkdir(exist_ok=True)
-            (folder / name).write_bytes(b"x")
+            (folder / name).write_bytes(contents.get(name, b"x"))
         self.assertEqual(sorted(file.name for file in listed(folder)), ["a.jpg", "b.jpg", "geo.txt"])
         self.assertEqual([file.path for file in listed(folder / "map" / "geo.txt")], [folder / "map" / "geo.txt"])
-        # Photos that lie in it are sent: it is no folder of a map alone.
-        (folder / "map" / "d.jpg").write_bytes(b"x")
-        self.assertIn("d.jpg", [file.name for file in listed(folder)])
+        self.assertEqual([file.name for file in listed(folder / "map" / "frames")], ["f.jpg", "frames.json"])
+        # What else lies in it is sent, photos and logs, and the map's own is not for that.
+        for name in ("d.jpg", "flight.bin"):
+            (folder / "map" / name).write_bytes(b"x")
+        self.assertEqual(sorted(file.name for file in listed(folder)), ["a.jpg", "b.jpg", "d.jpg", "flight.bin", "geo.txt"])
+        # A list of positions that somebody put there is the flight's.
+        (folder / "map" / "geo.txt").write_bytes(own)
+        self.assertIn(folder / "map" / "geo.txt", [file.path for file in listed(folder)])
 
     def test_errors_are_the_servers_sentences(self):
         server = self.start("--workers", "1")

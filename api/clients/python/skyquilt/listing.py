@@ -5,6 +5,7 @@ import collections
 import dataclasses
 import os
 import pathlib
+import re
 from typing import Dict, Iterable, List, Sequence, Set, Union
 
 from .errors import InputError
@@ -12,10 +13,17 @@ from .errors import InputError
 Path = Union[str, "os.PathLike[str]"]
 
 _PICTURES = {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}
-_PICTURES_OF_MAP = ("mosaic", "thumbnail", "bands", "dsm", "dtm")
 _MAX_FOLDERS = 8  # in front of a name
 # What systems and network drives keep for themselves: a Mac's attributes, previews of each photo, deleted files.
 _OF_PROGRAMS = {"@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"}
+# What `skyquilt stitch` writes beside its mosaic.state, as server/jobs/out_folder.cc names it.
+_OF_MAPS = {"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif", "mosaic_utm.tif", "mosaic.kmz", "thumbnail.png", "report.json",
+            "photos.geojson", "locate.json", "cameras.json", "geo.txt", "layers.json", "bands.tif", "dsm.tif", "dsm_photos.tif",
+            "dtm.tif", "dtm_ground.tif", "contours.gpkg", "contours.geojson", "contours.dxf", "dsm_hillshade.tif",
+            "layer_photo.mbtiles", "layer_error.mbtiles", "layer_height.mbtiles"}
+# A row and a comment of the geo.txt that it writes (core/pipeline/report/odm_exports.cc).
+_ROW_OF_MAP = re.compile(rb"[^ ]*(?: -?\d+\.\d{10}){2} -?\d+\.\d{4}(?: -?\d+\.\d{6}){3}(?:(?: -?\d+\.\d{4}){2})?")
+_PHOTOS_UNNAMED = b"# Not here, for this file "
 
 
 @dataclasses.dataclass(frozen=True)
@@ -28,8 +36,8 @@ class LocalFile:
 
 
 def list_files(paths: Union[Path, Iterable[Path]]) -> List[LocalFile]:
-    """The files named and those below the folders named, without hidden and empty ones and finished maps, in the order of their
-    paths. Names that come twice have as many folders in front as it takes. Raises `InputError` where there is nothing to send."""
+    """The files named and those below the folders named, without hidden and empty ones and what a map made there consists of,
+    in the order of their paths. Names that come twice have as many folders in front as it takes. Raises `InputError` where there is nothing to send."""
     named = [pathlib.Path(paths)] if isinstance(paths, (str, os.PathLike)) else [pathlib.Path(path) for path in paths]
     files: List[LocalFile] = []
     seen: Set[str] = set()
@@ -56,11 +64,23 @@ def _is_of_programs(name: str) -> bool:
     return name.startswith(".") or name.lower() in _OF_PROGRAMS
 
 
-def _is_map(names: Sequence[str]) -> bool:
-    """Whether files that lie together are a map of Skyquilt's, without photos beside it: its positions and heights are none of
-    a flight's."""
-    return {"mosaic.state", "report.json"} <= set(names) and all(
-        name.startswith(_PICTURES_OF_MAP) for name in names if pathlib.PurePath(name).suffix.lower() in _PICTURES)
+def _is_list_of_map(path: pathlib.Path) -> bool:
+    """Whether a map's own geo.txt, to the digit: one that somebody put there, or that cannot be read, is the flight's."""
+    try:
+        head, *lines = path.read_bytes().split(b"\n")
+    except OSError:
+        return False
+    if head != b"EPSG:4326" or not lines or lines.pop():
+        return False
+    rows = [line for line in lines if not line.startswith(b"# ")]
+    says_anything = bool(rows) or any(line.startswith(_PHOTOS_UNNAMED) for line in lines)
+    return says_anything and all(_ROW_OF_MAP.fullmatch(row) for row in rows)
+
+
+def _is_of_map(path: pathlib.Path) -> bool:
+    """Whether a file beside a mosaic.state is part of that map: its positions and heights are none of a flight's."""
+    name = path.name
+    return name.startswith("mosaic.state") or name in _OF_MAPS and (name != "geo.txt" or _is_list_of_map(path))
 
 
 def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
@@ -72,9 +92,11 @@ def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
             continue
         found = []
         for folder, below, names in os.walk(path):
-            is_map = _is_map(names)  # its folder "frames" has what became of films
-            below[:] = sorted(name for name in below if not (_is_of_programs(name) or is_map and name == "frames"))
-            found += [pathlib.Path(folder, name) for name in names if not (is_map or _is_of_programs(name))]
+            here, has_map = pathlib.Path(folder), "mosaic.state" in names
+            below[:] = sorted(name for name in below if not _is_of_programs(name))
+            if here.name == "frames" and "frames.json" in names and here != path:
+                continue  # what became of films; the folder that is given itself counts
+            found += [here / name for name in names if not (_is_of_programs(name) or has_map and _is_of_map(here / name))]
         yield from (one for one in sorted(found) if one.is_file())
 
 
