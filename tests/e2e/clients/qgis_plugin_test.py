@@ -9,8 +9,9 @@ import unittest
 import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from gis_support import MapFileTestCase, has_qgis  # noqa: E402
-from server_support import add_token, bearer  # noqa: E402
+from gis_support import WORLD_M, MapFileTestCase, has_qgis  # noqa: E402
+from program import run  # noqa: E402
+from server_support import add_token, bearer, photos_in  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 QGIS = HERE.parents[2] / "api" / "clients" / "qgis"
@@ -105,6 +106,26 @@ class Plugin(MapFileTestCase):
         self.assertAlmostEqual(y, seen["photos"][0]["y"], delta=0.01)
         self.assertEqual((nothing[0].split(" sees")[0], nothing[1]), ("No photo of a listed map", []))
         self.assertEqual(left, [True, 0, 0])
+
+    def test_a_map_across_the_antimeridian(self):
+        photos = pathlib.Path(self.scratch, "fiji/photos")
+        run("simulate", "-o", photos.parent, "--photos", "4", "--size", "640x480", "--no-world", "--lat", "-17", "--lon", "180")
+        server = self.serve("--workers", "1", data=tempfile.mkdtemp(dir=self.scratch))
+        flight = server.stitched(photos_in(photos))["flight"]["id"]
+        west, south, east, north = server.json("GET", f"/api/v1/flights/{flight}")[1]["bounds"]
+        self.assertTrue(179.9 < west < 180 < east < 180.1, (west, east))
+        west_m, east_m = (WORLD_M / 180 * lon for lon in (west, east))
+        width_m = east_m - west_m
+        _, _, tiles, (_, in_the_west, _), (_, in_the_east, _), _, geotiff = self.session(
+            f"http://127.0.0.1:{server.port}", ["choose", flight], ["go"], ["view"], ["click", 180 - 1e-5, (south + north) / 2],
+            ["click", -180 + 1e-5, (south + north) / 2], ["add", "geotiff"], ["view"])
+        # In Web Mercator tiles lie at both its ends: one of them is shown, not the whole world.
+        self.assertLess(tiles[2] - tiles[0], 10 * width_m)
+        self.assertLess(min(abs(abs(side) - WORLD_M) for side in tiles[0::2]), 10 * width_m)
+        # The file is in one piece.
+        self.assertLess(geotiff[2] - geotiff[0], 10 * width_m)
+        self.assertTrue(geotiff[0] < west_m + 0.1 * width_m and geotiff[2] > east_m - 0.1 * width_m, geotiff)
+        self.assertTrue(in_the_west and in_the_east)
 
     def test_a_folder_becomes_a_map(self):
         server = self.serve("--workers", "1", data=tempfile.mkdtemp(dir=self.scratch))

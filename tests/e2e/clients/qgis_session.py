@@ -173,6 +173,12 @@ class Session:
         box = to_degrees.transformBoundingBox(self.iface.canvas.extent())
         return [box.xMinimum(), box.yMinimum(), box.xMaximum(), box.yMaximum()]
 
+    def view(self):
+        """What the canvas shows, in its own coordinates."""
+        self.settle()
+        box = self.iface.canvas.extent()
+        return [box.xMinimum(), box.yMinimum(), box.xMaximum(), box.yMaximum()]
+
     def click(self, lon, lat):
         """With the tool of the panel, on the canvas: names of the photos, and where the cross is in the picture (0 to 1)."""
         self.dock.place.click()

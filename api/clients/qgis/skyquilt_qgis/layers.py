@@ -27,7 +27,7 @@ class Described:
     tiles: str  # as QGIS' provider of tiles takes it
     token: Optional[str]
     has_new_link: bool  # the token was made for it
-    bounds: List[float]
+    bounds: List[float]  # as of a flight's record
     heights: List[str]  # dsm, dtm: those that the map has
 
     def below(self, path):
@@ -78,6 +78,18 @@ def described(client, flight_id, known_tokens):
     tiles = flight.tile_json()
     return Described(flight.name, client.url, flight.id, definition.findtext("maplayers/maplayer/datasource"), token,
                      known_tokens.get(flight.id) != known, tiles.get("across_bounds", tiles["bounds"]), tiles["heights"])
+
+
+def sides_of(bounds):
+    """West, south, east, north as one or two boxes within -180 and 180 degrees. Across the antimeridian, where the bounds of
+    flights go on beyond 180, they are its west and its east."""
+    west, south, east, north = bounds
+    return [bounds] if east <= 180 else [[west, south, 180, north], [-180, south, east - 360, north]]
+
+
+def holds(bounds, lon, lat):
+    """Whether a place, its longitude within -180 and 180 degrees, lies within bounds."""
+    return any(west <= lon <= east and south <= lat <= north for west, south, east, north in sides_of(bounds))
 
 
 def lacking(map_of, kind):

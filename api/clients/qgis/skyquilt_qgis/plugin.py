@@ -142,20 +142,34 @@ class SkyquiltPlugin:
             return
         QgsProject.instance().addMapLayer(layer)
         # After QGIS itself, which shows all of a first layer and stays where it is at others.
-        QTimer.singleShot(0, lambda: self.go_to(map_of.bounds))
+        QTimer.singleShot(0, lambda: self.go_to(map_of.bounds, layer))
         if map_of.has_new_link:
             self.iface.messageBar().pushMessage(
                 "Skyquilt", f"The project now holds a link that reads the map of {map_of.name} and does not end by itself. Share on the "
                 "server's page ends it, and these layers with it.", Qgis.Info)
 
-    def go_to(self, bounds):
-        """Shows west, south, east, north on the canvas."""
+    def go_to(self, bounds, layer=None):
+        """Shows west, south, east, north on the canvas; `layer`: what was added of the map."""
         canvas = self.iface.mapCanvas()
-        to_project = self.transform(WGS84, canvas.mapSettings().destinationCrs())
-        extent = to_project.transformBoundingBox(QgsRectangle(*bounds))
+        project = canvas.mapSettings().destinationCrs()
+        extent = self.extent_of(bounds, project)
+        # Files of a map across the antimeridian go on beyond it, where tiles lie at the other end of the world.
+        if bounds[2] > 180 and layer is not None and layer.providerType() == "gdal" and layer.crs() == project:
+            extent = layer.extent()
         extent.scale(1.05)
         canvas.setExtent(extent)
         canvas.refresh()
+
+    def extent_of(self, bounds, project):
+        """In the project's coordinates. A map across the antimeridian is in one piece in few systems; in others, whose ends its
+        sides are, this is the wider one."""
+        to_project = self.transform(WGS84, project)
+        sides = [to_project.transformBoundingBox(QgsRectangle(*side)) for side in layers.sides_of(bounds)]
+        whole = QgsRectangle(sides[0])
+        for side in sides[1:]:
+            whole.combineExtentWith(side)
+        is_together = whole.width() < 2 * sum(side.width() for side in sides)
+        return whole if is_together else max(sides, key=lambda side: side.width())
 
     def go_to_chosen(self):
         """Shows where the chosen flight is."""
@@ -259,17 +273,17 @@ class SkyquiltPlugin:
         if client is None:
             return
         at = self.transform(self.iface.mapCanvas().mapSettings().destinationCrs(), WGS84).transform(point)
-
-        def holds(bounds):
-            return bounds is not None and bounds[0] <= at.x() <= bounds[2] and bounds[1] <= at.y() <= bounds[3]
-
-        flights = [(record["id"], record["name"]) for record in self.dock.records() if holds(record["bounds"])]
+        lon, lat = at.x(), at.y()
+        if abs(lon) > 180:  # a canvas in degrees goes on beyond the antimeridian
+            lon = (lon + 180) % 360 - 180
+        flights = [(record["id"], record["name"]) for record in self.dock.records()
+                   if record["bounds"] is not None and layers.holds(record["bounds"], lon, lat)]
 
         def call(tell):
             found = []
             for flight_id, name in flights:
                 try:
-                    seen = client.api.photos_at(flight_id, at.x(), at.y())["photos"]
+                    seen = client.api.photos_at(flight_id, lon, lat)["photos"]
                 except NotFound:  # a map of others, which has no photos
                     seen = []
                 found += [(flight_id, name, photo) for photo in seen]
@@ -277,7 +291,7 @@ class SkyquiltPlugin:
 
         def show(found):
             self.dock.photos.show()
-            self.dock.photos.show_place(at.x(), at.y(), found)
+            self.dock.photos.show_place(lon, lat, found)
 
         self.workers.start("Photos of a place", client, call, show, self.complain)
 
