@@ -260,6 +260,10 @@ class PythonClient(ServerTestCase):
         for url in ("127.0.0.1:8080", "ftp://a/b", "http://", "http://[::1", "http://127.0.0.1:80800"):
             with self.assertRaisesRegex(self.skyquilt.InputError, "address of a server"):
                 self.skyquilt.Client(url)
+        with unittest.mock.patch.dict(os.environ, {"no_proxy": "*"}):
+            for scheme, usual in (("http", 80), ("https", 443)):
+                made = self.skyquilt.Client(f"{scheme}://[2001:db8::5]").transport._connect()[0]
+                self.assertEqual((made.host, made.port), ("2001:db8::5", usual))
 
     def test_tokens_decide(self):
         read, upload = self.token("read"), self.token("upload")

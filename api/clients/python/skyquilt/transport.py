@@ -179,8 +179,8 @@ class Transport:
         return kept or self._connect()
 
     def _connect(self) -> Tuple[http.client.HTTPConnection, str]:
-        host, port = self._parts.hostname or "", self._parts.port
         is_secure = self._parts.scheme == "https"
+        host, port = self._parts.hostname or "", self._parts.port or (443 if is_secure else 80)  # else ::5 would name port 5
         context = self._context or (ssl.create_default_context() if is_secure else None)
         proxy = urllib.request.getproxies().get(self._parts.scheme)
         if not proxy or urllib.request.proxy_bypass(host):
@@ -190,7 +190,7 @@ class Transport:
         by = urllib.parse.urlsplit(proxy if "://" in proxy else f"http://{proxy}")
         if is_secure:
             through = http.client.HTTPSConnection(by.hostname or "", by.port or 8080, timeout=self._timeout_s, context=context)
-            through.set_tunnel(host, port or 443)
+            through.set_tunnel(host, port)
             return through, ""
         return (http.client.HTTPConnection(by.hostname or "", by.port or 8080, timeout=self._timeout_s),
                 f"http://{self._parts.netloc}")
