@@ -309,7 +309,7 @@ class PythonClient(ServerTestCase):
 
         class Proxy(http.server.BaseHTTPRequestHandler):
             def do_GET(self):
-                asked.append(self.path)
+                asked.append((self.path, self.headers["Proxy-Authorization"]))
                 direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))
                 with direct.open(self.path) as answer:
                     body = answer.read()
@@ -323,10 +323,12 @@ class PythonClient(ServerTestCase):
 
         with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Proxy) as proxy:
             threading.Thread(target=proxy.serve_forever, daemon=True).start()
-            with unittest.mock.patch.dict(os.environ, {"http_proxy": f"http://127.0.0.1:{proxy.server_port}", "no_proxy": ""}):
-                self.assertEqual(self.client(server).flights(), [])
+            for name in ("", "me:a%40b@"):
+                with unittest.mock.patch.dict(os.environ, {"http_proxy": f"http://{name}127.0.0.1:{proxy.server_port}", "no_proxy": ""}):
+                    self.assertEqual(self.client(server).flights(), [])
             proxy.shutdown()
-        self.assertEqual(asked, [f"http://127.0.0.1:{server.port}/api/v1/flights?limit=200"])
+        address = f"http://127.0.0.1:{server.port}/api/v1/flights?limit=200"
+        self.assertEqual(asked, [(address, None), (address, "Basic bWU6YUBi")])
 
     def test_the_examples_run(self):
         server = self.start("--workers", "1")

@@ -4,6 +4,7 @@ values or errors. By the standard library alone, so that the package can be put 
 Threads: one `Transport` may be used by several; each has its own connection."""
 from __future__ import annotations
 
+import base64
 import http.client
 import json
 import random
@@ -148,6 +149,8 @@ class Transport:
     def _answer(self, connection: http.client.HTTPConnection, prefix: str, method: str, path: str, body: Optional[Body],
                 headers: Mapping[str, str], release: Callable[[bool], None]) -> Answer:
         target = f"{prefix}{self._parts.path.rstrip('/')}{path}"
+        if prefix:
+            headers = {**headers, **_credentials_of(self._proxy())}
         try:
             connection.request(method, target, body=body, headers=dict(headers))
         except (BrokenPipeError, ConnectionResetError):
@@ -182,18 +185,24 @@ class Transport:
         is_secure = self._parts.scheme == "https"
         host, port = self._parts.hostname or "", self._parts.port or (443 if is_secure else 80)  # else ::5 would name port 5
         context = self._context or (ssl.create_default_context() if is_secure else None)
-        proxy = urllib.request.getproxies().get(self._parts.scheme)
-        if not proxy or urllib.request.proxy_bypass(host):
+        by = self._proxy()
+        if by is None:
             if is_secure:
                 return http.client.HTTPSConnection(host, port, timeout=self._timeout_s, context=context, blocksize=BLOCK_BYTES), ""
             return http.client.HTTPConnection(host, port, timeout=self._timeout_s, blocksize=BLOCK_BYTES), ""
-        by = urllib.parse.urlsplit(proxy if "://" in proxy else f"http://{proxy}")
         if is_secure:
             through = http.client.HTTPSConnection(by.hostname or "", by.port or 8080, timeout=self._timeout_s, context=context)
-            through.set_tunnel(host, port)
+            through.set_tunnel(host, port, headers=_credentials_of(by))
             return through, ""
         return (http.client.HTTPConnection(by.hostname or "", by.port or 8080, timeout=self._timeout_s),
                 f"http://{self._parts.netloc}")
+
+    def _proxy(self) -> Optional[urllib.parse.SplitResult]:
+        """The proxy that this machine's settings name for the server."""
+        proxy = urllib.request.getproxies().get(self._parts.scheme)
+        if not proxy or urllib.request.proxy_bypass(self._parts.hostname or ""):
+            return None
+        return urllib.parse.urlsplit(proxy if "://" in proxy else f"http://{proxy}")
 
     def forget(self) -> None:
         """Closes the connection that this thread keeps; the next request makes another."""
@@ -229,6 +238,14 @@ class Patience:
 
 def _closing(connection: http.client.HTTPConnection) -> Callable[[bool], None]:
     return lambda _: connection.close()
+
+
+def _credentials_of(proxy: Optional[urllib.parse.SplitResult]) -> Dict[str, str]:
+    """What a proxy of the form http://NAME:PASSWORD@HOST:PORT is to be told."""
+    if proxy is None or proxy.username is None:
+        return {}
+    said = urllib.parse.unquote(f"{proxy.username}:{proxy.password or ''}")
+    return {"Proxy-Authorization": "Basic " + base64.b64encode(said.encode()).decode()}
 
 
 def _in_words(error: BaseException) -> str:
