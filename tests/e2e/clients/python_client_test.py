@@ -214,6 +214,14 @@ class PythonClient(ServerTestCase):
         (folder / "map" / "geo.txt").write_bytes(own)
         self.assertIn(folder / "map" / "geo.txt", [file.path for file in listed(folder)])
 
+    def test_a_flight_has_a_name_that_the_server_takes(self):
+        called = self.skyquilt.listing.name_of
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
+        for name, want in (("Поле" * 30, "Поле" * 25), (b"Feld M\xfcller", "Feld M?ller"), ("x" * 210, "x" * 200)):
+            one = folder / os.fsdecode(name)
+            one.mkdir()
+            self.assertEqual(called(one), want)
+
     def test_errors_are_the_servers_sentences(self):
         server = self.start("--workers", "1")
         client = self.client(server)

@@ -14,6 +14,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 _PICTURES = {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}
 _MAX_FOLDERS = 8  # in front of a name
+_MOST_BYTES_OF_NAME = 200  # of a flight
 # What systems and network drives keep for themselves: a Mac's attributes, previews of each photo, deleted files.
 _OF_PROGRAMS = {"@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"}
 # What `skyquilt stitch` writes beside its mosaic.state, as server/jobs/out_folder.cc names it.
@@ -54,10 +55,11 @@ def list_files(paths: Union[Path, Iterable[Path]]) -> List[LocalFile]:
 
 
 def name_of(paths: Union[Path, Iterable[Path]]) -> str:
-    """What a flight of these is called: as the folder, or the first file without its ending."""
+    """What a flight of these is called: as the folder, or the first file without its ending, in at most 200 bytes of UTF-8."""
     first = pathlib.Path(paths) if isinstance(paths, (str, os.PathLike)) else next((pathlib.Path(path) for path in paths), pathlib.Path())
     whole = pathlib.Path(os.path.abspath(first))
-    return (whole.name if whole.is_dir() else whole.stem)[:200] or "flight"
+    name = whole.name if whole.is_dir() else whole.stem
+    return name.encode(errors="replace")[:_MOST_BYTES_OF_NAME].decode(errors="ignore") or "flight"
 
 
 def _is_of_programs(name: str) -> bool:
