@@ -180,6 +180,7 @@ class PythonClient(ServerTestCase):
         lon, lat = (west + east) / 2, (south + north) / 2
         seen = flight.photos_at(lon, lat)
         self.assertTrue(seen)
+        self.assertEqual([photo["name"] for photo in flight.photos_at(lon + 360, lat)], [photo["name"] for photo in seen])
         for photo in seen:
             ground = flight.ground_at(photo["name"], photo["x"], photo["y"])
             self.assertAlmostEqual(ground["lon"], lon, places=8)

@@ -1,6 +1,7 @@
 """One flight at a server: its state, its map, and what can be done with it."""
 from __future__ import annotations
 
+import math
 import pathlib
 import time
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, cast
@@ -59,7 +60,7 @@ class Flight:
 
     @property
     def bounds(self) -> Optional[List[float]]:
-        """West, south, east, north of the map in degrees."""
+        """West, south, east, north of the map in degrees; across the antimeridian the east is beyond 180."""
         return self.record["bounds"]
 
     @property
@@ -149,8 +150,9 @@ class Flight:
         return self.client.api.get_usual_tile_json(self.id) if is_256 else self.client.api.get_tile_json(self.id)
 
     def photos_at(self, lon: float, lat: float) -> List[models.SeenPhoto]:
-        """The photos that see a place (degrees), the most vertical view first, with the place's pixel in each."""
-        return self.client.api.photos_at(self.id, lon, lat)["photos"]
+        """The photos that see a place (degrees; a longitude beyond 180 too, as `bounds` has it), the most vertical view first, with
+        the place's pixel in each."""
+        return self.client.api.photos_at(self.id, lon if abs(lon) <= 180 else math.remainder(lon, 360), lat)["photos"]
 
     def ground_at(self, photo: str, x: float, y: float) -> models.GroundOfPixelAnswer:
         """Where a photo's pixel lies."""
