@@ -115,6 +115,8 @@ constexpr double kStepS = 0.12;  // between frames that are looked at: motion be
 constexpr double kRoomForSharpest =
     0.06;                              // of overlap above the wanted one, within which the sharpest is taken
 constexpr double kWorthTheEnd = 0.95;  // the last frame is taken too unless it shows hardly anything new
+// Of frames of which nobody knows what they share: cuts and blurs come singly, over water all are so.
+constexpr double kUnfollowedAtOnce = 25.0, kUnfollowedPerS = 2.0;
 
 Result<void> WriteBytes(const std::filesystem::path& path, const char* bytes, std::size_t size) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
@@ -159,9 +161,11 @@ class Taking {
 
   // The frame at hand, which shares `overlap` with the one taken last; nothing: as much as nobody knows.
   Result<void> See(const GrayFrame& gray, std::optional<double> overlap) {
-    if (taken_.photos.empty() || !overlap) {
+    if (taken_.photos.empty() || is_lost_ || !overlap) {
       // After a cut the frame before it was the last of its ground.
       if (has_candidate_) SKYQUILT_TRY(TakeCandidate());
+      is_lost_ = !MayTakeUnfollowed();
+      if (is_lost_) return {};
       Keep(kOnlyForTheEnd);
       SKYQUILT_TRY(TakeCandidate());
       motion.MakeReference();
@@ -195,6 +199,15 @@ class Taking {
  private:
   static constexpr double kOnlyForTheEnd = -1.0;
 
+  bool MayTakeUnfollowed() {
+    const double since_s = std::max(0.0, video_.time_s() - unfollowed_at_s_);
+    unfollowed_at_s_ = video_.time_s();
+    unfollowed_left_ = std::min(kUnfollowedAtOnce, unfollowed_left_ + kUnfollowedPerS * since_s);
+    if (unfollowed_left_ < 1.0) return false;
+    unfollowed_left_ -= 1.0;
+    return true;
+  }
+
   void Keep(double sharpness) {
     video_.Keep();
     motion.Mark();
@@ -224,6 +237,8 @@ class Taking {
   const TakeFramesOptions& options_;
   TakenFrames taken_;
   bool has_candidate_ = false;
+  bool is_lost_ = false;  // a frame was passed over whose share with the one taken last nobody knows
+  double unfollowed_left_ = kUnfollowedAtOnce, unfollowed_at_s_ = 0.0;
   double candidate_sharpness_ = kOnlyForTheEnd, candidate_time_s_ = 0.0;
   std::int64_t candidate_number_ = 0;
 };

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <charconv>
+#include <vector>
 
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/video/moving_film.h"
@@ -67,6 +68,23 @@ TEST(TakeFrames, TakesBothSidesOfACut) {
   ASSERT_EQ(taken.frames->photos.size(), 2U);
   EXPECT_LT(NumberOf(taken.frames->photos[0]), 30);
   EXPECT_GE(NumberOf(taken.frames->photos[1]), 30);
+}
+
+TEST(TakeFrames, TakesFewWhereNothingCanBeFollowedAndGoesOnBehind) {
+  constexpr int kLost = 450, kAll = 600;  // of 15 s every fourth frame is looked at: 113, none like the next
+  const auto left_px = [](int k) { return k < kLost ? k / 4 % 5 * 700 : 6 * (k - kLost); };
+  const Taken taken(kAll, left_px);
+  if (!taken.is_filmed) GTEST_SKIP() << "no MPEG-4 encoder on this machine";
+  ASSERT_TRUE(taken.frames) << taken.frames.error().message;
+  std::vector<int> lost, followed;
+  for (const auto& photo : taken.frames->photos)
+    (NumberOf(photo) < kLost ? lost : followed).push_back(NumberOf(photo));
+  EXPECT_GE(lost.size(), 15U);
+  EXPECT_LE(lost.size(), 75U);
+  ASSERT_GE(followed.size(), 4U);
+  EXPECT_LE(followed.front(), kLost + 24) << "most of a second behind";
+  for (std::size_t i = 1; i < followed.size(); ++i)
+    EXPECT_LE(6 * (followed[i] - followed[i - 1]), 0.26 * kFilmWidthPx) << followed[i];
 }
 
 TEST(TakeFrames, SaysWhereItStoppedWhenThereAreTooMany) {
