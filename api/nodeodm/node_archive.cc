@@ -115,6 +115,7 @@ constexpr std::pair<const char*, std::string_view> kFiles[] = {
     {"mosaic.tif", "odm_orthophoto/odm_orthophoto.tif"},
     {"mosaic.mbtiles", kArchiveMbtiles},
     {"mosaic.pmtiles", kArchivePmtiles},
+    {"bands.tif", "odm_orthophoto/bands.tif"},
     {"dsm.tif", "odm_dem/dsm.tif"},
     {"dtm.tif", "odm_dem/dtm.tif"},
     {"contours.gpkg", "odm_dem/contours.gpkg"},

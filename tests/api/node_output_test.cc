@@ -1,6 +1,9 @@
-// What clients of the NodeODM-compatible node read of a long job: all lines, and from a line on.
+// What clients of the NodeODM-compatible node get: the lines of a long job, all and from one on, and the
+// files.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -9,11 +12,12 @@
 namespace skyquilt::api {
 namespace {
 
+constexpr const char* kToldTask = "11111111-2222-4333-8444-555555555555";
+
 TEST(NodeOutput, HasTheLastLinesOfAJobOfManyStages) {
   SampleService sample;
-  const std::string uuid = "11111111-2222-4333-8444-555555555555";
   const std::string flight = sample.NewFlight();
-  ASSERT_TRUE(sample.service().node_tasks.Add({uuid, flight, "[]", 1, true}));
+  ASSERT_TRUE(sample.service().node_tasks.Add({kToldTask, flight, "[]", 1, true}));
   const auto job = sample.queue.Add(flight, "{}", storage::Now());
   ASSERT_TRUE(job);
   // As a job that is cut into units and taken up again and again leaves them.
@@ -22,14 +26,32 @@ TEST(NodeOutput, HasTheLastLinesOfAJobOfManyStages) {
       " INSERT INTO event(flight_id, job_id, kind, body)"
       " SELECT ?, ?, 'job', json_object('state', 'running', 'stage', 'stage' || i) FROM n",
       flight, job->id));
-  const std::string output = "/task/" + uuid + "/output";
+  const std::string output = "/task/" + std::string(kToldTask) + "/output";
   const nlohmann::json lines = sample.Json(output);
   ASSERT_EQ(lines.size(), 2501U) << "that it was accepted, and its stages";
   EXPECT_NE(lines.back().get<std::string>().find("stage2500"), std::string::npos) << lines.back();
   EXPECT_EQ(sample.Json(output + "?line=2499"), nlohmann::json::array({lines[2499], lines[2500]}));
   EXPECT_EQ(sample.Json(output + "?line=-1"), nlohmann::json::array({lines[2500]}));
-  EXPECT_EQ(sample.Json("/task/" + uuid + "/info?with_output=2500")["output"],
+  EXPECT_EQ(sample.Json("/task/" + std::string(kToldTask) + "/info?with_output=2500")["output"],
             nlohmann::json::array({lines[2500]}));
+}
+
+TEST(NodeArchive, HasTheBandsOfACameraThatTookSeveral) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const std::int64_t revision = sample.Publish(flight, {{0, 0, 0, "tile"}});
+  ASSERT_TRUE(sample.service().node_tasks.Add({kToldTask, flight, "[]", 1, true}));
+  const std::filesystem::path folder = sample.dir().Revision(flight, revision);
+  for (const char* name : {"mosaic.tif", "mosaic.pmtiles", "bands.tif"})
+    std::ofstream(folder / name) << "bytes of " << name;
+  std::ofstream(folder / "report.json") << R"({"photos": {"total": 1}})";
+  std::ofstream(folder / "photos.geojson") << R"({"features": []})";
+  Response sent = sample.Get("/task/" + std::string(kToldTask) + "/download/all.zip");
+  ASSERT_EQ(sent.status, 200) << sent.body;
+  const std::string archive = BodyOf(sent);
+  EXPECT_NE(archive.find("odm_orthophoto/odm_orthophoto.tif"), std::string::npos) << archive;
+  EXPECT_NE(archive.find("odm_orthophoto/bands.tif"), std::string::npos);
+  EXPECT_NE(archive.find("bytes of bands.tif"), std::string::npos);
 }
 
 }  // namespace
