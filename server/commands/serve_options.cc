@@ -86,8 +86,9 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
       ->check(CLI::Range(0, 1 << 24))
       ->capture_default_str();
   command
-      .add_option("--job-timeout", options.job_timeout_s,
-                  "Seconds after which a job is ended; 0: ten minutes, a minute a file and a second a MiB")
+      .add_option(
+          "--job-timeout", options.job_timeout_s,
+          "Seconds after which a job is ended; 0: ten minutes, a minute a file or frame of a film, and a second a MiB")
       ->check(CLI::Range(0, 30 * 24 * 3600))
       ->capture_default_str();
   command

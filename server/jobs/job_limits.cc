@@ -3,9 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
+#include <string>
 
 #include "core/base/parallel_for.h"
+#include "core/base/text/plain_text.h"
+#include "core/video/take_frames.h"
 
 namespace skyquilt::server {
 namespace {
@@ -25,6 +29,20 @@ std::optional<std::int64_t> NumberIn(const char* path) {
 }
 
 }  // namespace
+
+bool IsNameOfFilm(std::string_view name) {
+  constexpr std::array<std::string_view, 9> kEnds = {".mp4", ".mov", ".m4v", ".lrf", ".lrv",
+                                                     ".avi", ".mkv", ".ts",  ".mts"};
+  const std::string lower = LowerCase(name);
+  return std::any_of(kEnds.begin(), kEnds.end(), [&](std::string_view end) { return lower.ends_with(end); });
+}
+
+std::int64_t MostPhotosIn(std::string_view name, std::int64_t bytes) {
+  constexpr std::int64_t kFramesAMib = 4;  // two a second of 4 Mbit
+  if (!IsNameOfFilm(name)) return 1;
+  const std::int64_t most_frames = video::TakeFramesOptions().max_frames;
+  return std::clamp(kFramesAMib * (bytes >> 20), std::int64_t{1}, most_frames);
+}
 
 JobLimits LimitsOfJob(std::int64_t files, std::int64_t bytes, const pipeline::MosaicOptions& options,
                       const GivenLimits& given) {

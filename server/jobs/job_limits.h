@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "core/pipeline/mosaic_options.h"
 
@@ -24,10 +25,17 @@ struct GivenLimits {
   std::int64_t machine_memory_bytes = 0;
 };
 
-// Ten minutes, a minute a file and a second a MiB; twice as much processor time. Real flights take one to
-// three seconds of processor time a photo. With a timeout given that instead, on the wall, and for each core
-// on the processor. Memory: the options' budget, 4 GiB for what does not follow it (the program, features and
-// matches, the solver), and 2 MiB per file.
+// By its ending, in any case.
+bool IsNameOfFilm(std::string_view name);
+
+// Of how many photos a flight may be by this file: one, or a film's frames, which nobody has counted yet (4 a
+// MiB, and no more than are ever taken).
+std::int64_t MostPhotosIn(std::string_view name, std::int64_t bytes);
+
+// `files`: the sum of these. Ten minutes, a minute a file and a second a MiB; twice as much processor time.
+// Real flights take one to three seconds of processor time a photo. With a timeout given that instead, on the
+// wall, and for each core on the processor. Memory: the options' budget, 4 GiB for what does not follow it
+// (the program, features and matches, the solver), and 2 MiB per file.
 JobLimits LimitsOfJob(std::int64_t files, std::int64_t bytes, const pipeline::MosaicOptions& options,
                       const GivenLimits& given);
 

@@ -144,9 +144,12 @@ Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flig
     std::erase_if(files, [&](const storage::StoredFile& file) {
       return file.name != parsed.import_file && file.name != ReportBeside(parsed.import_file);
     });
-  std::int64_t bytes = 0;
-  for (const storage::StoredFile& file : files) bytes += file.bytes;
-  made.limits = LimitsOfJob(static_cast<std::int64_t>(files.size()), bytes, parsed, context.limits);
+  std::int64_t bytes = 0, photos = 0;
+  for (const storage::StoredFile& file : files) {
+    bytes += file.bytes;
+    photos += MostPhotosIn(file.name, file.bytes);
+  }
+  made.limits = LimitsOfJob(photos, bytes, parsed, context.limits);
   const pipeline::UnitRange range = pipeline::RangeOf(static_cast<std::size_t>(share.number),
                                                       static_cast<std::size_t>(share.count), files.size());
   files = {files.begin() + static_cast<std::ptrdiff_t>(range.first),

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 #include <set>
@@ -13,9 +12,9 @@
 
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
-#include "core/flight/bytes/text_fields.h"
 #include "core/pipeline/units/flight_cut.h"
 #include "core/pipeline/units/map_units.h"
+#include "server/jobs/job_limits.h"
 #include "server/jobs/job_task.h"
 #include "server/jobs/stitch_sandboxed.h"
 #include "server/routing/request_log.h"
@@ -38,12 +37,6 @@ const storage::UnitCount* CountOf(const std::vector<storage::UnitCount>& counts,
     return count.kind == UnitKindName(kind);
   });
   return found == counts.end() ? nullptr : &*found;
-}
-
-bool IsNameOfFilm(const std::string& name) {
-  const std::string end = flight::LowerCase(std::filesystem::path(name).extension().string());
-  constexpr std::array kEnds = {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".ts", ".mts"};
-  return std::find(kEnds.begin(), kEnds.end(), end) != kEnds.end();
 }
 
 // Keys of what units leave, where photos and maps lie elsewhere: with their flight they go.

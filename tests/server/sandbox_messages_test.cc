@@ -265,5 +265,14 @@ TEST(JobLimits, GrowWithWhatWasUploaded) {
   EXPECT_EQ(given.memory_bytes, 1 << 20);
 }
 
+TEST(JobLimits, CountAFilmAsTheFramesThatMayBecomePhotos) {
+  constexpr std::int64_t kMib = 1 << 20;
+  EXPECT_EQ(MostPhotosIn("DJI_0001.JPG", 20 * kMib), 1);
+  EXPECT_EQ(MostPhotosIn("flight.gpx", 20 * kMib), 1);
+  EXPECT_EQ(MostPhotosIn("DJI_0001.MP4", 1), 1);
+  EXPECT_EQ(MostPhotosIn("DJI_0001.MP4", 100 * kMib), 400);
+  EXPECT_EQ(MostPhotosIn("film.mov", 4000 * kMib), 3000) << "no more are taken";
+}
+
 }  // namespace
 }  // namespace skyquilt::server
