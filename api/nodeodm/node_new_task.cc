@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "api/flights/flights.h"
 #include "api/forms/multipart.h"
@@ -97,6 +98,19 @@ void SetWebhook(const Service& service, const std::string& url, NewTask& task) {
   }
 }
 
+// Clients take longer names than a flight may have, which is no reason to refuse their photos.
+void SetName(std::string name, NewTask& task) {
+  constexpr std::size_t kMaxBytes = 200;
+  if (name.size() > kMaxBytes) {
+    std::size_t end = kMaxBytes;
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // within a character
+    name.resize(end);
+    task.notes.push_back(
+        NodeNote(fmt::format("The name was cut to {} bytes: here it has at most {}.", end, kMaxBytes)));
+  }
+  task.name = name.empty() ? DefaultFlightName(storage::Now()) : std::move(name);
+}
+
 Result<void> SetOutputs(const std::string& text, NewTask& task) {
   if (text.empty()) return {};
   SKYQUILT_TRY(CheckJsonText(text));
@@ -177,8 +191,7 @@ Result<NewTask> NewTaskFrom(Service& service, const Request& request, const Node
   task.notes = NodeNotes(choice.unknown);
   SetWebhook(service, NodeField(fields, "webhook"), task);
   SKYQUILT_TRY(SetOutputs(NodeField(fields, "outputs"), task));
-  task.name = NodeField(fields, "name");
-  if (task.name.empty()) task.name = DefaultFlightName(storage::Now());
+  SetName(NodeField(fields, "name"), task);
   const Result<storage::FlightChange> checked =
       ParseFlightFields(JsonText(nlohmann::ordered_json{{"name", task.name}}));
   if (!checked) return checked.error();

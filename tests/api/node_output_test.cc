@@ -1,5 +1,5 @@
-// What clients of the NodeODM-compatible node get: the lines of a long job, all and from one on, and the
-// files.
+// What clients of the NodeODM-compatible node get: the lines of a long job, all and from one on, the files,
+// and a task whatever they call it.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -52,6 +52,23 @@ TEST(NodeArchive, HasTheBandsOfACameraThatTookSeveral) {
   EXPECT_NE(archive.find("odm_orthophoto/odm_orthophoto.tif"), std::string::npos) << archive;
   EXPECT_NE(archive.find("odm_orthophoto/bands.tif"), std::string::npos);
   EXPECT_NE(archive.find("bytes of bands.tif"), std::string::npos);
+}
+
+TEST(NodeNewTask, CutsANameThatIsLongerThanAFlightMayHave) {
+  SampleService sample;
+  std::string name = "a";
+  for (int i = 0; i < 120; ++i) name += "\xD0\xB6";  // a letter of two bytes
+  const Headers as_json = {{"Content-Type", "application/json"}};
+  const Response made =
+      sample.Send(Method::kPost, "/task/new/init", nlohmann::json{{"name", name}}.dump(), as_json);
+  const nlohmann::json answer = nlohmann::json::parse(made.body, nullptr, false);
+  ASSERT_TRUE(answer.contains("uuid")) << made.body;
+  const auto task = sample.service().node_tasks.Find(answer["uuid"].get<std::string>());
+  ASSERT_TRUE(task);
+  const auto flight = sample.catalogue.GetFlight(task->flight_id);
+  ASSERT_TRUE(flight);
+  EXPECT_EQ(flight->name, name.substr(0, 199)) << "whole letters";
+  EXPECT_NE(task->notes.find("cut to 199 bytes"), std::string::npos) << task->notes;
 }
 
 }  // namespace
