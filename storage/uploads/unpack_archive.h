@@ -21,7 +21,7 @@ namespace skyquilt::storage {
 
 struct ArchiveLimits {
   int entries = 20'000;
-  std::int64_t file_bytes = std::int64_t{512} << 20;
+  std::int64_t file_bytes = kMaxFileBytes;  // as of a file that comes alone: cards hold films
   std::int64_t total_bytes = std::int64_t{200} << 30;
   // Real photos hardly compress: what grows more than this is made to fill disks. Counted from 1 MiB on.
   std::int64_t growth = 100;

@@ -129,7 +129,7 @@ class Archives(ServerTestCase):
         pid = self.unpacker()
         wait_until(lambda: limits_of(pid)["Max file size"] != "unlimited", "the unpacker takes what it likes")
         limits = limits_of(pid)
-        self.assertEqual((limits["Max core file size"], limits["Max file size"]), ("0", str(512 << 20)))
+        self.assertEqual((limits["Max core file size"], limits["Max file size"]), ("0", str(4 << 30)))
         if "ASAN_OPTIONS" not in os.environ:  # its shadow is terabytes of addresses
             self.assertLess(int(limits["Max address space"]), 4 << 30)
         self.assertLess(int(limits["Max cpu time"]), 120)

@@ -111,6 +111,10 @@ TEST_F(UnpackArchiveTest, KeepsTheFoldersOfFilesOfOneName) {
   EXPECT_TRUE(files->back().error) << "it counts for nothing";
 }
 
+TEST(ArchiveLimits, LetAFileBeAsLargeAsOneThatComesAlone) {
+  EXPECT_EQ(ArchiveLimits().file_bytes, kMaxFileBytes) << "films of a card that was packed whole";
+}
+
 // libarchive would take it as "a", whatever it goes on with.
 TEST_F(UnpackArchiveTest, RefusesNamesWithANul) {
   const std::string zip = StoredZip();
