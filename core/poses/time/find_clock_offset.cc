@@ -264,15 +264,20 @@ class OffsetSearch {
   }
 
   // Where photos name their zone, and the log contradicts it: by it the aircraft stood still while they were
-  // taken, or their headings or spacing say another. What a receiver told is no zone's mistake.
+  // taken, or their headings or spacing say another. What a receiver told is no zone's mistake. Photos of
+  // other cameras move with these: none of them may tell its time otherwise, or have flown by it.
   std::optional<ZoneChoice> ZoneInsteadOfWritten(double as_it_stands_s) const {
     constexpr std::size_t kNearlyAll = 9, kOf = 10;
     constexpr int kHalfHourMin = 30;
-    const bool is_written = photos_[camera_.photo.front()].clock_minus_utc.has_value();
-    const bool is_told = std::any_of(camera_.photo.begin(), camera_.photo.end(), [&](std::size_t i) {
-      return photos_[i].receiver_time || photos_[i].receiver_time_of_day;
-    });
-    if (!is_written || is_told || !cover_.HasTrack()) return std::nullopt;
+    const auto written = photos_[camera_.photo.front()].clock_minus_utc;
+    if (!written || !cover_.HasTrack()) return std::nullopt;
+    std::vector<double> all_s;  // of all cameras
+    for (const Photo& photo : photos_) {
+      if (!photo.captured_at) continue;
+      if (photo.receiver_time || photo.receiver_time_of_day || photo.clock_minus_utc != written)
+        return std::nullopt;
+      all_s.push_back(flight::SecondsBetween(first_, *photo.captured_at) + as_it_stands_s);
+    }
     const auto are_nearly_all = [&](std::size_t covered) {
       return kOf * covered >= kNearlyAll * camera_.photo.size();
     };
@@ -284,7 +289,7 @@ class OffsetSearch {
     if (!zone || zone->zone_min == 0 || zone->zone_min % kHalfHourMin != 0 ||
         !are_nearly_all(zone->covered) || cover_.WayM(TimesAt(zone->offset_s)) <= kStandsWithinM)
       return std::nullopt;
-    const bool stood = cover_.WayM(times_s) <= kStandsWithinM;
+    const bool stood = cover_.WayM(all_s) <= kStandsWithinM;
     const bool is_decided = !zone->decided_by.empty() && zone->open_with_min.empty();
     return stood || is_decided ? zone : std::nullopt;
   }

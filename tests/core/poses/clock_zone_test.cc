@@ -170,6 +170,23 @@ TEST(MatchPhotosToLog, BelievesNoWrittenZoneByWhichTheAircraftStood) {
   EXPECT_THAT(ExpectTied(InWrittenZone(EveryFiveSeconds(-kHourS)), flies, 0).warnings, IsEmpty());
 }
 
+// Their times are counted by one offset, so that what is right of the other camera would be moved along.
+TEST(MatchPhotosToLog, BelievesAWrittenZoneByWhichAnotherCameraFlew) {
+  const FlightLog log = TrackFrom(-4000.0, 120.0, StandsUntilTen);
+  for (const int other_zone_h : {2, 1}) {
+    std::vector<Photo> photos = InWrittenZone(EveryFiveSeconds(-kHourS));
+    std::vector<Photo> others = InWrittenZone(EveryFiveSeconds(0), other_zone_h);
+    others.resize(12);  // the camera of most photos finds the offset
+    for (Photo& photo : others) {
+      photo.name = "other_" + photo.name;
+      photo.camera_key = "other";
+      photos.push_back(photo);
+    }
+    const TimeSync sync = ExpectTied(photos, log, 0);
+    EXPECT_THAT(flight::InOneLine(sync.warnings), ::testing::Not(HasSubstr("name the zone")));
+  }
+}
+
 TEST(ChooseZone, KnowsWhereClocksAreHalfAnHourOff) {
   const Photo photo = PhotoTakenAt(0.0, 0);
   StampedPhotos camera;
