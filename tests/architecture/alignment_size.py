@@ -25,8 +25,8 @@ OTHERS = """AlignLensReport AlignOptions AlignReport Appearance AttemptEvidence 
     ConnectedComponents ControlMarkReport ControlPoint ControlPrediction ControlReport ControlSighting DetailCell DisjointSets
     FindPoseOptions FittedSimilarity GeoreferenceRecords GroundGraph GroundSimilarity GyroReport Levelling
     MarkedPhotos MatchWindow MatchingPass Octave PairQuestion PhotoSet PositionLag PriorResidual RayIntersection ReadoutDoubt
-    RecordResidual Relief RobustFit Sampler ScalePoint Similarity3 Thumbnail TimedPositionResidual TrackOptions TrackSpread
-    UpDirection VerificationOptions"""
+    RecordResidual Relief RobustFit Sampler ScalePoint Similarity3 Support Thumbnail TimedPositionResidual TrackOptions
+    TrackSpread UpDirection VerificationOptions"""
 
 problems, casts, types = [], [], {}
 for path in sorted((ROOT / "core" / "alignment").rglob("*.*")):

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "core/alignment/align_by_pose.h"
 #include "core/alignment/from_records/direct_registration.h"
-#include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/stages/attempt_steps.h"
 #include "core/alignment/stages/doubt_photos.h"
+#include "core/alignment/stages/track_ties.h"
 #include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 
@@ -18,47 +17,6 @@ using flight::Remark;
 using flight::RemarkCode;
 
 constexpr double kGoodAngleRad = 0.087;  // 5 degrees: flatter rays leave the height open
-
-struct Support {
-  int observations = 0;
-  double square_px = 0.0;
-  std::set<int> tied_to;
-};
-
-// Photos with enough ties, in components; -1 for the others. Weak photos lend no support to others.
-std::vector<int> FindAligned(const BundleProblem& problem, std::vector<Support>& support) {
-  const std::size_t count = problem.photos.size();
-  const std::vector<View> views = ViewsOf(problem);
-  PhotoSet strong(count, true);
-  for (int before = -1; before != strong.Count();) {
-    before = strong.Count();
-    support.assign(count, {});
-    for (const Track& track : problem.tracks) {
-      std::vector<const Observation*> seen;
-      for (const Observation& one : track.observations) {
-        if (strong.Has(one.photo)) seen.push_back(&one);
-      }
-      if (seen.size() < 2) continue;
-      for (const Observation* one : seen) {
-        Support& own = support[one->photo];
-        ++own.observations;
-        const double residual = ReprojectionErrorPx(views[one->photo], *one, track.point_in_enu);
-        own.square_px += residual * residual;
-        for (const Observation* other : seen) {
-          if (other != one) own.tied_to.insert(other->photo);
-        }
-      }
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      if (support[i].observations < kEnoughObservations) strong.Remove(i);
-    }
-  }
-  std::vector<PhotoPair> ties;
-  for (std::size_t i = 0; i < count; ++i) {
-    for (const int other : support[i].tied_to) ties.push_back({static_cast<int>(i), other, {}, {}, 0.0});
-  }
-  return FindConnectedComponents(count, ties).of_photo;
-}
 
 // How the aligned photos of a line moved against their records, in cam (turn) and enu (shift).
 struct Learnt {
@@ -266,7 +224,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
     AlignPhotoReport& told = report.photo_reports[i];
     told.placement = photo.placement;
     told.remarks = said;
-    told.links = static_cast<int>(support[i].tied_to.size());
+    told.links = support[i].tied_to;
     told.observations = support[i].observations;
     told.residual_rms_px =
         support[i].observations > 0 ? std::sqrt(support[i].square_px / support[i].observations) : 0.0;
