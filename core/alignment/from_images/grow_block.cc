@@ -29,11 +29,13 @@ struct InitialPair {
   std::size_t pair = 0, pose = 0;
 };
 
-std::vector<InitialPair> InitialPairs(const Registration& input, const PhotoSet& used) {
+std::vector<InitialPair> InitialPairs(const Registration& input, const PhotoSet& used,
+                                      const PhotoSet& spent) {
   std::vector<std::pair<double, std::size_t>> ranked;
   for (std::size_t p = 0; p < input.links.size(); ++p) {
     const PhotoPair& pair = input.links[p];
     if (used.Has(pair.first) || used.Has(pair.second)) continue;
+    if (spent.Has(pair.first) || spent.Has(pair.second)) continue;
     if (pair.angle_rad < kMinAngleRad) continue;
     const double score =
         static_cast<double>(pair.matches.size()) * std::min(1.0, pair.angle_rad / kWideAngleRad);
@@ -231,8 +233,8 @@ std::optional<Tried> Try(const Registration& input, const std::vector<BundleLens
 }  // namespace
 
 std::optional<Block> BeginBlock(const Registration& input, const std::vector<BundleLens>& lenses,
-                                const PhotoSet& used, int threads) {
-  const std::vector<InitialPair> initial_pairs = InitialPairs(input, used);
+                                const PhotoSet& used, const PhotoSet& spent, int threads) {
+  const std::vector<InitialPair> initial_pairs = InitialPairs(input, used, spent);
   std::vector<std::optional<Tried>> tried(initial_pairs.size());
   ParallelFor(initial_pairs.size(), threads,
               [&](std::size_t b) { tried[b] = Try(input, lenses, used, initial_pairs[b], 1); });

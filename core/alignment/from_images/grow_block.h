@@ -15,9 +15,10 @@
 
 namespace skyquilt::alignment {
 
-// Of photos that `used` leaves; nothing when no two of them begin a block of three or more.
+// Of photos that `used` leaves, by two that `spent` leaves as well; nothing when no two of those begin a
+// block of three or more.
 std::optional<Block> BeginBlock(const Registration& input, const std::vector<BundleLens>& lenses,
-                                const PhotoSet& used, int threads);
+                                const PhotoSet& used, const PhotoSet& spent, int threads);
 
 // Takes in photos that `used` leaves until no more follow. The block is adjusted as a whole at the end. Where
 // no photo sees enough of the points, one that shows what placed ones show is taken in over the ground, and

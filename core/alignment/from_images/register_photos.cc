@@ -6,6 +6,7 @@
 #include "core/alignment/estimators/sampler.h"
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/from_images/grow_block.h"
+#include "core/alignment/from_images/grow_groups.h"
 #include "core/alignment/from_images/join_groups.h"
 #include "core/base/trace.h"
 
@@ -131,23 +132,23 @@ void JoinLinks(Registration& input) {
 }
 
 std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& progress) {
-  PhotoSet used(input.Photos());
-  std::vector<Block> blocks;
   std::vector<BundleLens> lenses = input.lenses;
-  while (!progress.IsCancelled()) {
-    std::optional<Block> begun = BeginBlock(input, lenses, used, threads);
-    if (!begun) break;
-    GrowBlock(used, threads, progress, *begun);
-    AdjustLast(threads, *begun);
-    if (begun->size() == 0) break;  // the same would begin again and again
+  bool is_first = true;
+  const auto begin = [&](const PhotoSet& used, const PhotoSet& spent) -> std::optional<Block> {
+    if (progress.IsCancelled()) return std::nullopt;
+    return BeginBlock(input, lenses, used, spent, threads);
+  };
+  const auto grow = [&](const PhotoSet& used, Block& block) {
+    GrowBlock(used, threads, progress, block);
+    AdjustLast(threads, block);
+    TraceDecision(block.size() > 0 ? "group grown" : "group fell apart", {{"photos", block.size()}});
     // The largest knows the lenses best: the others start from there.
-    if (blocks.empty()) lenses = begun->lenses();
-    for (std::size_t i = 0; i < used.Photos(); ++i) {
-      if (begun->Has(i)) used.Add(i);
+    if (is_first && block.size() > 0) {
+      lenses = block.lenses();
+      is_first = false;
     }
-    TraceDecision("group grown", {{"photos", begun->size()}});
-    blocks.push_back(*std::move(begun));
-  }
+  };
+  std::vector<Block> blocks = GrowGroups(input.Photos(), begin, grow);
   JoinAll(threads, blocks);
   return blocks;
 }

@@ -87,5 +87,19 @@ TEST(GrowBlock, GivesUpAPhotoThatComesAndGoes) {
   for (int photo = 0; photo < 5; ++photo) EXPECT_EQ(block.PointsSeen()[photo], 60) << photo;
 }
 
+TEST(BeginBlock, BeginsWithNoPhotoThatIsSpent) {
+  const ComesAndGoes scene;
+  Registration input = scene.input;
+  PhotoPair& pair = input.links.emplace_back();
+  pair.second = 1;
+  pair.matches.resize(60);
+  pair.poses = {scene.cam_from_world[1] * scene.cam_from_world[0].Inverse()};
+  pair.angle_rad = 0.2;
+  PhotoSet spent(6);
+  EXPECT_TRUE(BeginBlock(input, input.lenses, PhotoSet(6), spent, 1).has_value());
+  spent.Add(1);
+  EXPECT_FALSE(BeginBlock(input, input.lenses, PhotoSet(6), spent, 1).has_value());
+}
+
 }  // namespace
 }  // namespace skyquilt::alignment

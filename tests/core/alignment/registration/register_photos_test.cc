@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/alignment/estimators/similarity.h"
+#include "core/alignment/from_images/grow_groups.h"
 #include "core/alignment/from_images/join_groups.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
 
@@ -120,6 +124,55 @@ TEST(JoinGroups, AsksNoTwoAgainThatDidNotFit) {
   EXPECT_EQ(sizes, (std::vector<int>{101, 99, 97, 95, 70}));
   EXPECT_TRUE(asked.contains({101, 70})) << "one that has grown may fit now";
   for (const auto& [pair, times] : asked) EXPECT_EQ(times, 1) << pair.first << " and " << pair.second;
+}
+
+struct ListedGroup {
+  std::vector<int> photos;
+  bool Has(std::size_t photo) const {
+    return std::find(photos.begin(), photos.end(), static_cast<int>(photo)) != photos.end();
+  }
+  int size() const { return static_cast<int>(photos.size()); }
+};
+
+// The first three photos that are neither used nor spent.
+std::optional<ListedGroup> FirstThree(const PhotoSet& used, const PhotoSet& spent) {
+  ListedGroup group;
+  for (int i = 0; i < static_cast<int>(used.Photos()) && group.size() < 3; ++i) {
+    if (!used.Has(i) && !spent.Has(i)) group.photos.push_back(i);
+  }
+  if (group.size() < 3) return std::nullopt;
+  return group;
+}
+
+TEST(GrowGroups, GoesOnAfterOneThatFallsApart) {
+  const std::vector<ListedGroup> groups =
+      GrowGroups(12, &FirstThree, [](const PhotoSet& used, ListedGroup& group) {
+        const int first = group.photos.front();
+        if (first % 6 == 0) {
+          group.photos.clear();
+        } else if (first == 3 && !used.Has(1)) {
+          group.photos.push_back(1);  // of one that fell apart
+        }
+      });
+  ASSERT_EQ(groups.size(), 2u);
+  EXPECT_EQ(groups[0].photos, (std::vector<int>{3, 4, 5, 1}));
+  EXPECT_EQ(groups[1].photos, (std::vector<int>{9, 10, 11}));
+}
+
+TEST(GrowGroups, EndsWhereAllFallApart) {
+  int grown = 0;
+  const auto fall_apart = [&grown](const PhotoSet&, ListedGroup& group) {
+    ++grown;
+    group.photos.clear();
+  };
+  EXPECT_TRUE(GrowGroups(3000, &FirstThree, fall_apart).empty());
+  EXPECT_EQ(grown, kMaxFallenApart);
+  grown = 0;
+  const auto always_the_same = [](const PhotoSet&, const PhotoSet&) {
+    return std::optional(ListedGroup{{0, 1, 2}});
+  };
+  EXPECT_TRUE(GrowGroups(3000, always_the_same, fall_apart).empty());
+  EXPECT_EQ(grown, 2);
 }
 
 // The larger block is the map where nothing says how two lie to each other, and may have lost photos last.
