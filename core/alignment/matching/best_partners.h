@@ -27,6 +27,13 @@ class BestPartners {
   }
   void AddUnlike(const Partner& partner) { Keep(partner, kBestOfUnlike, unlike_); }
 
+  // Whether it would be kept; where not, one of less overlap would not be either.
+  bool Wants(const Partner& partner, int direction) const {
+    const std::optional<Partner>& there = of_direction_[direction];
+    return HasPlace(partner, kBest, best_) || !there || partner < *there;
+  }
+  bool WantsUnlike(const Partner& partner) const { return HasPlace(partner, kBestOfUnlike, unlike_); }
+
   // Each once, the best first.
   std::vector<Partner> Chosen() const {
     std::vector<Partner> chosen = best_;
@@ -40,8 +47,11 @@ class BestPartners {
   }
 
  private:
+  static bool HasPlace(const Partner& partner, std::size_t most, const std::vector<Partner>& kept) {
+    return kept.size() < most || !(kept.back() < partner);
+  }
   static void Keep(const Partner& partner, std::size_t most, std::vector<Partner>& kept) {
-    if (kept.size() == most && kept.back() < partner) return;
+    if (!HasPlace(partner, most, kept)) return;
     kept.insert(std::upper_bound(kept.begin(), kept.end(), partner), partner);
     if (kept.size() > most) kept.pop_back();
   }

@@ -88,23 +88,39 @@ std::vector<PhotoPair> SelectPairs(const std::vector<View>& views, const std::ve
       if (samples[j].empty() || (middle[i] - middle[j]).norm() > reach[i] + reach[j]) continue;
       if (!AreOfComparableScale(views[i], views[j])) continue;
       // Of two that are unlike the narrower one's picture: it sees little of the other in any case.
-      const bool is_swapped = AreUnlike(views[i], views[j]) && views[i].WidthM() > views[j].WidthM();
+      const bool are_unlike = AreUnlike(views[i], views[j]);
+      const bool is_swapped = are_unlike && views[i].WidthM() > views[j].WidthM();
       const int from = is_swapped ? j : i, to = is_swapped ? i : j;
       const double margin_m = 1.5 * std::hypot(ground_sigma_m[i], ground_sigma_m[j]);
       const double margin_px = std::min(0.15 * views[to].intrinsics.width_px, margin_m / views[to].GsdM());
-      const auto seen =
-          std::count_if(samples[from].begin(), samples[from].end(),
-                        [&](const Eigen::Vector3d& point) { return Sees(views[to], point, margin_px); });
-      double overlap = static_cast<double>(seen) / (kSamplesAcross * kSamplesAcross);
-      if (overlap < kMinPairOverlap) continue;
-      if (AreUnlike(views[i], views[j])) {
-        overlap /= std::pow(ScaleRatio(views[i], views[j]), 2);
+      const double shrinks = are_unlike ? std::pow(ScaleRatio(views[i], views[j]), 2) : 1.0;
+      const int towards_j = DirectionOf(middle[j] - middle[i]),
+                towards_i = DirectionOf(middle[i] - middle[j]);
+      const auto share_of = [](std::size_t points) {
+        return static_cast<double>(points) / (kSamplesAcross * kSamplesAcross);
+      };
+      const auto is_wanted = [&](std::size_t points) {
+        if (share_of(points) < kMinPairOverlap) return false;
+        const double overlap = share_of(points) / shrinks;
+        if (are_unlike)
+          return of_photo[i].WantsUnlike({-overlap, j}) || of_photo[j].WantsUnlike({-overlap, i});
+        return of_photo[i].Wants({-overlap, j}, towards_j) || of_photo[j].Wants({-overlap, i}, towards_i);
+      };
+      // Counted no further than somebody wants what is left: of photos that hover each overlaps all others.
+      std::size_t seen = samples[from].size();
+      bool goes_on = is_wanted(seen);
+      for (auto point = samples[from].begin(); goes_on && point != samples[from].end(); ++point) {
+        if (!Sees(views[to], *point, margin_px)) goes_on = is_wanted(--seen);
+      }
+      if (!goes_on) continue;
+      const double overlap = share_of(seen) / shrinks;
+      if (are_unlike) {
         of_photo[i].AddUnlike({-overlap, j});
         of_photo[j].AddUnlike({-overlap, i});
         continue;
       }
-      of_photo[i].Add({-overlap, j}, DirectionOf(middle[j] - middle[i]));
-      of_photo[j].Add({-overlap, i}, DirectionOf(middle[i] - middle[j]));
+      of_photo[i].Add({-overlap, j}, towards_j);
+      of_photo[j].Add({-overlap, i}, towards_i);
     }
   }
   std::map<std::pair<int, int>, double> chosen;  // overlap

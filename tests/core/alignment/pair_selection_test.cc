@@ -92,11 +92,17 @@ TEST(SelectPairs, ComparesCamerasSideBySideAsOne) {
 TEST(BestPartners, AreFewOfManyAndThoseThatSortingAllWouldChoose) {
   const auto direction_of = [](int photo) { return photo % 100 == 7 ? 5 : photo % 3; };
   BestPartners partners;
+  int wanted = 0;
   std::vector<BestPartners::Partner> all;
   for (int photo = 0; photo < 1000; ++photo) {
     all.emplace_back(-((photo * 37) % 101) / 101.0, photo);
+    const std::vector<BestPartners::Partner> before = partners.Chosen();
+    const bool is_wanted = partners.Wants(all.back(), direction_of(photo));
     partners.Add(all.back(), direction_of(photo));
+    EXPECT_EQ(is_wanted, partners.Chosen() != before) << photo;
+    wanted += is_wanted ? 1 : 0;
   }
+  EXPECT_LT(wanted, 150) << "of a thousand: most need no overlap counted";
   std::sort(all.begin(), all.end());
   std::vector<BestPartners::Partner> expected;
   std::array<bool, BestPartners::kDirections> served{};
@@ -108,7 +114,13 @@ TEST(BestPartners, AreFewOfManyAndThoseThatSortingAllWouldChoose) {
   }
   EXPECT_EQ(partners.Chosen(), expected);
   EXPECT_LE(expected.size(), 14u);
-  for (const BestPartners::Partner& one : all) partners.AddUnlike({-2.0 - one.first, one.second});
+  for (const BestPartners::Partner& one : all) {
+    const BestPartners::Partner unlike(-2.0 - one.first, one.second);
+    const std::vector<BestPartners::Partner> before = partners.Chosen();
+    const bool is_wanted = partners.WantsUnlike(unlike);
+    partners.AddUnlike(unlike);
+    EXPECT_EQ(is_wanted, partners.Chosen() != before) << one.second;
+  }
   EXPECT_EQ(partners.Chosen().size(), expected.size() + BestPartners::kBestOfUnlike);
 }
 
