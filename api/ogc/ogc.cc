@@ -137,9 +137,8 @@ Result<Response> DescribeCollection(Service& service, const Request& request) {
 }
 
 Result<Response> Collections(Service& service, const Request& request) {
-  constexpr int kUsualMaps = 50, kMostMaps = 200;
-  SKYQUILT_TRY_ASSIGN(const int limit,
-                      ParseLimit(request.Query("limit").value_or(""), kUsualMaps, kMostMaps));
+  constexpr int kUsualMaps = 50, kMaxMaps = 200;
+  SKYQUILT_TRY_ASSIGN(const int limit, ParseLimit(request.Query("limit").value_or(""), kUsualMaps, kMaxMaps));
   SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
   SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, limit, cursor));
   Value collections = Value::array();
