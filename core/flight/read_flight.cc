@@ -66,32 +66,23 @@ void KeepList(Result<List> list, std::vector<List>& lists, std::vector<Remark>& 
   lists.push_back(*std::move(list));
 }
 
-// A note says which are the same.
-std::vector<InputFile> EachOnce(const std::vector<InputFile>& files, std::vector<Remark>& notes) {
-  const auto duplicate_of = FindDuplicates(files);
-  std::vector<InputFile> once;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    if (duplicate_of[i]) {
-      notes.push_back(
-          {RemarkCode::kSameFile, {{"file", files[i].name}, {"other", files[*duplicate_of[i]].name}}});
-    } else {
-      once.push_back(files[i]);
-    }
-  }
-  return once;
-}
-
 // One after the other: a long log takes the memory it is allowed only once.
 void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   flight.warnings.insert(flight.warnings.end(), files.refused.begin(), files.refused.end());
   std::vector<Remark> notes;
-  for (const InputFile& file : EachOnce(files.logs, notes)) {
+  const auto duplicate_of = FindDuplicates(files.logs);
+  for (std::size_t i = 0; i < files.logs.size(); ++i) {
+    const InputFile& file = files.logs[i];
     if (progress.IsCancelled()) continue;
+    if (duplicate_of[i]) {
+      notes.push_back(
+          {RemarkCode::kSameFile, {{"file", file.name}, {"other", files.logs[*duplicate_of[i]].name}}});
+      continue;
+    }
     progress.Report(0.0, fmt::format("reading the log {}", file.name));
     KeepList(ReadLog(file), flight.logs, flight.warnings, notes);
   }
-  // Points that count twice would bear each other out, and one that is wrong itself.
-  for (const InputFile& file : EachOnce(files.gcp_lists, notes))
+  for (const InputFile& file : files.gcp_lists)
     KeepList(ReadWrittenGcpList(file), flight.gcp_lists, flight.warnings, notes);
   for (const InputFile& file : files.reflectance_lists)
     KeepList(ReadReflectanceList(file), flight.reflectance_lists, flight.warnings, notes);

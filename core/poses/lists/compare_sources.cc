@@ -276,8 +276,36 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
   return *std::move(placed);
 }
 
+// Of lists whose marks are named by the photos that they are in.
+bool AreSame(const flight::GcpList& a, const flight::GcpList& b) {
+  const auto are_same_points = [](const flight::GcpPoint& one, const flight::GcpPoint& other) {
+    return one.name == other.name && one.x == other.x && one.y == other.y && one.height == other.height;
+  };
+  const auto are_same_marks = [](const flight::GcpSighting& one, const flight::GcpSighting& other) {
+    return one.image_name == other.image_name && one.pixel_x == other.pixel_x &&
+           one.pixel_y == other.pixel_y && one.point == other.point;
+  };
+  return a.reference_system == b.reference_system &&
+         std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end(), are_same_points) &&
+         std::equal(a.sightings.begin(), a.sightings.end(), b.sightings.begin(), b.sightings.end(),
+                    are_same_marks);
+}
+
+// A list that is there twice counts once: its points would bear each other out, and one that is wrong itself.
+// The same bytes in two folders may mark the photos of each.
 void CompareControl(const NamedPhotos& named, const OwnRecords& own, Flight& flight) {
+  std::vector<flight::GcpList> before;
   for (flight::GcpList& list : std::exchange(flight.gcp_lists, {})) {
+    flight::GcpList marked = list;
+    FindMarkedPhotos(flight.photos, named, marked);
+    const auto same = std::find_if(before.begin(), before.end(),
+                                   [&](const flight::GcpList& other) { return AreSame(marked, other); });
+    if (same != before.end()) {
+      flight.warnings.push_back(
+          {flight::RemarkCode::kSameFile, {{"file", list.file_name}, {"other", same->file_name}}});
+      continue;
+    }
+    before.push_back(std::move(marked));
     if (auto judged = JudgedControl(std::move(list), named, own, flight))
       flight.gcp_lists.push_back(*std::move(judged));
   }

@@ -326,19 +326,6 @@ TEST(ReadFlight, SaysWhatItMakesOfFilesBesidePhotos) {
   }
 }
 
-TEST(ReadFlight, TakesAListOfSurveyedPointsOnce) {
-  const std::string list = "EPSG:4326\n7.1 46.8 500 10 10 a.jpg p1\n7.2 46.8 500 20 20 a.jpg p2\n";
-  const TemporaryFolder folder;
-  folder.Write("a.jpg", PhotoAt(1.0, ""));
-  folder.Write("gcp_list.txt", list);
-  folder.Write("old/gcp_list.txt", list);
-  folder.Write("second/gcp_list.txt", list + "7.3 46.8 500 30 30 a.jpg p3\n");
-  const Flight flight = Read(folder);
-  ASSERT_EQ(flight.gcp_lists.size(), 2u);
-  EXPECT_EQ(flight.gcp_lists[0].points.size() + flight.gcp_lists[1].points.size(), 5u);
-  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("is not used: it is the same as")));
-}
-
 TEST(ReadFlight, ExplainsATableThatItCannotUseAboveAllElse) {
   const TemporaryFolder folder;
   folder.Write("a.jpg", PhotoAt(1.0, ""));

@@ -129,5 +129,32 @@ TEST(CompareControl, NamesMarksByThePhotosOfTheirFolders) {
   EXPECT_THAT(InWords(held.flight.warnings), Contains(HasSubstr("of 1 row (DJI_100.JPG)")));
 }
 
+TEST(CompareControl, TakesOneOfTwoThatMarkTheSamePhotos) {
+  Flight flown = FlightAt(kDuluth);
+  flown.gcp_lists = {Survey(), Survey(), Survey()};
+  flown.gcp_lists[1].file_name = "old_gcp_list.txt";
+  flown.gcp_lists[2].file_name = "other_gcp_list.txt";
+  flown.gcp_lists[2].points[1].x += 1.0;
+  ASSERT_TRUE(CompareSources(flown).ok());
+  ASSERT_EQ(flown.gcp_lists.size(), 2u);
+  EXPECT_EQ(flown.gcp_lists[0].file_name, "gcp_list.txt");
+  EXPECT_EQ(flown.gcp_lists[1].file_name, "other_gcp_list.txt");
+  EXPECT_THAT(InWords(flown.warnings),
+              Contains(HasSubstr("old_gcp_list.txt is not used: it is the same as gcp_list.txt")));
+}
+
+// Of two cards, beside the photos of one of which the list lies too: only there it is told which are meant.
+TEST(CompareControl, TakesBothOfTwoThatMarkThePhotosOfTheirFolders) {
+  Flight flown = FlightAt(kDuluth);
+  for (int k = 0; k < 18; ++k) flown.photos[k].name = (k < 9 ? "A_" : "B_") + NameOf(k % 9);
+  flown.gcp_lists = {Survey(), Survey()};
+  flown.gcp_lists[1].file_name = "B_gcp_list.txt";
+  ASSERT_TRUE(CompareSources(flown).ok());
+  ASSERT_EQ(flown.gcp_lists.size(), 2u);
+  EXPECT_TRUE(flown.gcp_lists[0].sightings.empty());
+  ASSERT_EQ(flown.gcp_lists[1].sightings.size(), 5u);
+  EXPECT_EQ(flown.gcp_lists[1].sightings[2].image_name, "B_" + NameOf(2));
+}
+
 }  // namespace
 }  // namespace skyquilt::poses
