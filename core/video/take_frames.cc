@@ -116,7 +116,14 @@ constexpr double kRoomForSharpest =
     0.06;                              // of overlap above the wanted one, within which the sharpest is taken
 constexpr double kWorthTheEnd = 0.95;  // the last frame is taken too unless it shows hardly anything new
 // Of frames of which nobody knows what they share: cuts and blurs come singly, over water all are so.
-constexpr double kUnfollowedAtOnce = 25.0, kUnfollowedPerS = 2.0;
+// These take half of the frames that there may be, spread over the film, however long it is.
+constexpr double kUnfollowedAtOnce = 25.0, kUnfollowedShare = 0.5;
+constexpr double kUnfollowedPerS = 2.0;  // where nothing says how long it is
+
+double UnfollowedPerS(double duration_s, int max_frames) {
+  const bool is_known = duration_s > 0.0 && duration_s < kLongestFilmS;
+  return is_known ? kUnfollowedShare * max_frames / duration_s : kUnfollowedPerS;
+}
 
 Result<void> WriteBytes(const std::filesystem::path& path, const char* bytes, std::size_t size) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
@@ -157,7 +164,8 @@ class Taking {
       : stem_(std::filesystem::path(film.name).stem().string()),
         video_(video),
         folder_(folder),
-        options_(options) {}
+        options_(options),
+        unfollowed_per_s_(UnfollowedPerS(video.facts().duration_s, options.max_frames)) {}
 
   // The frame at hand, which shares `overlap` with the one taken last; nothing: as much as nobody knows.
   Result<void> See(const GrayFrame& gray, std::optional<double> overlap) {
@@ -202,7 +210,7 @@ class Taking {
   bool MayTakeUnfollowed() {
     const double since_s = std::max(0.0, video_.time_s() - unfollowed_at_s_);
     unfollowed_at_s_ = video_.time_s();
-    unfollowed_left_ = std::min(kUnfollowedAtOnce, unfollowed_left_ + kUnfollowedPerS * since_s);
+    unfollowed_left_ = std::min(kUnfollowedAtOnce, unfollowed_left_ + unfollowed_per_s_ * since_s);
     if (unfollowed_left_ < 1.0) return false;
     unfollowed_left_ -= 1.0;
     return true;
@@ -238,6 +246,7 @@ class Taking {
   TakenFrames taken_;
   bool has_candidate_ = false;
   bool is_lost_ = false;  // a frame was passed over whose share with the one taken last nobody knows
+  const double unfollowed_per_s_;
   double unfollowed_left_ = kUnfollowedAtOnce, unfollowed_at_s_ = 0.0;
   double candidate_sharpness_ = kOnlyForTheEnd, candidate_time_s_ = 0.0;
   std::int64_t candidate_number_ = 0;

@@ -73,14 +73,16 @@ TEST(TakeFrames, TakesBothSidesOfACut) {
 TEST(TakeFrames, TakesFewWhereNothingCanBeFollowedAndGoesOnBehind) {
   constexpr int kLost = 450, kAll = 600;  // of 15 s every fourth frame is looked at: 113, none like the next
   const auto left_px = [](int k) { return k < kLost ? k / 4 % 5 * 700 : 6 * (k - kLost); };
-  const Taken taken(kAll, left_px);
+  TakeFramesOptions options;
+  options.max_frames = 120;  // 60 of these may be over water: three a second
+  const Taken taken(kAll, left_px, options);
   if (!taken.is_filmed) GTEST_SKIP() << "no MPEG-4 encoder on this machine";
   ASSERT_TRUE(taken.frames) << taken.frames.error().message;
   std::vector<int> lost, followed;
   for (const auto& photo : taken.frames->photos)
     (NumberOf(photo) < kLost ? lost : followed).push_back(NumberOf(photo));
   EXPECT_GE(lost.size(), 15U);
-  EXPECT_LE(lost.size(), 75U);
+  EXPECT_LE(lost.size(), 80U);
   ASSERT_GE(followed.size(), 4U);
   EXPECT_LE(followed.front(), kLost + 24) << "most of a second behind";
   for (std::size_t i = 1; i < followed.size(); ++i)
