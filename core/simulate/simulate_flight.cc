@@ -202,7 +202,10 @@ geo::RasterFrame SimulatedFlight::WorldRaster() const {
     for (const Eigen::Vector2d& corner :
          camera::GroundFootprint(options.intrinsics, photo.pose.cam_from_enu, 0.0)) {
       const geo::Wgs84 at = frame.Wgs84FromEnu({corner.x(), corner.y(), 0.0});
-      bounds.Include(geo::MercFromLatLon({at.lat_deg, at.lon_deg}));
+      const double origin_lon_deg = frame.origin().lon_deg;
+      // On the origin's side of the antimeridian, also where it lies across.
+      bounds.Include(geo::MercFromLatLon(
+          {at.lat_deg, origin_lon_deg + std::remainder(at.lon_deg - origin_lon_deg, 360.0)}));
     }
   }
   int zoom = geo::ZoomForGsd(GsdM(), frame.origin().lat_deg, kWorldTilePx);

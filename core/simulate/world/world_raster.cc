@@ -183,13 +183,17 @@ Result<void> WriteTiles(const geo::RasterFrame& raster, int threads, const std::
 
 }  // namespace
 
+// The grid goes on beyond the antimeridian, as tiles do not.
 geo::RasterFrame WorldRasterFrame(const geo::Bounds2& bounds_in_merc, int zoom) {
-  const geo::TileId first = geo::TileId::AtMerc(zoom, {bounds_in_merc.min.x(), bounds_in_merc.max.y()});
-  const geo::TileId last = geo::TileId::AtMerc(zoom, {bounds_in_merc.max.x(), bounds_in_merc.min.y()});
-  geo::RasterFrame raster = geo::RasterFrame::OfTile(first, kWorldTilePx);
-  raster.width_px = static_cast<int>(last.x() - first.x() + 1) * kWorldTilePx;
-  raster.height_px = static_cast<int>(last.y() - first.y() + 1) * kWorldTilePx;
-  return raster;
+  const double tile_m = geo::TileSizeInMercM(zoom);
+  const double west = std::floor((bounds_in_merc.min.x() + geo::kMercHalfWidthM) / tile_m),
+               east = std::floor((bounds_in_merc.max.x() + geo::kMercHalfWidthM) / tile_m),
+               north = std::floor((geo::kMercHalfWidthM - bounds_in_merc.max.y()) / tile_m),
+               south = std::floor((geo::kMercHalfWidthM - bounds_in_merc.min.y()) / tile_m);
+  return {{west * tile_m - geo::kMercHalfWidthM, geo::kMercHalfWidthM - north * tile_m},
+          tile_m / kWorldTilePx,
+          static_cast<int>(east - west + 1.0) * kWorldTilePx,
+          static_cast<int>(south - north + 1.0) * kWorldTilePx};
 }
 
 image::DecodedImage RenderWorld(const World& world, const geo::LocalFrame& frame,

@@ -183,6 +183,18 @@ TEST_F(SimulateFlightTest, GdalFindsSurveyMarksOfTheTruthMapAtTheirPlaces) {
   EXPECT_NEAR(columns, std::round(columns), 1e-6);
 }
 
+TEST_F(SimulateFlightTest, TheMapOfAFlightAcrossTheAntimeridianIsNoLarger) {
+  SimulateOptions options = Small();
+  options.origin = {-17.0, 170.0};
+  const geo::RasterFrame elsewhere = test::ValueOf(PlanSimulatedFlight(options)).WorldRaster();
+  for (const double lon_deg : {180.0, -180.0, 179.9999, -179.9999}) {
+    options.origin.lon_deg = lon_deg;
+    const geo::RasterFrame raster = test::ValueOf(PlanSimulatedFlight(options)).WorldRaster();
+    EXPECT_NEAR(raster.width_px, elsewhere.width_px, kWorldTilePx) << lon_deg;
+    EXPECT_EQ(raster.height_px, elsewhere.height_px) << lon_deg;
+  }
+}
+
 TEST_F(SimulateFlightTest, SourceGivesThePicturesOfTheFiles) {
   const auto flight = test::ValueOf(PlanSimulatedFlight(Small()));
   const SimulatedPhotoSource source(flight);
