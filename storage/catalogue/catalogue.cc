@@ -267,25 +267,22 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
                                      const std::optional<std::string>& expected) {
   return db_.Again([&]() -> Result<AddedFile> {
     const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+    SKYQUILT_TRY(RequireFlight(*db, flight_id));
     AddedFile added;
-    Result<void> committed;
-    {
-      SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
-      SKYQUILT_TRY(RequireFlight(*db, flight_id));
-      SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> old, FileNamed(*db, flight_id, file.name));
-      if (old) added = {true, old->stored_name, old->bytes};
-      if (expected && *expected != added.replaced_stored_name) {
-        return Error{ErrorCode::kPreconditionFailed,
-                     fmt::format("The file {} was changed elsewhere meanwhile.", file.name), ""};
-      }
-      if (added.replaced) {
-        SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
-        SKYQUILT_TRY(db->Change("DELETE FROM file WHERE flight_id=? AND name=?", flight_id, file.name));
-      }
-      SKYQUILT_TRY(InsertFile(*db, flight_id, file, now));
-      SKYQUILT_TRY(Record(flight_id, file, now));
-      committed = transaction.Commit();
+    SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> old, FileNamed(*db, flight_id, file.name));
+    if (old) added = {true, old->stored_name, old->bytes};
+    if (expected && *expected != added.replaced_stored_name) {
+      return Error{ErrorCode::kPreconditionFailed,
+                   fmt::format("The file {} was changed elsewhere meanwhile.", file.name), ""};
     }
+    if (added.replaced) {
+      SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
+      SKYQUILT_TRY(db->Change("DELETE FROM file WHERE flight_id=? AND name=?", flight_id, file.name));
+    }
+    SKYQUILT_TRY(InsertFile(*db, flight_id, file, now));
+    SKYQUILT_TRY(Record(flight_id, file, now));
+    const Result<void> committed = transaction.Commit();
     if (!committed) SKYQUILT_TRY(SettleRecord(*db, flight_id, file, committed.error()));
     if (added.replaced && records_)
       (void)records_->RemoveFile(flight_id, added.replaced_stored_name).ok();  // as below
@@ -297,30 +294,26 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
                                                    Time now, const std::optional<std::string>& upload_id) {
   return db_.Again([&]() -> Result<StoredFile> {
     const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+    SKYQUILT_TRY(RequireFlight(*db, flight_id));
     StoredFile added = file;
-    Result<void> committed;
-    {
-      SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
-      SKYQUILT_TRY(RequireFlight(*db, flight_id));
-      for (int number = 2;; ++number) {
-        SKYQUILT_TRY_ASSIGN(const bool taken, db->Finds("SELECT 1 FROM file WHERE flight_id=? AND name=?",
-                                                        flight_id, added.name));
-        if (!taken) break;
-        // Thousands of equal names must not cost thousands of look-ups each: then our own unique name is the
-        // mark.
-        constexpr int kMaxNumbers = 20;
-        added.name =
-            NumberedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
-      }
-      SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
-      if (upload_id) {
-        SKYQUILT_TRY(db->Change("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0", *upload_id));
-        if (db->Changes() == 0)
-          return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
-      }
-      SKYQUILT_TRY(Record(flight_id, added, now));
-      committed = transaction.Commit();
+    for (int number = 2;; ++number) {
+      SKYQUILT_TRY_ASSIGN(const bool taken, db->Finds("SELECT 1 FROM file WHERE flight_id=? AND name=?",
+                                                      flight_id, added.name));
+      if (!taken) break;
+      // Thousands of equal names must not cost thousands of look-ups each: then our own unique name is the
+      // mark.
+      constexpr int kMaxNumbers = 20;
+      added.name = NumberedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
     }
+    SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
+    if (upload_id) {
+      SKYQUILT_TRY(db->Change("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0", *upload_id));
+      if (db->Changes() == 0)
+        return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
+    }
+    SKYQUILT_TRY(Record(flight_id, added, now));
+    const Result<void> committed = transaction.Commit();
     if (!committed) SKYQUILT_TRY(SettleRecord(*db, flight_id, added, committed.error()));
     return added;
   });

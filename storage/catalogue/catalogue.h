@@ -153,8 +153,8 @@ class Catalogue {
  private:
   // Before the commit: a file that the catalogue knows is in the record.
   Result<void> Record(const std::string& flight_id, const StoredFile& file, Time now) const;
-  // After a commit that failed, for `why`, and the end of its transaction: the record says what the catalogue
-  // has. Well: the file is there, and only the answer was lost.
+  // After a commit that failed, for `why`: the record says what the catalogue has. Well: the file is there,
+  // and only the answer was lost.
   Result<void> SettleRecord(SqlConnection& db, const std::string& flight_id, const StoredFile& file,
                             const Error& why) const;
 

@@ -25,9 +25,10 @@ Result<Transaction> Transaction::Begin(SqlConnection& db, std::string_view fligh
 }
 
 Result<void> Transaction::Commit() {
-  SKYQUILT_TRY(db_->CommitTransaction());
-  static_cast<void>(db_.release());
-  return {};
+  const Result<void> committed = db_->CommitTransaction();
+  if (committed) static_cast<void>(db_.release());
+  db_.reset();
+  return committed;
 }
 
 Result<UnsyncedCommits> UnsyncedCommits::Begin(SqlConnection& db) {

@@ -271,7 +271,7 @@ class SqlConnection {
   virtual Result<void> SyncCommits(bool on) = 0;
 };
 
-// Begins now; rolled back at the end of the scope unless Commit was called.
+// Begins now; rolled back by a Commit that fails, or at the end of the scope without one. One Commit.
 class Transaction {
  public:
   // `flight`: the only one whose rows depend on what is read here; empty: any.
