@@ -117,11 +117,6 @@ std::optional<double> RecordedHeightM(const Photo& photo) {
   return photo.position ? EllipsoidHeightM(*photo.position) : std::nullopt;
 }
 
-// By photo, the list's height less the photo's own, where both know it.
-struct HigherThanOwn {
-  std::vector<double> above_ellipsoid_m, above_takeoff_m;
-};
-
 std::optional<double> AboveTakeoffM(const Photo& photo) {
   constexpr double kFilledM = 1.0;  // less is a field that is never filled
   const auto& height_m =
@@ -129,21 +124,19 @@ std::optional<double> AboveTakeoffM(const Photo& photo) {
   return height_m && *height_m > kFilledM ? height_m : std::nullopt;
 }
 
-// Feet, and heights under a name that does not say from where they count, lie far away.
-void SayOtherHeights(const std::string& list, HigherThanOwn higher, PhotoRowsUse& use) {
+constexpr double kContradictM = 100.0;  // more than a barometer's zero is off by, or the geoid
+constexpr double kTakeoffContradictM = 20.0;
+
+// `higher_m`: by photo, the list's height less the photo's own. Feet, and heights under a name that does not
+// say from where they count, lie far away.
+void SayOtherHeights(flight::RemarkCode code, const std::string& list, double contradict_m,
+                     std::vector<double> higher_m, PhotoRowsUse& use) {
   constexpr std::size_t kFewestPhotos = 3;
-  constexpr double kContradictM = 100.0;  // more than a barometer's zero is off by, or the geoid
-  constexpr double kTakeoffContradictM = 20.0;
-  const auto say = [&](flight::RemarkCode code, std::vector<double> higher_m, double contradict_m) {
-    const std::size_t count = higher_m.size();
-    if (count < kFewestPhotos) return;
-    const double apart_m = std::abs(Median(std::move(higher_m)));
-    if (apart_m < contradict_m) return;
-    use.warnings.push_back({code, {{"file", list}, {"apart_m", apart_m}, {"photos", count}}});
-  };
-  say(flight::RemarkCode::kListHeightsContradict, std::move(higher.above_ellipsoid_m), kContradictM);
-  say(flight::RemarkCode::kListTakeoffHeightsContradict, std::move(higher.above_takeoff_m),
-      kTakeoffContradictM);
+  const std::size_t count = higher_m.size();
+  if (count < kFewestPhotos) return;
+  const double apart_m = std::abs(Median(std::move(higher_m)));
+  if (apart_m < contradict_m) return;
+  use.warnings.push_back({code, {{"file", list}, {"apart_m", apart_m}, {"photos", count}}});
 }
 
 }  // namespace
@@ -156,9 +149,8 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
     std::string first_name, first_open;
     // By photo. The first row holds, of those that kept what they say (lists/choose_rows.h).
     std::vector<char> is_named(photos.size(), 0), is_placed(photos.size(), 0), is_turned(photos.size(), 0);
-    bool names_files = false;              // with the ending of one; surveyed points have none
-    std::vector<double> angles_apart_rad;  // where both know them
-    HigherThanOwn higher;
+    bool names_files = false;  // with the ending of one; surveyed points have none
+    std::vector<double> angles_apart_rad, higher_m, higher_above_takeoff_m;  // where both know them
     const std::vector<NamedPhotos::Found> found_by_event = named.FindAll(log);
     const bool has_heights = SaysHeights(log);
     for (std::size_t k = 0; k < log.events.size(); ++k) {
@@ -175,9 +167,9 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
           const auto own_m = RecordedHeightM(photo), own_above_takeoff_m = AboveTakeoffM(photo);
           TakePosition(event, log.file_name, has_heights, photo);
           if (const auto taken_m = RecordedHeightM(photo); own_m && taken_m)
-            higher.above_ellipsoid_m.push_back(*taken_m - *own_m);
+            higher_m.push_back(*taken_m - *own_m);
           if (own_above_takeoff_m && event.height_above_takeoff_m)
-            higher.above_takeoff_m.push_back(*event.height_above_takeoff_m - *own_above_takeoff_m);
+            higher_above_takeoff_m.push_back(*event.height_above_takeoff_m - *own_above_takeoff_m);
         }
         if (!event.yaw_pitch_roll_rad || std::exchange(is_turned[i], 1)) continue;
         const flight::RecordedAttitude angles = AnglesOfEvent(event, log.file_name);
@@ -195,7 +187,10 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
     use.lines.push_back(fmt::format("{} ({}) names {} of {} photos{}", log.file_name, log.format, matched,
                                     photos.size(), serves || matched == 0 ? "" : ", and places none"));
     if (!angles_apart_rad.empty()) SayWhoseAngles(log.file_name, std::move(angles_apart_rad), use);
-    SayOtherHeights(log.file_name, std::move(higher), use);
+    SayOtherHeights(flight::RemarkCode::kListHeightsContradict, log.file_name, kContradictM,
+                    std::move(higher_m), use);
+    SayOtherHeights(flight::RemarkCode::kListTakeoffHeightsContradict, log.file_name, kTakeoffContradictM,
+                    std::move(higher_above_takeoff_m), use);
     if (open_rows > 0) {
       use.warnings.push_back({flight::RemarkCode::kListRowsOfSeveralPhotos,
                               {{"file", log.file_name}, {"rows", open_rows}, {"first", first_open}}});
