@@ -204,18 +204,15 @@ std::vector<alignment::ControlReport> CompareWithSurvey(const FlightFacts& facts
   return reports;
 }
 
-bool IsAnyUsed(const FlightFacts& facts) {
-  if (!facts.align_report) return true;  // who was moved without figures was moved
-  const auto& control = facts.align_report->control;
-  return std::any_of(control.begin(), control.end(),
-                     [](const alignment::ControlReport& point) { return point.is_used && !point.is_check; });
+std::ptrdiff_t PointsUsed(const alignment::AlignReport& report) {
+  return std::count_if(
+      report.control.begin(), report.control.end(),
+      [](const alignment::ControlReport& point) { return point.is_used && !point.is_check; });
 }
 
-bool IsByOnePoint(const FlightFacts& facts) {
-  const auto& control = facts.align_report->control;
-  return std::count_if(control.begin(), control.end(), [](const alignment::ControlReport& point) {
-           return point.is_used && !point.is_check;
-         }) == 1;
+// Who was moved without figures was moved.
+bool IsAnyUsed(const FlightFacts& facts) {
+  return !facts.align_report || PointsUsed(*facts.align_report) > 0;
 }
 
 // Where no number is stated of the map, or one surveyed point moved it, which states none. A map by its
@@ -244,7 +241,8 @@ void TellOfRecords(FlightFacts& facts) {
 
 // By the rule that limits the map.
 std::vector<std::optional<double>> AllowedM(const FlightFacts& facts) {
-  if (IsByOnePoint(facts)) return std::vector<std::optional<double>>(facts.align_report->control.size());
+  if (PointsUsed(*facts.align_report) == 1)
+    return std::vector<std::optional<double>>(facts.align_report->control.size());
   return MissesAllowedM({.flight = facts.flight,
                          .poses = facts.poses_report,
                          .alignment = &*facts.align_report,
