@@ -286,60 +286,47 @@ Choice ChooseAlone(const WrittenList& list, const ListReader& reader, const std:
   return {nullptr, nullptr, list.use.system.empty() ? ListFault::kNoSystem : ListFault::kNoPlace};
 }
 
-// Of the first row that has a place, where rows count in the named system.
-std::optional<geo::InexactShift> ShiftOf(const ListReader& reader, const std::vector<WrittenPlace>& rows,
-                                         const ListVerdict& verdict) {
-  const ListReading& reading = verdict.use.reading;
+// Where rows count in the named system.
+std::optional<geo::InexactShift> ShiftOf(const ListReader& reader, const ListReading& reading,
+                                         const WrittenPlace& row) {
   if (!reader.named() || reading.counts_in != CountsIn::kSystem) return std::nullopt;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!verdict.places[i]) continue;
-    const double x = reading.is_swapped ? rows[i].y : rows[i].x;
-    const double y = reading.is_swapped ? rows[i].x : rows[i].y;
-    return reader.named()->InexactShiftAt(geo::EastingIn(*reader.named(), x, y), y);
-  }
-  return std::nullopt;
+  const double x = reading.is_swapped ? row.y : row.x;
+  const double y = reading.is_swapped ? row.x : row.y;
+  return reader.named()->InexactShiftAt(geo::EastingIn(*reader.named(), x, y), y);
 }
 
-// The step of the written numbers on the ground, of the first row that has a place.
-std::optional<double> RoundedToM(const ListReader& reader, const std::vector<WrittenPlace>& rows,
-                                 const ListVerdict& verdict) {
-  const ListReading& reading = verdict.use.reading;
-  const bool are_degrees = reading.counts_in == CountsIn::kDegrees ||
-                           (reading.counts_in == CountsIn::kSystem && reader.named()->is_geographic());
-  const std::optional<double> step = FindWrittenStep(rows, are_degrees);
-  for (std::size_t i = 0; step && i < rows.size(); ++i) {
-    if (!verdict.places[i]) continue;
-    const Places beside = reader.PlacesOf(
-        {WrittenPlace{rows[i].x + *step, rows[i].y}, WrittenPlace{rows[i].x, rows[i].y + *step}}, reading);
-    if (!beside[0] || !beside[1]) return std::nullopt;
-    const double step_m =
-        std::hypot(MetresApart(*verdict.places[i], *beside[0]), MetresApart(*verdict.places[i], *beside[1])) /
-        std::sqrt(2.0);
-    return SigmaOfStep(step_m) > kWorstCorrectedM ? std::optional(step_m) : std::nullopt;
-  }
-  return std::nullopt;
+bool AreDegrees(const ListReader& reader, const ListReading& reading) {
+  return reading.counts_in == CountsIn::kDegrees ||
+         (reading.counts_in == CountsIn::kSystem && reader.named()->is_geographic());
 }
 
-// Where the north of the plane points at the first row that has a place. Nothing in degrees, and in systems
+// The step of the written numbers on the ground, at the row that lies at `place`.
+std::optional<double> RoundedToM(const ListReader& reader, const ListReading& reading,
+                                 const std::vector<WrittenPlace>& rows, const WrittenPlace& row,
+                                 const LatLon& place) {
+  const std::optional<double> step = FindWrittenStep(rows, AreDegrees(reader, reading));
+  if (!step) return std::nullopt;
+  const Places beside =
+      reader.PlacesOf({WrittenPlace{row.x + *step, row.y}, WrittenPlace{row.x, row.y + *step}}, reading);
+  if (!beside[0] || !beside[1]) return std::nullopt;
+  const double step_m =
+      std::hypot(MetresApart(place, *beside[0]), MetresApart(place, *beside[1])) / std::sqrt(2.0);
+  return SigmaOfStep(step_m) > kWorstCorrectedM ? std::optional(step_m) : std::nullopt;
+}
+
+// Where the north of the plane points at the row that lies at `place`. Nothing in degrees, and in systems
 // whose axes count south or west: what programs take for north there is not known.
-std::optional<double> GridNorthRad(const ListReader& reader, const std::vector<WrittenPlace>& rows,
-                                   const ListVerdict& verdict) {
+std::optional<double> GridNorthRad(const ListReader& reader, const ListReading& reading, WrittenPlace row,
+                                   const LatLon& place) {
   constexpr double kOn = 100.0, kMaxTurnedDeg = 45.0;  // metres or feet
-  const ListReading& reading = verdict.use.reading;
-  const bool is_plane = reading.counts_in == CountsIn::kUtmOfFlight ||
-                        (reading.counts_in == CountsIn::kSystem && !reader.named()->is_geographic());
-  for (std::size_t i = 0; is_plane && i < rows.size(); ++i) {
-    if (!verdict.places[i]) continue;
-    const WrittenPlace on = reading.is_swapped ? WrittenPlace{rows[i].x + kOn, rows[i].y}
-                                               : WrittenPlace{rows[i].x, rows[i].y + kOn};
-    const std::optional<LatLon> there = reader.PlacesOf({on}, reading).front();
-    if (!there) return std::nullopt;
-    const geo::LocalFrame frame({verdict.places[i]->lat_deg, verdict.places[i]->lon_deg, 0.0});
-    const Eigen::Vector3d way = frame.EnuFromWgs84({there->lat_deg, there->lon_deg, 0.0});
-    const double north_rad = std::atan2(way.x(), way.y());
-    return std::abs(north_rad) < geo::DegToRad(kMaxTurnedDeg) ? std::optional(north_rad) : std::nullopt;
-  }
-  return std::nullopt;
+  if (AreDegrees(reader, reading)) return std::nullopt;
+  (reading.is_swapped ? row.x : row.y) += kOn;
+  const std::optional<LatLon> there = reader.PlacesOf({row}, reading).front();
+  if (!there) return std::nullopt;
+  const geo::LocalFrame frame({place.lat_deg, place.lon_deg, 0.0});
+  const Eigen::Vector3d way = frame.EnuFromWgs84({there->lat_deg, there->lon_deg, 0.0});
+  const double north_rad = std::atan2(way.x(), way.y());
+  return std::abs(north_rad) < geo::DegToRad(kMaxTurnedDeg) ? std::optional(north_rad) : std::nullopt;
 }
 
 }  // namespace
@@ -396,15 +383,20 @@ ListVerdict JudgeList(const WrittenList& list) {
   }
   if (verdict.use.fault == ListFault::kNone) {
     verdict.places = reader.PlacesOf(list.rows, verdict.use.reading);
-    verdict.use.rows_used = static_cast<std::size_t>(std::count_if(
-        verdict.places.begin(), verdict.places.end(), [](const auto& place) { return place.has_value(); }));
-    if (const auto shift = ShiftOf(reader, list.rows, verdict)) {
-      verdict.use.system_error_m = shift->error_m;
-      verdict.use.lacks_grid = shift->lacks_grid;
+    const auto is_known = [](const auto& place) { return place.has_value(); };
+    verdict.use.rows_used =
+        static_cast<std::size_t>(std::count_if(verdict.places.begin(), verdict.places.end(), is_known));
+    const auto first = std::find_if(verdict.places.begin(), verdict.places.end(), is_known);
+    if (first != verdict.places.end()) {
+      const WrittenPlace& row = list.rows[first - verdict.places.begin()];
+      if (const auto shift = ShiftOf(reader, verdict.use.reading, row)) {
+        verdict.use.system_error_m = shift->error_m;
+        verdict.use.lacks_grid = shift->lacks_grid;
+      }
+      if (list.use.kind == flight::ListKind::kPositions)
+        verdict.use.rounded_to_m = RoundedToM(reader, verdict.use.reading, list.rows, row, **first);
+      verdict.grid_north_rad = GridNorthRad(reader, verdict.use.reading, row, **first);
     }
-    if (list.use.kind == flight::ListKind::kPositions)
-      verdict.use.rounded_to_m = RoundedToM(reader, list.rows, verdict);
-    verdict.grid_north_rad = GridNorthRad(reader, list.rows, verdict);
     verdict.other_places = reader.PlacesOf(list.others, verdict.use.reading);
   }
   return verdict;
