@@ -278,17 +278,7 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
 
 // Of lists whose marks are named by the photos that they are in.
 bool AreSame(const flight::GcpList& a, const flight::GcpList& b) {
-  const auto are_same_points = [](const flight::GcpPoint& one, const flight::GcpPoint& other) {
-    return one.name == other.name && one.x == other.x && one.y == other.y && one.height == other.height;
-  };
-  const auto are_same_marks = [](const flight::GcpSighting& one, const flight::GcpSighting& other) {
-    return one.image_name == other.image_name && one.pixel_x == other.pixel_x &&
-           one.pixel_y == other.pixel_y && one.point == other.point;
-  };
-  return a.reference_system == b.reference_system &&
-         std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end(), are_same_points) &&
-         std::equal(a.sightings.begin(), a.sightings.end(), b.sightings.begin(), b.sightings.end(),
-                    are_same_marks);
+  return a.reference_system == b.reference_system && a.points == b.points && a.sightings == b.sightings;
 }
 
 // A list that is there twice counts once: its points would bear each other out, and one that is wrong itself.

@@ -27,6 +27,8 @@ struct GcpSighting {
   double pixel_x = 0.0;    // from the outer corner of the first pixel, as the format counts
   double pixel_y = 0.0;
   std::size_t point = 0;  // index into GcpList::points
+
+  bool operator==(const GcpSighting&) const = default;
 };
 
 struct GcpPoint {
@@ -37,6 +39,8 @@ struct GcpPoint {
       height_m;             // above the zero of the file's system: the ellipsoid unless it says otherwise
   double x = 0.0, y = 0.0;  // as written, in the file's system
   std::optional<double> height;  // likewise, in the unit of x and y or, with degrees, in metres
+
+  bool operator==(const GcpPoint&) const = default;
 };
 
 struct GcpList {
