@@ -53,20 +53,16 @@ Eigen::Vector3d AirframeAngles(const Eigen::Quaterniond& cam_from_enu) {
 
 constexpr std::string_view kGeoTxtHead = "EPSG:4326\n", kUnnamedPhotos = "# Not here, for this file ";
 
-bool HasDecimals(std::string_view number, std::size_t decimals) {
-  const std::size_t point = number.find('.');
-  return point != std::string_view::npos && number.size() - point - 1 == decimals &&
-         ParseNumber<double>(number).has_value();
-}
-
 // A photo's name, position and angles, with or without its accuracy, to the digits of OdmGeoTxt.
 bool IsGeoTxtRow(std::string_view line) {
-  constexpr std::array<std::size_t, 8> kDecimals = {10, 10, 4, 6, 6, 6, 4, 4};
+  constexpr std::array kDecimals = {10, 10, 4, 6, 6, 6, 4, 4};
   std::size_t numbers = 0;
   for (std::size_t blank = line.find(' '); blank != std::string_view::npos; ++numbers) {
     const std::size_t end = line.find(' ', blank + 1);
     const std::string_view number = line.substr(blank + 1, end - blank - 1);
-    if (numbers == kDecimals.size() || !HasDecimals(number, kDecimals[numbers])) return false;
+    if (numbers == kDecimals.size() || flight::DecimalPlaces(number) != kDecimals[numbers] ||
+        !ParseNumber<double>(number))
+      return false;
     blank = end;
   }
   return numbers == kDecimals.size() || numbers == kDecimals.size() - 2;
