@@ -10,16 +10,12 @@
 #include "server/routing/request_log.h"
 
 namespace skyquilt::server {
-namespace {
-
-constexpr std::chrono::milliseconds kRemovalPause{500};
-
-}  // namespace
 
 ArchiveUnpacker::ArchiveUnpacker(api::Service& service, std::vector<api::CutOffArchive> archives)
     : service_(service), archives_(std::move(archives)), thread_([this] { Run(); }) {}
 
 void ArchiveUnpacker::Run() {
+  constexpr std::chrono::milliseconds kRemovalPause{500};
   std::vector<api::CutOffArchive> unsettled;
   for (const api::CutOffArchive& archive : archives_) {
     if (thread_.IsEnded()) return;
@@ -33,13 +29,10 @@ bool ArchiveUnpacker::IsUnpacked(const api::CutOffArchive& archive) {
   const Result<std::size_t> came = UnpackWhateverHappens(archive);
   const std::string name =
       fmt::format("the archive {} of flight {}", Printable(archive.file.name), archive.flight_id);
-  if (came) {
-    LogEvent(
-        fmt::format("{}, which a stop cut off, is unpacked: {} more came in", name, Counted(*came, "file")));
-  } else {
-    LogEvent(
-        fmt::format("{} is not unpacked and stays: {} {}", name, came.error().message, came.error().detail));
-  }
+  LogEvent(came ? fmt::format("{}, which a stop cut off, is unpacked: {} more came in", name,
+                              Counted(*came, "file"))
+                : fmt::format("{} is not unpacked and stays: {} {}", name, came.error().message,
+                              came.error().detail));
   return came.ok();
 }
 
