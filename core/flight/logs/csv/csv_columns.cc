@@ -247,8 +247,9 @@ CsvColumn MapTolerantColumn(std::string_view header) {
   return column;
 }
 
-// What a name is without the last of its words that it ends with; empty where it ends with none of them.
-std::string_view WithoutEndOf(std::string_view letters, std::initializer_list<std::string_view> ends) {
+// What a column's name is without the one of these that it ends with; empty where it ends with none of them.
+std::string WithoutEndOf(const CsvColumn& column, std::initializer_list<std::string_view> ends) {
+  const std::string letters = LettersAndDigits(LowerCase(column.header.substr(0, kMaxColumnName)));
   for (const std::string_view end : ends) {
     if (letters.size() > end.size() && letters.ends_with(end))
       return letters.substr(0, letters.size() - end.size());
@@ -262,18 +263,15 @@ void LeaveDegreesBesideMinutes(std::vector<CsvColumn>& columns) {
   for (const M coordinate : {M::kLat, M::kLon}) {
     const auto has = [&](std::initializer_list<std::string_view> ends) {
       return std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& column) {
-        const std::string letters = LettersAndDigits(LowerCase(column.header.substr(0, kMaxColumnName)));
-        return FindCsvSynonym(WithoutEndOf(letters, ends)) == coordinate;
+        return FindCsvSynonym(WithoutEndOf(column, ends)) == coordinate;
       });
     };
     if (!has({"minutes", "minute", "mins", "min"}) || has({"maximum", "max"})) continue;
     if (!has({"degrees", "degree", "degs", "deg"})) continue;
     for (CsvColumn& column : columns) {
-      const std::string letters = LettersAndDigits(LowerCase(column.header.substr(0, kMaxColumnName)));
-      const bool is_part = !WithoutEndOf(letters, {"degrees", "degree", "degs", "deg", "minutes", "minute",
-                                                   "mins", "min", "seconds", "second", "secs", "sec"})
-                                .empty();
-      if (column.meaning == coordinate && is_part) column.meaning = M::kIgnored;
+      const std::string whole = WithoutEndOf(column, {"degrees", "degree", "degs", "deg", "minutes", "minute",
+                                                      "mins", "min", "seconds", "second", "secs", "sec"});
+      if (column.meaning == coordinate && !whole.empty()) column.meaning = M::kIgnored;
     }
   }
 }
