@@ -62,17 +62,17 @@ void RemoveUnpacked(Service& service, const std::string& flight_id,
 
 // Whether the flight has it already, under its name or, where that was another's, under one with a number, as
 // the catalogue gives them.
-Result<bool> HasCome(Service& service, const std::string& flight_id, const storage::StoredFile& file) {
+Result<bool> HasCome(Service& service, const std::string& flight_id, const storage::UnpackedFile& one) {
   constexpr int kMaxNumbers = 20;
-  std::string name = file.name;
+  if (one.error) return false;
+  std::string name = one.file.name;
   for (int number = 2; number <= kMaxNumbers + 1; ++number) {
     SKYQUILT_TRY_ASSIGN(const std::optional<storage::StoredFile> there,
                         service.catalogue.FindFile(flight_id, name));
     if (!there) return false;
-    const Result<bool> is_same = HaveSameBytes(service, flight_id, *there, file);
-    if (!is_same && is_same.error().code != ErrorCode::kNotFound) return is_same.error();
-    if (is_same && *is_same) return true;
-    name = NumberedName(file.name, std::to_string(number));
+    const Result<bool> is_same = HaveSameBytes(service, flight_id, *there, one.file);
+    if (is_same ? *is_same : is_same.error().code != ErrorCode::kNotFound) return is_same;
+    name = NumberedName(one.file.name, std::to_string(number));
   }
   return false;
 }
@@ -82,10 +82,7 @@ Result<void> LeaveOutThoseThere(Service& service, const std::string& flight_id,
                                 std::vector<storage::UnpackedFile>& files) {
   std::vector<storage::UnpackedFile> there, others;
   for (const storage::UnpackedFile& one : files) {
-    bool has_come = false;
-    if (!one.error) {
-      SKYQUILT_TRY_ASSIGN(has_come, HasCome(service, flight_id, one.file));
-    }
+    SKYQUILT_TRY_ASSIGN(const bool has_come, HasCome(service, flight_id, one));
     (has_come ? there : others).push_back(one);
   }
   RemoveUnpacked(service, flight_id, there);
