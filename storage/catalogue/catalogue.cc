@@ -136,9 +136,8 @@ Result<void> Catalogue::SettleRecord(SqlConnection& db, const std::string& fligh
                flight_id, file.name);
   if (!there) return why;  // nobody knows now
   if (*there && (*there)->first.stored_name == file.stored_name) return {};
-  if (!records_) return why;
   // A start takes a catalogue that lacks several recorded files for an older one.
-  (void)records_->RemoveFile(flight_id, file.stored_name).ok();
+  if (records_) (void)records_->RemoveFile(flight_id, file.stored_name).ok();
   if (*there) (void)Record(flight_id, (*there)->first, (*there)->second).ok();
   return why;
 }
