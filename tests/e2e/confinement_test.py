@@ -11,7 +11,7 @@ import unittest
 import unittest.mock
 
 import server_support
-from server_support import ServerTestCase, confined_of, limits_of, open_files_of, parts_of, wait_until
+from server_support import ServerTestCase, confined_of, limits_of, open_files_of, parts_of, preloading, wait_until
 
 
 def segment(marker, content):
@@ -83,7 +83,7 @@ class Confinement(ServerTestCase):
             self.skipTest("no compiler (apt install gcc)")
         library = pathlib.Path(self.data, "..", f"begins_{variable}.so").resolve()
         subprocess.run([compiler, "-shared", "-fPIC", "-o", library, "-x", "c", "-"], input=BEGINS_THREADS % variable, text=True, check=True)
-        with unittest.mock.patch.dict(os.environ, LD_PRELOAD=str(library)):
+        with unittest.mock.patch.dict(os.environ, preloading(library)):
             return self.serve("--workers", "1")
 
     def test_a_blas_with_threads_is_kept_to_one(self):
@@ -194,7 +194,7 @@ class Confinement(ServerTestCase):
         for number, photo in enumerate(self.photos[:3]):
             server.put(flight, [photo])
             self.wait_for_preview(server, flight, number + 1)
-            os.kill(self.find(server, "preview-sandboxed"), (signal.SIGKILL, signal.SIGSTOP, signal.SIGSEGV)[number])
+            os.kill(self.find(server, "preview-sandboxed"), (signal.SIGKILL, signal.SIGSTOP, signal.SIGABRT)[number])
         server.put(flight, [self.photos[3]])
         self.wait_for_preview(server, flight, 4)
 

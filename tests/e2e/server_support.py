@@ -50,6 +50,12 @@ def storage_words(data):
     return catalogue_words(data) + ([] if BLOBS is None else ["--blobs", BLOBS + name_elsewhere(data)])
 
 
+def preloading(library):
+    """Variables of a process that loads a library before all others; a sanitizer wants to be that by itself."""
+    checks = os.environ.get("ASAN_OPTIONS")
+    return {"LD_PRELOAD": str(library)} | ({} if checks is None else {"ASAN_OPTIONS": checks + ":verify_asan_link_order=0"})
+
+
 def kept_of_flights(data):
     """The files that are kept of flights, wherever they lie, by their names below flights/."""
     folder = pathlib.Path(data, "flights")

@@ -11,7 +11,7 @@ import unittest
 import unittest.mock
 
 from server_support import (AS_JSON, BLOBS, CHUNK, FORM, POSTGRES, TUS, ServerTestCase, fill_disk, form, in_catalogue,
-                            kept_of_flights, parts_of, tus_metadata, wait_until)
+                            kept_of_flights, parts_of, preloading, tus_metadata, wait_until)
 
 # The clock that a program sees, moved by CLOCK_AHEAD_S seconds; the kernel's time since its start stays.
 WRONG_CLOCK = r"""
@@ -246,10 +246,7 @@ class WrongClock(TrashCase):
         subprocess.run(["cc", "-shared", "-fPIC", "-o", self.shim, "-x", "c", "-", "-ldl"], input=WRONG_CLOCK, text=True, check=True)
 
     def serve_with_clock_ahead(self, days, *arguments):
-        clock = {"LD_PRELOAD": str(self.shim), "CLOCK_AHEAD_S": str(days * 86400)}
-        if "ASAN_OPTIONS" in os.environ:  # the sanitizer wants to be loaded first
-            clock["ASAN_OPTIONS"] = os.environ["ASAN_OPTIONS"] + ":verify_asan_link_order=0"
-        with unittest.mock.patch.dict(os.environ, clock):
+        with unittest.mock.patch.dict(os.environ, preloading(self.shim), CLOCK_AHEAD_S=str(days * 86400)):
             return self.serve(*arguments)
 
     def begin_upload(self, server, flight):
