@@ -51,7 +51,7 @@ struct TakenFor {
   std::vector<std::string> known;
   std::vector<Remark> shown;         // of those that were taken for nothing, with what stands in them
   std::vector<std::string> unknown;  // the others of them
-  bool has_time = false, has_lat = false, has_lon = false;
+  bool has_time = false, has_lat = false, has_lon = false, names_photos = false;
 };
 
 TakenFor TakeColumns(const std::vector<std::string_view>& header, const std::vector<std::string_view>& row,
@@ -64,6 +64,7 @@ TakenFor TakeColumns(const std::vector<std::string_view>& header, const std::vec
     taken.has_time = taken.has_time || (meaning >= M::kTime && meaning <= M::kTimeOfDay);
     taken.has_lat = taken.has_lat || meaning == M::kLat;
     taken.has_lon = taken.has_lon || meaning == M::kLon;
+    taken.names_photos = taken.names_photos || meaning == M::kImage;
     std::string name = columns[i].header.substr(0, kMaxLetters);
     if (meaning != M::kIgnored) {
       taken.known.push_back(std::move(name));
@@ -97,6 +98,7 @@ std::vector<Remark> WhatIsKnown(TakenFor taken) {
 RemarkCode WhatIsMissing(const TakenFor& taken, bool names_places) {
   if (taken.has_lat != taken.has_lon)
     return taken.has_lat ? RemarkCode::kLacksLongitude : RemarkCode::kLacksLatitude;
+  if (taken.names_photos && !taken.has_lat) return RemarkCode::kLacksPlace;
   if (!taken.has_time)
     return taken.has_lat || names_places ? RemarkCode::kLacksTimeOrNames : RemarkCode::kLacksTime;
   return RemarkCode::kLacksWhatIsTimed;

@@ -294,6 +294,10 @@ TEST(ExplainUnknownTable, SaysWhatATableLacks) {
   EXPECT_THAT(InWords(no_time), HasSubstr("not recognised are stamp"));
   const auto no_use = ValueOf(ExplainUnknownTable(BytesOf("time_s,battery\n1,46\n2,46\n"), "power.csv"));
   EXPECT_THAT(InWords(no_use), HasSubstr("beside the time"));
+  const auto in_parts = ValueOf(ExplainUnknownTable(
+      BytesOf("image,lat_deg,lat_min,lon_deg,lon_min\na.jpg,46,50.5,8,7.4\nb.jpg,46,50.6,8,7.5\n"),
+      "parts.csv"));
+  EXPECT_THAT(InWords(in_parts), HasSubstr("each in one column of decimal degrees"));
   const auto marks = ValueOf(ExplainUnknownTable(
       BytesOf("gcp,lat,lon,alt,px,py,image\np1,46.8,7.1,500,10,20,a.jpg\np2,46.8,7.1,500,10,20,b.jpg\n"),
       "marks.csv"));

@@ -120,6 +120,7 @@ export const failure_words = {
   table_lacks: (v) => `${v.file} ist eine Tabelle, wird aber nicht verwendet: ${v.missing}${v.columns}. Benennen Sie die Spalten, etwa time_s, lat_deg, lon_deg, alt_m (Positionen), time_s, photo (Auslösungen) oder image, lat_deg, lon_deg, alt_m (Fotos).`,
   lacks_longitude: () => 'Sie hat eine geografische Breite, aber keine Spalte wurde als Länge erkannt',
   lacks_latitude: () => 'Sie hat eine geografische Länge, aber keine Spalte wurde als Breite erkannt',
+  lacks_place: () => 'Sie nennt Fotos, aber keine Spalten wurden als deren Breite und Länge erkannt, je in einer Spalte mit Dezimalgrad',
   lacks_time_or_names: () => 'Keine Spalte wurde als Zeit oder als Namen von Fotos erkannt (vermessene Punkte ohne Markierungen werden unter Passpunkte importiert)',
   lacks_time: () => 'Keine Spalte wurde als Zeit erkannt',
   lacks_what_is_timed: () => 'Neben der Zeit wurden keine Position, Lage, IMU-Messwerte oder Namen von Fotos erkannt',

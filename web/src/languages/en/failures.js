@@ -123,6 +123,7 @@ export const failure_words = {
   table_lacks: (v) => `${v.file} is a table, but not used: ${v.missing}${v.columns}. Name its columns, as in time_s, lat_deg, lon_deg, alt_m (positions), time_s, photo (exposures) or image, lat_deg, lon_deg, alt_m (photos).`,
   lacks_longitude: () => 'it has a latitude, but no column is recognised as a longitude',
   lacks_latitude: () => 'it has a longitude, but no column is recognised as a latitude',
+  lacks_place: () => 'it names photos, but no columns are recognised as their latitude and longitude, each in one column of decimal degrees',
   lacks_time_or_names: () => 'no column is recognised as a time, or as the names of photos (surveyed points that are not marked yet are imported under Control points)',
   lacks_time: () => 'no column is recognised as a time',
   lacks_what_is_timed: () => 'beside the time, no position, attitude, inertial samples or photo names are recognised',
