@@ -79,7 +79,7 @@ Result<KeptControl> WriteControl(Service& service, const Request& request, const
                    "The control points were changed elsewhere meanwhile. Read them again, then "
                    "repeat the change."));
   if (text.empty()) {
-    SKYQUILT_TRY(RemoveDocument(service, flight_id, list));
+    SKYQUILT_TRY(RemoveDocument(service, flight_id, list, wanted));
     return KeptControl{NoControlJson(), EtagOfDocument("")};
   }
   std::string read;

@@ -87,10 +87,11 @@ Result<std::string> ReplaceDocument(
 }
 
 Result<void> RemoveDocument(Service& service, const std::string& flight_id,
-                            const std::optional<storage::StoredFile>& known) {
+                            const std::optional<storage::StoredFile>& known, const WantedDocument& wanted) {
   if (!known) return {};
-  SKYQUILT_TRY_ASSIGN(const storage::StoredFile removed,
-                      service.db.Free([&] { return service.catalogue.RemoveFile(flight_id, known->name); }));
+  SKYQUILT_TRY_ASSIGN(const storage::StoredFile removed, service.db.Free([&] {
+    return service.catalogue.RemoveFile(flight_id, known->name, wanted.stored_name);
+  }));
   service.store.Remove(flight_id, removed.stored_name);
   return {};
 }

@@ -1,7 +1,7 @@
 // One small file of a flight that clients read and write as a whole, against its ETag: control points, notes.
-// Replacing it counts towards the quota, and fails where another replaced it meanwhile. Any thread. Errors:
-// kPreconditionFailed (it was changed elsewhere), kConflict (a job reads the flight's files), those of the
-// store, the catalogue and the quota.
+// Replacing it counts towards the quota; replacing and removing fail where another replaced it meanwhile. Any
+// thread. Errors: kPreconditionFailed (it was changed elsewhere), kConflict (a job reads the flight's files),
+// those of the store, the catalogue and the quota.
 #pragma once
 
 #include <functional>
@@ -42,6 +42,6 @@ Result<std::string> ReplaceDocument(Service& service, const std::string& flight_
                                     const std::function<Result<void>(const std::string& stored_name)>& check);
 
 Result<void> RemoveDocument(Service& service, const std::string& flight_id,
-                            const std::optional<storage::StoredFile>& known);
+                            const std::optional<storage::StoredFile>& known, const WantedDocument& wanted);
 
 }  // namespace skyquilt::api

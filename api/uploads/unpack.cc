@@ -116,7 +116,8 @@ Result<std::vector<FileOutcome>> TakeContent(Service& service, const std::string
 // What its files take of its own bytes is counted already.
 void RemoveArchive(Service& service, const std::string& flight_id, const storage::StoredFile& file,
                    const Result<std::vector<FileOutcome>>& outcomes, IncomingBytes& incoming) {
-  const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
+  const Result<storage::StoredFile> removed =
+      service.catalogue.RemoveFile(flight_id, file.name, file.stored_name);
   if (!removed) return;  // a job reads the flight: the next start looks again
   service.store.Remove(flight_id, removed->stored_name);
   if (!outcomes) return;  // some of them may have come
@@ -186,7 +187,7 @@ Result<std::size_t> UnpackCutOff(Service& service, const CutOffArchive& archive)
 Result<void> RemoveCutOff(Service& service, const CutOffArchive& archive) {
   SKYQUILT_TRY_ASSIGN(const bool is_there, IsStillThere(service, archive));
   if (!is_there) return {};
-  SKYQUILT_TRY(service.catalogue.RemoveFile(archive.flight_id, archive.file.name));
+  SKYQUILT_TRY(service.catalogue.RemoveFile(archive.flight_id, archive.file.name, archive.file.stored_name));
   service.store.Remove(archive.flight_id, archive.file.stored_name);
   return {};
 }

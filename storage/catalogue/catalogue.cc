@@ -93,6 +93,11 @@ Revision RevisionFrom(const Statement& row) {
   return revision;
 }
 
+Error ChangedElsewhere(const std::string& name) {
+  return {ErrorCode::kPreconditionFailed, fmt::format("The file {} was changed elsewhere meanwhile.", name),
+          ""};
+}
+
 }  // namespace
 
 Error NoSuchFlight(const std::string& id) {
@@ -271,10 +276,7 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
     AddedFile added;
     SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> old, FileNamed(*db, flight_id, file.name));
     if (old) added = {true, old->stored_name, old->bytes};
-    if (expected && *expected != added.replaced_stored_name) {
-      return Error{ErrorCode::kPreconditionFailed,
-                   fmt::format("The file {} was changed elsewhere meanwhile.", file.name), ""};
-    }
+    if (expected && *expected != added.replaced_stored_name) return ChangedElsewhere(file.name);
     if (added.replaced) {
       SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
       SKYQUILT_TRY(db->Change("DELETE FROM file WHERE flight_id=? AND name=?", flight_id, file.name));
@@ -318,7 +320,8 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
   });
 }
 
-Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std::string& name) {
+Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std::string& name,
+                                         const std::optional<std::string>& expected) {
   return db_.Again([&]() -> Result<StoredFile> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
@@ -332,6 +335,7 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
             "DELETE FROM file WHERE flight_id=? AND name=? RETURNING name, stored_name, bytes, created_us",
             flight_id, name));
     const auto& [removed, created] = gone;
+    if (expected && *expected != removed.stored_name) return ChangedElsewhere(name);
     // Before the catalogue: a process that dies between the two must not leave a record that brings the file
     // back. A record that cannot take it (a full disk) still names a file that is about to go, which does no
     // harm.

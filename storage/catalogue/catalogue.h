@@ -138,7 +138,9 @@ class Catalogue {
   // `upload_id`, that resumable upload is done in the same transaction.
   Result<StoredFile> AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file, Time now,
                                           const std::optional<std::string>& upload_id = std::nullopt);
-  Result<StoredFile> RemoveFile(const std::string& flight_id, const std::string& name);
+  // kConflict while a job reads the flight's files. `expected`: as above, the stored name of what is to go.
+  Result<StoredFile> RemoveFile(const std::string& flight_id, const std::string& name,
+                                const std::optional<std::string>& expected = std::nullopt);
   Result<std::optional<StoredFile>> FindFile(const std::string& flight_id, const std::string& name) const;
   // Also of a flight in the trash, whose files are kept.
   Result<std::vector<StoredFile>> ListFiles(const std::string& flight_id) const;

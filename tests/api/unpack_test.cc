@@ -60,6 +60,19 @@ TEST(Unpack, AnArchiveGoesOnlyWhenItsFilesHaveCome) {
   EXPECT_EQ(ListedNames(sample, flight), (std::vector<std::string>{"a.jpg", "b.jpg"}));
 }
 
+TEST(Unpack, AnotherArchiveThatCameUnderItsNameMeanwhileStays) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  sample.service().unpack = [&](const storage::PhotoStore& store, const std::string& of,
+                                const std::filesystem::path& path, std::int64_t room) {
+    EXPECT_TRUE(sample.catalogue.RemoveFile(of, "a.zip"));
+    LeaveArchive(sample, of);
+    return UnpackTwo(store, of, path, room);
+  };
+  EXPECT_EQ(sample.Send(Method::kPut, "/api/v1/flights/" + flight + "/files/a.zip", "archive").status, 201);
+  EXPECT_EQ(ListedNames(sample, flight), (std::vector<std::string>{"a.jpg", "a.zip", "b.jpg"}));
+}
+
 TEST(Unpack, WhatADeadServerLeftIsUnpackedAtTheStart) {
   SampleService sample;
   const std::string flight = sample.NewFlight();

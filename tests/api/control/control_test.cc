@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "api/control/control_list.h"
+#include "api/uploads/flight_document.h"
 #include "core/base/try.h"
 #include "core/pipeline/placing/control_points.h"
 #include "tests/api/sample_service.h"
@@ -105,6 +106,16 @@ TEST_F(Control, ThatAnotherChangedAreNotOverwritten) {
   EXPECT_EQ(late.status, 412) << BodyOf(late);
   EXPECT_EQ(Put(Example(), "\"none\"").status, 412);
   EXPECT_EQ(Put({{"points", json::array()}}, old).status, 412);
+}
+
+TEST_F(Control, ThatAnotherChangesJustBeforeTheyAreRemovedStay) {
+  ASSERT_EQ(Put(Example()).status, 200);
+  const auto found = test::ValueOf(FindDocument(server_.service(), flight_, "gcp_list.txt"));
+  ASSERT_TRUE(found.has_value());
+  ASSERT_EQ(Put(Example()).status, 200);
+  const auto removed = RemoveDocument(server_.service(), flight_, found, WantedDocument{found->stored_name});
+  EXPECT_EQ(test::ErrorOf(removed).code, ErrorCode::kPreconditionFailed);
+  EXPECT_EQ(server_.Json(Address())["points"].size(), 2u);
 }
 
 TEST_F(Control, ThatAreAllRemovedLeaveNoFile) {
