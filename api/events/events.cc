@@ -150,10 +150,7 @@ Result<Response> Follow(Service& service, const Request& request) {
 Result<Response> Log(Service& service, const Request& request) {
   SKYQUILT_TRY(CheckId(request.Parameter("job"), "job"));
   SKYQUILT_TRY_ASSIGN(const storage::Job job, service.queue.Get(request.Parameter("job")));
-  storage::EventFilter filter;
-  filter.job_id = job.id;
-  constexpr int kMaxLines = 1000;
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, service.events.After(0, filter, kMaxLines));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, service.events.OfJob(job.id));
   nlohmann::ordered_json items = nlohmann::ordered_json::array();
   for (const storage::Event& event : events) {
     items.push_back(

@@ -182,15 +182,8 @@ Result<std::vector<std::string>> NodeOutput(Service& service, const storage::Nod
   std::istringstream notes(task.notes);
   for (std::string line; std::getline(notes, line);) lines.push_back(line);
   if (!job) return lines;
-  constexpr int kAtOnce = 1000;  // the log itself bounds how many there are
-  storage::EventFilter filter;
-  filter.job_id = job->id;
-  std::vector<storage::Event> events;
-  do {
-    const std::int64_t seen = events.empty() ? 0 : events.back().seq;
-    SKYQUILT_TRY_ASSIGN(events, service.events.After(seen, filter, kAtOnce));
-    for (const storage::Event& event : events) lines.push_back(LineOf(event));
-  } while (events.size() == std::size_t{kAtOnce});
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, service.events.OfJob(job->id));
+  for (const storage::Event& event : events) lines.push_back(LineOf(event));
   return lines;
 }
 

@@ -33,6 +33,8 @@ class EventLog {
   explicit EventLog(CatalogueDb& db) : db_(db) {}
   // The events behind `seq`, oldest first.
   Result<std::vector<Event>> After(std::int64_t seq, const EventFilter& filter, int limit) const;
+  // All of one job, oldest first; how many that may be, the log itself bounds.
+  Result<std::vector<Event>> OfJob(const std::string& job_id) const;
   Result<std::int64_t> Latest() const;
 
  private:

@@ -34,6 +34,9 @@ TEST(NodeOutput, HasTheLastLinesOfAJobOfManyStages) {
   EXPECT_EQ(sample.Json(output + "?line=-1"), nlohmann::json::array({lines[2500]}));
   EXPECT_EQ(sample.Json("/task/" + std::string(kToldTask) + "/info?with_output=2500")["output"],
             nlohmann::json::array({lines[2500]}));
+  const nlohmann::json log = sample.Json("/api/v1/jobs/" + job->id + "/log")["events"];
+  ASSERT_EQ(log.size(), 2501U);
+  EXPECT_EQ(log.back()["job"]["stage"], "stage2500");
 }
 
 TEST(NodeArchive, HasTheBandsOfACameraThatTookSeveral) {
