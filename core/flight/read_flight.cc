@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <system_error>
 
 #include "core/base/parallel_for.h"
 #include "core/base/text/file_names.h"
@@ -217,8 +218,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<std::vector<fs::path>> WalkFolder(const fs::path& folder) {
+bool IsDenied(const fs::path& folder) {
   std::error_code error;
+  const fs::directory_iterator opened(folder, error);
+  return error == std::errc::permission_denied;
+}
+
+Result<std::vector<fs::path>> WalkFolder(const fs::path& folder, const TellsDenied& tells_denied) {
+  std::error_code error;
+  if (tells_denied && IsDenied(folder)) tells_denied(folder);
   fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
   std::vector<fs::path> paths;
   while (!error && it != fs::recursive_directory_iterator()) {
@@ -227,6 +235,8 @@ Result<std::vector<fs::path>> WalkFolder(const fs::path& folder) {
       if (it->is_directory(ignored_kind)) it.disable_recursion_pending();
     } else if (!it->is_directory(ignored_kind)) {
       paths.push_back(it->path());  // links to nothing and pipes too: reading them says what is wrong
+    } else if (tells_denied && !it->is_symlink(ignored_kind) && IsDenied(it->path())) {
+      tells_denied(it->path());
     }
     it.increment(error);
   }
@@ -241,7 +251,8 @@ Result<std::vector<fs::path>> WalkFolder(const fs::path& folder) {
 }  // namespace
 
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths,
-                                              const PassesOver& passes_over) {
+                                              const PassesOver& passes_over,
+                                              const TellsDenied& tells_denied) {
   std::vector<fs::path> found;
   for (const fs::path& path : paths) {
     std::error_code error;
@@ -251,7 +262,7 @@ Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths
     if (!fs::is_directory(status)) {
       found.push_back(path);
     } else {
-      SKYQUILT_TRY_ASSIGN(std::vector<fs::path> walked, WalkFolder(path));
+      SKYQUILT_TRY_ASSIGN(std::vector<fs::path> walked, WalkFolder(path, tells_denied));
       if (passes_over) std::erase_if(walked, [&](const fs::path& file) { return passes_over(file, path); });
       found.insert(found.end(), walked.begin(), walked.end());
     }

@@ -19,10 +19,13 @@ namespace skyquilt::flight {
 
 // Which files of a folder that is walked (`root`) are none of a flight, whatever they hold.
 using PassesOver = std::function<bool(const std::filesystem::path& file, const std::filesystem::path& root)>;
+// Is told of each folder that may not be looked into, and is passed over.
+using TellsDenied = std::function<void(const std::filesystem::path& folder)>;
 
 // Folders are walked (sorted, hidden files skipped); files are taken as they are.
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem::path>& paths,
-                                              const PassesOver& passes_over = {});
+                                              const PassesOver& passes_over = {},
+                                              const TellsDenied& tells_denied = {});
 
 // `threads`: 0 for all cores.
 Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Progress& progress);

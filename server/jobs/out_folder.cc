@@ -190,12 +190,18 @@ Result<void> CheckListStays(const fs::path& out_dir) {
 }
 
 Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<fs::path>& inputs) {
-  std::vector<fs::path> passed_over;
-  auto files = flight::ListInputFiles(inputs, [&](const fs::path& file, const fs::path& root) {
+  std::vector<fs::path> passed_over, denied;
+  const auto passes_over = [&](const fs::path& file, const fs::path& root) {
     if (!IsOfMap(file, root)) return false;
     passed_over.push_back(file);
     return true;
-  });
+  };
+  auto files =
+      flight::ListInputFiles(inputs, passes_over, [&](const fs::path& folder) { denied.push_back(folder); });
+  if (!denied.empty()) {
+    fmt::print(stderr, "Not read, for want of permission: {} ({} first).\n", Counted(denied.size(), "folder"),
+               Printable(denied.front().string()));
+  }
   if (!passed_over.empty()) {
     fmt::print(stderr,
                "Not read, as parts of a map that was made there: {} ({} first). A file that is given by "

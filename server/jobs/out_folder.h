@@ -23,7 +23,7 @@ Result<void> CheckOutFolder(const std::filesystem::path& out_dir, const std::vec
 bool IsOfMap(const std::filesystem::path& file, const std::filesystem::path& root);
 
 // What is given of a flight, without what in its folders IsOfMap. A file that is given by itself counts. Says
-// on stderr that there were such. Errors: kNotFound, kIo.
+// on stderr that there were such, or folders that may not be read. Errors: kNotFound, kIo.
 Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<std::filesystem::path>& inputs);
 
 // Even where the user said to overwrite: no file that the map is to be made from. Errors: kConflict.

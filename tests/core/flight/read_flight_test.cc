@@ -5,11 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "core/flight/lists/file_kinds.h"
 #include "core/flight/remarks/remark_words.h"
@@ -260,6 +262,23 @@ TEST(ListInputFiles, PassesOverFoldersOfPrograms) {
   const auto files = ValueOf(ListInputFiles({folder.path()}));
   ASSERT_EQ(files.size(), 1u);
   EXPECT_EQ(files.front().name, "DJI_0001.JPG");
+}
+
+TEST(ListInputFiles, TellsOfFoldersThatMayNotBeRead) {
+  if (geteuid() == 0) GTEST_SKIP() << "who may read everything";
+  const TemporaryFolder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  folder.Write("closed/b.jpg", PhotoAt(1.1, ""));
+  const std::filesystem::path closed = folder.path() / "closed";
+  std::filesystem::permissions(closed, std::filesystem::perms::none);
+  std::vector<std::filesystem::path> denied;
+  const auto tells = [&](const std::filesystem::path& path) { denied.push_back(path); };
+  const auto files = ListInputFiles({folder.path()}, {}, tells);
+  const auto none = ListInputFiles({closed}, {}, tells);
+  std::filesystem::permissions(closed, std::filesystem::perms::owner_all);
+  EXPECT_EQ(ValueOf(files).size(), 1u);
+  EXPECT_TRUE(ValueOf(none).empty());
+  EXPECT_EQ(denied, (std::vector<std::filesystem::path>{closed, closed}));
 }
 
 TEST(ReadFlight, ListsWhatIsNoFileAtAll) {
