@@ -175,6 +175,10 @@ void Run(StitchArguments& arguments) {
     const auto& asked = arguments.formats;
     return std::find(asked.begin(), asked.end(), format) != asked.end();
   };
+  if (arguments.no_cog && is_asked(OtherFormat::kGeotiff))
+    Refuse("skyquilt", "--formats geotiff asks for mosaic.tif, and --no-cog for none.");
+  if (arguments.no_pmtiles && is_asked(OtherFormat::kPmtiles))
+    Refuse("skyquilt", "--formats pmtiles asks for mosaic.pmtiles, and --no-pmtiles for none.");
   const auto is_wanted = [&](OtherFormat format, const char* name) {
     std::error_code none;
     return is_asked(format) || std::filesystem::exists(arguments.out_dir / name, none);

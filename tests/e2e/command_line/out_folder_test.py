@@ -53,6 +53,9 @@ class OutFolder(ScratchCase):
         out = self.scratch / "formats"
         self.stitch(self.scratch / "one", out, "--formats", "geotiff,pmtiles", code=0)
         self.assertLessEqual({"mosaic.tif", "mosaic.pmtiles"}, set(contents(out)))
+        for asked, refused in (("geotiff", "--no-cog"), ("pmtiles", "--no-pmtiles")):
+            done = self.stitch(self.scratch / "other", out, "--overwrite", "--formats", asked, refused)
+            self.check_refused(out, done, f"--formats {asked}", refused)
         # What "export" copies as it lies there would show the other photos.
         self.stitch(self.scratch / "other", out, "--overwrite", "--no-cog", "--no-pmtiles", code=0)
         self.assertEqual({"mosaic.tif", "mosaic.pmtiles"} & set(contents(out)), set())
