@@ -88,8 +88,9 @@ Error UnknownField(const std::string& field) {
 Result<std::string> CheckedName(const ordered_json& value) {
   if (!value.is_string()) return Error{ErrorCode::kUnprocessable, "The field \"name\" must be a text."};
   const auto name = value.get<std::string>();
-  if (name.empty() || name.size() > 200) {
-    return Error{ErrorCode::kUnprocessable, "The field \"name\" must be 1 to 200 bytes long."};
+  if (name.empty() || name.size() > kMaxFlightNameBytes) {
+    return Error{ErrorCode::kUnprocessable,
+                 fmt::format("The field \"name\" must be 1 to {} bytes long.", kMaxFlightNameBytes)};
   }
   return name;
 }

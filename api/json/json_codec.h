@@ -21,6 +21,8 @@ namespace skyquilt::api {
 // What stands in an address for a revision where the preview is meant, and nothing but it.
 inline constexpr std::string_view kPreviewRevision = "preview";
 
+inline constexpr std::size_t kMaxFlightNameBytes = 200;
+
 // Everything the API says of one flight.
 struct FlightView {
   storage::Flight flight;

@@ -16,6 +16,7 @@
 #include "api/nodeodm/nodeodm.h"
 #include "api/webhooks/webhooks.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 
@@ -100,13 +101,10 @@ void SetWebhook(const Service& service, const std::string& url, NewTask& task) {
 
 // Clients take longer names than a flight may have, which is no reason to refuse their photos.
 void SetName(std::string name, NewTask& task) {
-  constexpr std::size_t kMaxBytes = 200;
-  if (name.size() > kMaxBytes) {
-    std::size_t end = kMaxBytes;
-    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // within a character
-    name.resize(end);
-    task.notes.push_back(
-        NodeNote(fmt::format("The name was cut to {} bytes: here it has at most {}.", end, kMaxBytes)));
+  if (name.size() > kMaxFlightNameBytes) {
+    name = CutToBytes(name, kMaxFlightNameBytes);
+    task.notes.push_back(NodeNote(fmt::format("The name was cut to {} bytes: here it has at most {}.",
+                                              name.size(), kMaxFlightNameBytes)));
   }
   task.name = name.empty() ? DefaultFlightName(storage::Now()) : std::move(name);
 }

@@ -9,7 +9,9 @@
 #include <system_error>
 #include <vector>
 
+#include "api/json/json_codec.h"
 #include "core/base/text/file_names.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "core/flight/read_flight.h"
 #include "server/client/upload_flight.h"
@@ -117,7 +119,7 @@ Result<SentNow> SendCardFlight(const CardFlight& flight, CardFiles& card, SentLe
   std::string key = before != nullptr ? before->key : "";
   if (before == nullptr) {
     key = NewKey(DigestsOf(files));
-    SKYQUILT_TRY(ledger.Begin(key, options.name_prefix + flight.name));
+    SKYQUILT_TRY(ledger.Begin(key, CutToBytes(options.name_prefix + flight.name, api::kMaxFlightNameBytes)));
   }
   SKYQUILT_TRY(ledger.WillSend(key, names));
   UploadOptions upload;

@@ -1,8 +1,10 @@
-// Trim, LowerCase, IsDigit, IsLetterOrDigit, HexDigit, ParseNumber: what is done with any text that came from
-// outside: of files, headers, settings. Letters are those of Latin, whatever the locale. Pure; any thread.
+// Trim, CutToBytes, LowerCase, IsDigit, IsLetterOrDigit, HexDigit, ParseNumber: what is done with any text
+// that came from outside: of files, headers, settings. Letters are those of Latin, whatever the locale. Pure;
+// any thread.
 #pragma once
 
 #include <charconv>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +18,13 @@ inline std::string_view Trim(std::string_view text) {
   while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
   while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
   return text;
+}
+
+// No more than `most` bytes of it, in whole characters of UTF-8.
+inline std::string CutToBytes(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return std::string(text);
+  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xc0) == 0x80) --most;
+  return std::string(text.substr(0, most));
 }
 
 inline std::string LowerCase(std::string_view text) {

@@ -89,6 +89,12 @@ class Upload(ServerTestCase):
         (self.card / "log.txt").write_text("nothing of interest")
         self.assertIn("1 file sent, 6 were there", self.upload(server, "--flight", flight["id"], "--no-map").stdout)
 
+    def test_a_folder_whose_name_is_longer_than_a_flights_may_be_is_sent(self):
+        server = self.serve("--workers", "0")
+        self.card = self.card.rename(self.card.with_name("Ж" * 120))
+        self.upload(server, "--no-map")
+        self.assertEqual(server.json("GET", "/api/v1/flights")[1]["flights"][0]["name"], "Ж" * 100)
+
     def test_goes_on_where_the_connection_broke(self):
         (self.card / "long.bin").write_bytes(bytes(range(256)) * (160 << 10))  # 40 MB
         server = self.serve()
