@@ -1,12 +1,14 @@
 #include "api/jobs/jobs.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "api/auth/flight_access.h"
 #include "api/http/once.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/job_options.h"
 #include "api/json/json_codec.h"
@@ -45,7 +47,8 @@ Result<std::string> KeepHeights(Service& service, const storage::Flight& flight,
   return JsonText(stated);
 }
 
-constexpr int kMaxListed = 200;
+constexpr int kUsualJobsAPage = 200;
+constexpr int kMaxJobsAPage = 500;
 
 Result<Response> Queue(Service& service, const Request& request, const std::string& body) {
   SKYQUILT_TRY_ASSIGN(const storage::Job job, QueueJob(service, request, request.Parameter("flight"), body));
@@ -66,16 +69,24 @@ Result<Response> GetJob(Service& service, const Request& request) {
 }
 
 Result<Response> ListJobs(Service& service, const Request& request) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  SKYQUILT_TRY_ASSIGN(const int limit, PageSizeOf(request, kUsualJobsAPage, kMaxJobsAPage));
+  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
+  nlohmann::ordered_json list = nlohmann::ordered_json::array(), next_cursor;
   std::optional<std::string> flight;
   if (const auto given = request.Query("flight")) flight = *given;
   if (!request.only_flight.empty()) {
-    if (flight && *flight != request.only_flight) return JsonOf(200, {{"jobs", list}});
+    if (flight && *flight != request.only_flight)
+      return JsonOf(200, {{"jobs", list}, {"next_cursor", next_cursor}});
     flight = request.only_flight;
   }
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Job> jobs, service.queue.List(flight, kMaxListed));
+  // One more shows whether another page follows.
+  SKYQUILT_TRY_ASSIGN(std::vector<storage::Job> jobs, service.queue.List(flight, limit + 1, cursor));
+  if (jobs.size() > static_cast<std::size_t>(limit)) {
+    jobs.pop_back();
+    next_cursor = jobs.back().id;
+  }
   for (const storage::Job& job : jobs) list.push_back(JobJson(job, storage::Now()));
-  return JsonOf(200, {{"jobs", list}});
+  return JsonOf(200, {{"jobs", list}, {"next_cursor", next_cursor}});
 }
 
 Result<Response> Cancel(Service& service, const Request& request) {

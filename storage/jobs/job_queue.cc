@@ -75,15 +75,16 @@ Result<Job> JobQueue::Get(const std::string& id) const {
   return ReadJob(*db, id);
 }
 
-Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight_id, int limit) const {
+Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight_id, int limit,
+                                        const std::optional<std::string>& cursor) const {
   const auto db = db_.Read();
   // Two statements, so that each has its index.
   return db->All(
       JobFrom,
       std::string(kJobColumns) +
           (flight_id ? "FROM job WHERE flight_id=?1 AND " : "FROM job WHERE CAST(?1 AS TEXT) IS NULL AND ") +
-          kOfFlightThere + " ORDER BY id DESC LIMIT ?2",
-      flight_id, limit);
+          "(CAST(?3 AS TEXT) IS NULL OR id<?3) AND " + kOfFlightThere + " ORDER BY id DESC LIMIT ?2",
+      flight_id, limit, cursor);
 }
 
 Result<std::optional<Job>> JobQueue::LatestOf(const std::string& flight_id) const {

@@ -103,8 +103,9 @@ class JobQueue {
   Result<Job> Add(const std::string& flight_id, const std::string& options, Time now,
                   const JobTurn& turn = {});
   Result<Job> Get(const std::string& id) const;
-  // Newest first; of one flight or of all.
-  Result<std::vector<Job>> List(const std::optional<std::string>& flight_id, int limit) const;
+  // Newest first; of one flight or of all. Older than `cursor` (the id that an earlier page ended with).
+  Result<std::vector<Job>> List(const std::optional<std::string>& flight_id, int limit,
+                                const std::optional<std::string>& cursor = std::nullopt) const;
   Result<std::optional<Job>> LatestOf(const std::string& flight_id) const;
   Result<std::vector<Job>> ListRunning() const;
   Result<JobCounts> Count() const;

@@ -267,6 +267,22 @@ TEST(Jobs, AreQueuedShownAndCancelled) {
   EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights/00000000000000000000000000/jobs").status, 404);
 }
 
+TEST(Jobs, AreListedPageByPage) {
+  SampleService sample;
+  std::vector<std::string> ids;
+  for (int i = 0; i < 3; ++i)
+    ids.push_back(test::ValueOf(sample.queue.Add(sample.NewFlight(), "{}", storage::Now())).id);
+  const auto first = JsonOf(sample.Get("/api/v1/jobs?limit=2"));
+  ASSERT_EQ(first["jobs"].size(), 2u);
+  EXPECT_EQ(first["jobs"][0]["id"], ids[2]);
+  EXPECT_EQ(first["next_cursor"], ids[1]);
+  const auto rest = JsonOf(sample.Get("/api/v1/jobs?limit=2&cursor=" + ids[1]));
+  ASSERT_EQ(rest["jobs"].size(), 1u);
+  EXPECT_EQ(rest["jobs"][0]["id"], ids[0]);
+  EXPECT_TRUE(rest["next_cursor"].is_null());
+  EXPECT_EQ(sample.Get("/api/v1/jobs?limit=0").status, 400);
+}
+
 TEST(Downloads, HonourRangesAndTags) {
   SampleService sample;
   const std::string id = sample.NewFlight();

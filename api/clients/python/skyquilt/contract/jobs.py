@@ -22,9 +22,11 @@ class Jobs(Calls):
         """What a job went through."""
         return cast("models.JobLogAnswer", self._send("GET", "/api/v1/jobs/{job}/log", path={"job": job}))
 
-    def list_jobs(self, *, flight: Optional[str] = None) -> models.ListJobsAnswer:
+    def list_jobs(self, *, flight: Optional[str] = None, limit: Optional[int] = None,
+                  cursor: Optional[str] = None) -> models.ListJobsAnswer:
         """Jobs, newest first."""
-        return cast("models.ListJobsAnswer", self._send("GET", "/api/v1/jobs", query={"flight": flight}))
+        return cast("models.ListJobsAnswer", self._send("GET", "/api/v1/jobs",
+                                                        query={"flight": flight, "limit": limit, "cursor": cursor}))
 
     def retry_job(self, job: str) -> models.Job:
         """A new job with the options of one that has ended."""

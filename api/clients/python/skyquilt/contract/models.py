@@ -1,7 +1,7 @@
 """The documents that the server takes and answers.
 
 Written by generate.py from api/openapi.json; changes belong there."""
-from typing import Any, List, TypedDict
+from typing import Any, List, Optional, TypedDict
 
 from .documents_1 import *  # noqa: F401,F403
 from .documents_2 import *  # noqa: F401,F403
@@ -19,6 +19,7 @@ class JobLogAnswer(TypedDict):
 
 class ListJobsAnswer(TypedDict):
     jobs: List[Job]
+    next_cursor: Optional[str]
 
 
 class StartJobBody(TypedDict, total=False):
