@@ -117,8 +117,8 @@ void Run(SimulateArguments& arguments) {
 
 // A value whose help says what it is by itself.
 template <typename Value>
-void AddValue(CLI::App& command, const char* name, Value& value, const char* help) {
-  command.add_option(name, value, help)->capture_default_str();
+CLI::Option* AddValue(CLI::App& command, const char* name, Value& value, const char* help) {
+  return command.add_option(name, value, help)->capture_default_str();
 }
 
 // What stands on the ground.
@@ -130,6 +130,7 @@ void AddObjectOptions(CLI::App& command, SimulateArguments& arguments) {
   command
       .add_option("--house-heights-m", arguments.house_heights_m,
                   "With --houses: how high the lowest and the highest may be, in metres (default: 3 12)")
+      ->needs("--houses")
       ->expected(2);
   AddValue(command, "--walls", objects.walls, "Garden walls of 1.5 to 3 m");
   AddValue(command, "--trees", objects.trees, "Trees of 3 to 10 m");
@@ -141,29 +142,36 @@ void AddObjectOptions(CLI::App& command, SimulateArguments& arguments) {
 // What the recorder of the aircraft writes; without --log nothing is recorded.
 void AddRecorderOptions(CLI::App& command, SimulateArguments& arguments) {
   simulate::SimulateOptions& options = arguments.options;
-  command
-      .add_option("--log", options.log_formats,
-                  "Fly it with a recorder and write logs/: dataflash (ArduPilot), ulog (PX4), csv; several "
-                  "may be named. "
-                  "The photos are then taken where the aircraft really was, leaning as it leans")
-      ->transform(OneOf(std::vector<std::pair<std::string, LogFormat>>{
-          {"dataflash", LogFormat::kDataflash}, {"ulog", LogFormat::kUlog}, {"csv", LogFormat::kCsv}}));
+  CLI::Option* recorder =
+      command
+          .add_option(
+              "--log", options.log_formats,
+              "Fly it with a recorder and write logs/: dataflash (ArduPilot), ulog (PX4), csv; several "
+              "may be named. "
+              "The photos are then taken where the aircraft really was, leaning as it leans")
+          ->transform(OneOf(std::vector<std::pair<std::string, LogFormat>>{
+              {"dataflash", LogFormat::kDataflash}, {"ulog", LogFormat::kUlog}, {"csv", LogFormat::kCsv}}));
   command
       .add_option("--mount", arguments.survey.mount,
                   "With --log: fixed: the camera leans with the body; gimbal: it does not")
+      ->needs(recorder)
       ->transform(OneOf(std::vector<std::pair<std::string, CameraMount>>{{"fixed", CameraMount::kFixedToBody},
                                                                          {"gimbal", CameraMount::kGimbal}}));
   command
       .add_option("--imu", arguments.imu,
                   "With --log: icm or mpu class; rough: with vibration, lost samples, scale errors; none")
+      ->needs(recorder)
       ->transform(OneOf(std::vector<std::pair<std::string, ImuKind>>{{"none", ImuKind::kNone},
                                                                      {"icm", ImuKind::kIcm},
                                                                      {"mpu", ImuKind::kMpu},
                                                                      {"rough", ImuKind::kRough}}));
-  command.add_flag("--log-rtk", arguments.rtk_log, "With --log: the recorder's GNSS is RTK");
-  command.add_flag("--log-without-gnss", arguments.no_gnss_log, "With --log: the recorder has no GNSS");
-  command.add_flag("--log-range", arguments.survey.sensors.has_range,
-                   "With --log: a range finder that reaches 25 m");
+  command.add_flag("--log-rtk", arguments.rtk_log, "With --log: the recorder's GNSS is RTK")->needs(recorder);
+  command.add_flag("--log-without-gnss", arguments.no_gnss_log, "With --log: the recorder has no GNSS")
+      ->needs(recorder);
+  command
+      .add_flag("--log-range", arguments.survey.sensors.has_range,
+                "With --log: a range finder that reaches 25 m")
+      ->needs(recorder);
   AddValue(command, "--clock-offset-s", options.clock.offset_s, "How far the camera's clock is ahead of UTC");
   command.add_flag("--clock-seconds", options.clock.is_local_seconds,
                    "The camera's clock shows whole seconds of an unknown zone, as most do");
@@ -238,13 +246,16 @@ void AddSimulateCommand(CLI::App& app) {
   AddRecorderOptions(*command, *arguments);
   AddValue(*command, "--exposure-jitter", options.exposure_jitter,
            "Brightness differs from photo to photo, 1-sigma (0.1 is 10%)");
-  command->add_flag("--exposure-recorded", options.is_exposure_recorded,
-                    "With --exposure-jitter: the exposure times in the photos say so, as a camera's do");
+  command
+      ->add_flag("--exposure-recorded", options.is_exposure_recorded,
+                 "With --exposure-jitter: the exposure times in the photos say so, as a camera's do")
+      ->needs("--exposure-jitter");
   AddValue(*command, "--vignetting", options.vignetting, "Share of light lost in the corners");
   AddValue(*command, "--hot-spot", options.hot_spot,
            "Share by which ground looks brighter with the sun right behind the camera");
   AddValue(*command, "--hot-spot-deg", arguments->hot_spot_deg,
-           "With --hot-spot: how far from there it is half of that, in degrees");
+           "With --hot-spot: how far from there it is half of that, in degrees")
+      ->needs("--hot-spot");
   AddValue(*command, "--gradient-per-km", options.world.gradient_per_km,
            "How much brighter the ground itself becomes to the east, as a logarithm");
   AddValue(*command, "--shutter-ms", arguments->shutter_ms,
@@ -252,9 +263,12 @@ void AddSimulateCommand(CLI::App& app) {
   AddValue(*command, "--readout-ms", arguments->readout_ms,
            "Milliseconds from reading a picture's first row to its last, while the camera flies on");
   AddValue(*command, "--shaking-dps", arguments->shaking_dps,
-           "With --readout-ms: the camera turns meanwhile, 1-sigma in degrees per second about each axis");
-  command->add_flag("--gyro", options.has_gyro,
-                    "With --shaking-dps: the photos record the camera's gyro and its readout time");
+           "With --readout-ms: the camera turns meanwhile, 1-sigma in degrees per second about each axis")
+      ->needs("--readout-ms");
+  command
+      ->add_flag("--gyro", options.has_gyro,
+                 "With --shaking-dps: the photos record the camera's gyro and its readout time")
+      ->needs("--shaking-dps");
   command->add_flag(
       "--bands", options.has_band_rig,
       "A camera of five bands in place of one in colours: a TIFF for each, as MicaSense writes them, "

@@ -62,6 +62,12 @@ class LoggedFlightTest(ScratchCase):
             "--log", "dataflash", "ulog", "csv", "--clock-offset-s", CLOCK_AHEAD_S, "--clock-seconds", "--no-world",
             "--seed", 5)
 
+    def test_options_of_what_is_not_asked_for_are_refused(self):
+        for words in (["--mount", "gimbal"], ["--imu", "mpu"], ["--log-rtk"], ["--log-without-gnss"], ["--log-range"], ["--house-heights-m", 3, 4],
+                      ["--exposure-recorded"], ["--hot-spot-deg", 5], ["--shaking-dps", 12], ["--readout-ms", 60, "--gyro"]):
+            done = run("simulate", "-o", self.scratch / "none", "--photos", 1, *words, code=None)
+            self.assertIn("requires", done.stderr, words)
+
     def stitch(self, log, *more):
         out = self.scratch / ("map_" + log)
         run("stitch", self.flight / "photos", self.flight / "logs" / log, "-o", out, *more)
