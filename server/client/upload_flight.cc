@@ -15,6 +15,7 @@
 #include "core/base/text/file_names.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "storage/blobs/sha256.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::server {
@@ -165,9 +166,22 @@ Result<void> SendFile(ServerClient& client, const std::string& flight_id, const 
 }
 
 // The member "options" of a flight or a job, where any are given.
-nlohmann::json Wish(const UploadOptions& options) {
-  if (options.job_options.empty()) return nlohmann::json::object();
-  return {{"options", ParseJson(options.job_options)}};
+nlohmann::json Wish(const UploadOptions& options, const std::string& import_file) {
+  nlohmann::json wish = nlohmann::json::object();
+  if (!options.job_options.empty()) wish["options"] = ParseJson(options.job_options);
+  if (!import_file.empty()) wish["options"]["import_file"] = import_file;
+  return wish;
+}
+
+// A file that is to become the map must not be taken for one that lies there under its name, or be kept under
+// a name that nobody knows: it has a name by its content, so that the same one is known again.
+Result<void> TellApart(const NamesAndSizes& there, flight::InputFile& file) {
+  constexpr std::size_t kMarkLetters = 8;
+  const auto of_name = there.lower_bound({file.name, 0});
+  if (of_name == there.end() || of_name->first != file.name) return {};
+  SKYQUILT_TRY_ASSIGN(const std::string sum, storage::Sha256OfFile(file.path));
+  file.name = NumberedName(file.name, sum.substr(0, kMarkLetters));
+  return {};
 }
 
 Result<void> WaitForJob(ServerClient& client, const std::string& job_id, Progress& progress) {
@@ -226,13 +240,19 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
     // Servers of before know neither: they are asked for nothing that nobody wants.
     if (!options.tags.empty()) fields["tags"] = options.tags;
     if (options.is_kept) fields["keep"] = true;
-    fields.update(Wish(options));
+    fields.update(Wish(options, options.import_file));
     SKYQUILT_TRY_ASSIGN(const nlohmann::json made,
                         PostJson(client, "/api/v1/flights", fields, options.flight_once_key));
     SKYQUILT_TRY_ASSIGN(uploaded.flight_id, TextAt(made, "id"));
   }
   on_flight(uploaded.flight_id);
   SKYQUILT_TRY_ASSIGN(const NamesAndSizes there, FilesThere(client, uploaded.flight_id));
+  std::string import_file = options.import_file;
+  for (Outgoing& one : outgoing) {
+    if (import_file.empty() || one.file.name != options.import_file) continue;
+    SKYQUILT_TRY(TellApart(there, one.file));
+    import_file = one.file.name;
+  }
   const std::size_t all = outgoing.size();
   std::erase_if(outgoing, [&](const Outgoing& one) { return there.contains({one.file.name, one.bytes}); });
   uploaded.skipped = static_cast<int>(all - outgoing.size());
@@ -248,8 +268,8 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   counting = nullptr;
   if (!options.makes_map) return uploaded;
   SKYQUILT_TRY_ASSIGN(const nlohmann::json job,
-                      PostJson(client, "/api/v1/flights/" + uploaded.flight_id + "/jobs", Wish(options),
-                               options.job_once_key));
+                      PostJson(client, "/api/v1/flights/" + uploaded.flight_id + "/jobs",
+                               Wish(options, import_file), options.job_once_key));
   SKYQUILT_TRY_ASSIGN(uploaded.job_id, TextAt(job, "id"));
   if (options.waits) SKYQUILT_TRY(WaitForJob(client, uploaded.job_id, progress));
   return uploaded;

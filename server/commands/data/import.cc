@@ -77,8 +77,8 @@ void ImportByServer(ImportArguments& arguments) {
   upload.name = arguments.options.title;
   upload.tags = arguments.tags;
   upload.waits = !arguments.no_wait;
-  upload.job_options =
-      JsonText(nlohmann::json({{"import_file", name}, {"quality", arguments.options.quality}}));
+  upload.job_options = JsonText(nlohmann::json({{"quality", arguments.options.quality}}));
+  upload.import_file = name;
   std::vector<flight::InputFile> files = {{name, arguments.file}};
   const fs::path report = ReportBeside(arguments.file);
   // A file of that name may be anybody's: what is none of a map is not sent.

@@ -81,6 +81,21 @@ class ServerImport(ServerTestCase):
         self.assertEqual(self.middle_of(server, flight)[0], 200)
         self.assertEqual(server.garbage(), [])
 
+    def test_another_file_of_the_same_name_and_size_becomes_the_map(self):
+        server = self.serve("--workers", "1")
+        flight = self.imported(server, self.utm)
+        before = server.json("GET", f"/api/v1/flights/{flight}")[1]
+        coarser = self.folder / "coarser" / self.utm.name
+        coarser.parent.mkdir()
+        tool("gdal_translate", "-q", "-outsize", "50%", "50%", self.utm, coarser)
+        coarser.write_bytes(coarser.read_bytes().ljust(self.utm.stat().st_size, b"\0"))
+        for _ in range(2):  # sent once
+            self.assertEqual(self.imported(server, coarser, "--flight", flight), flight)
+            about = server.json("GET", f"/api/v1/flights/{flight}")[1]
+            self.assertGreater(about["gsd_m"], 1.5 * before["gsd_m"])
+        files = server.json("GET", f"/api/v1/flights/{flight}/files")[1]["files"]
+        self.assertEqual((about["revision"], len(files), "north field.tif" in [file["name"] for file in files]), (3, 2, True))
+
     def test_one_form_is_enough(self):
         server = self.serve("--workers", "1")
         made = server.stitched([("old.mbtiles", self.mbtiles.read_bytes())], name="By a form", options='{"import_file": "old.mbtiles"}')
