@@ -96,6 +96,11 @@ class ServerImport(ServerTestCase):
         files = server.json("GET", f"/api/v1/flights/{flight}/files")[1]["files"]
         self.assertEqual((about["revision"], len(files), "north field.tif" in [file["name"] for file in files]), (3, 2, True))
 
+    def test_a_file_whose_name_is_longer_than_a_flights_may_be_is_taken(self):
+        server = self.serve("--workers", "0")
+        flight = self.imported(server, shutil.copy(self.mbtiles, self.folder / ("Ж" * 120 + ".mbtiles")), "--no-wait")
+        self.assertEqual(server.json("GET", f"/api/v1/flights/{flight}")[1]["name"], "Ж" * 100)
+
     def test_one_form_is_enough(self):
         server = self.serve("--workers", "1")
         made = server.stitched([("old.mbtiles", self.mbtiles.read_bytes())], name="By a form", options='{"import_file": "old.mbtiles"}')
