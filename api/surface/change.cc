@@ -105,14 +105,17 @@ Result<std::string> MakeChangeTile(const HeightChange& change, const geo::TileId
   SKYQUILT_TRY_ASSIGN(const storage::SampledHeights then, change.then->Over(grid));
   const double min_m = MinShownM(change.shift);
   const double pixel_m = grid.pixel_width_m * ground_m;
-  const double aside_px = surface::kStepsOffCells * std::max(1.0, change.now->cell_m() / pixel_m);
+  const auto aside_px = [&](const storage::HeightRaster& heights) {
+    return surface::kStepsOffCells * std::max(1.0, heights.cell_m() / pixel_m);
+  };
+  const double now_aside_px = aside_px(*change.now), then_aside_px = aside_px(*change.then);
   image::RgbaImage picture = image::RgbaImage::Transparent(kHeightTilePx, kHeightTilePx);
   for (std::size_t i = 0; i < now.heights_m.size(); ++i) {
     const double change_m = now.heights_m[i] - then.heights_m[i] - change.shift.up_m;
     if (now.is_measured[i] == 0 || then.is_measured[i] == 0 || !(std::abs(change_m) >= min_m)) continue;
     // Edges of roofs and crowns stand aside in each flight by itself.
-    const double steps_m = aside_px * std::hypot(surface::RiseAt(now.heights_m, kHeightTilePx, i),
-                                                 surface::RiseAt(then.heights_m, kHeightTilePx, i));
+    const double steps_m = std::hypot(now_aside_px * surface::RiseAt(now.heights_m, kHeightTilePx, i),
+                                      then_aside_px * surface::RiseAt(then.heights_m, kHeightTilePx, i));
     if (std::abs(change_m) < std::hypot(min_m, steps_m)) continue;
     const auto colour = ColourOfChange(change_m);
     std::copy(colour.begin(), colour.end(), picture.rgba.begin() + static_cast<std::ptrdiff_t>(4 * i));

@@ -105,7 +105,8 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
     shift = change.shift;
     SKYQUILT_TRY_ASSIGN(storage::SampledHeights then, change.then->On(*cells, change.shift_merc_m));
     for (float& height_m : then.heights_m) height_m += static_cast<float>(shift->up_m);
-    volume = surface::VolumeSince(inside, {then.heights_m, then.is_measured, shift->sigma_m});
+    volume = surface::VolumeSince(inside,
+                                  {then.heights_m, then.is_measured, shift->sigma_m, change.then->cell_m()});
     if (!volume) return UnusableArea("one of the two maps knows no height within the polygon.");
   } else {
     if (cells->edge.empty() && base.kind != surface::VolumeBase::kGiven)

@@ -152,13 +152,14 @@ std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<
 }
 
 std::optional<AreaVolume> VolumeSince(const AreaHeights& area, const EarlierHeights& earlier) {
+  const double larger = std::max(1.0, earlier.own_cell_m / area.cell_m);
   const Sums sums = SumOver(
       area, [&](int, int, std::size_t at) { return static_cast<double>(earlier.heights_m[at]); },
       [&](std::size_t at) { return area.is_measured[at] != 0 && earlier.is_measured[at] != 0; },
-      // Each flight's steps stand aside by themselves.
+      // Each flight's steps stand aside by themselves, by its own cells.
       [&](std::size_t at) {
         return std::hypot(RiseAt(area.heights_m, area.columns, at),
-                          RiseAt(earlier.heights_m, area.columns, at));
+                          larger * RiseAt(earlier.heights_m, area.columns, at));
       });
   return WithSigma(sums, area.cell_m, earlier.sigma_m);
 }

@@ -26,6 +26,7 @@ struct EarlierHeights {
   std::span<const float> heights_m;
   std::span<const std::uint8_t> is_measured;
   std::optional<double> sigma_m;  // of all of them together; without, that of the volume is not known either
+  double own_cell_m = 0.0;        // that they were measured in, where that is larger
 };
 
 struct AreaHeights {

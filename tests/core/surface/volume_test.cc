@@ -111,6 +111,18 @@ TEST(VolumeTest, SinceAnEarlierFlightIsWhatWasBroughtAndTaken) {
   EXPECT_FALSE(VolumeSince(now, {unknown, before.is_measured, 0.02}));
 }
 
+TEST(VolumeTest, StepsOfAnEarlierFlightStandAsideByItsOwnCells) {
+  const Field field([](double x, double y) { return IsInBox(x, y) ? 53.0 : 50.0; });
+  const AreaHeights now{kFieldSide,      kFieldSide,        kFieldCellM,
+                        field.heights_m, field.is_measured, field.is_inside};
+  const auto sigma_m3 = [&](double own_cell_m) {
+    return *VolumeSince(now, {field.heights_m, field.is_measured, 0.0, own_cell_m})->net_sigma_m3;
+  };
+  // Of each the walls are the same: hypot(1, 1) of them, and hypot(1, 4) by cells four times as large.
+  EXPECT_NEAR(sigma_m3(4.0 * kFieldCellM), std::sqrt(17.0 / 2.0) * sigma_m3(kFieldCellM), 1e-6);
+  EXPECT_EQ(sigma_m3(0.5 * kFieldCellM), sigma_m3(kFieldCellM));
+}
+
 TEST(VolumeTest, WithoutHeightsThereIsNone) {
   Field field([](double, double) { return std::numeric_limits<double>::quiet_NaN(); });
   EXPECT_FALSE(field.Over(VolumeBase::kGiven, 1.0));
