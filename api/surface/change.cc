@@ -16,6 +16,7 @@
 #include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_answer.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/rgba_image.h"
 #include "core/surface/terrain/volume.h"
@@ -189,18 +190,12 @@ Result<Response> ChangeTileJson(Service& service, const Request& request) {
 Error CannotCompare(surface::ShiftFault fault) {
   switch (fault) {
     case surface::ShiftFault::kTooLittle:
-      return {
-          ErrorCode::kUnprocessable,
-          "The two flights measured too little of the same ground to tell how their maps lie to each other. "
-          "If both lie where they belong (by RTK or points on the ground), ask with align=none."};
+      return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFlightsNotCompared);
     case surface::ShiftFault::kTooFar:
       break;
   }
-  return {ErrorCode::kUnprocessable,
-          fmt::format(
-              "The two maps lie more than {:.0f} m apart sideways. Move one of them to its place first, by "
-              "points on the ground or on the map.",
-              surface::kMaxSidewaysM)};
+  return flight::Because(ErrorCode::kUnprocessable,
+                         {flight::RemarkCode::kMapsFarApart, {{"most_m", surface::kMaxSidewaysM}}});
 }
 
 }  // namespace

@@ -5,8 +5,6 @@
 // no map, or one without heights), kCorrupt, and those of fetching.
 #include "core/surface/terrain/volume.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -23,6 +21,7 @@
 #include "api/surface/map_surface.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/pipeline/report/map_quality.h"
 #include "storage/exports/custom/boundary.h"
 
@@ -68,9 +67,7 @@ Result<Base> BaseIn(const Request& request) {
 // To the litre and the millimetre.
 double RoundedTo3(double value) { return std::round(value * 1e3) / 1e3; }
 
-Error UnusableArea(const char* why) {
-  return {ErrorCode::kUnprocessable, fmt::format("No volume can be computed: {}", why)};
-}
+Error UnusableArea(flight::RemarkCode why) { return flight::Because(ErrorCode::kUnprocessable, why); }
 
 // Cubic metres of a map that is as large as a guess would be believed.
 bool IsScaleGuessed(const storage::Tileset& map) {
@@ -78,20 +75,18 @@ bool IsScaleGuessed(const storage::Tileset& map) {
   return quality && quality->IsLimitedBy(pipeline::LimitKind::kScaleGuessed);
 }
 
-constexpr const char* kNoScale = "nothing says how large the map is. Place it first.";
-
 Result<std::string> VolumeText(Service& service, const std::string& flight_id, std::string_view polygon,
                                Surface surface, const Base& base) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(CheckJsonText(polygon));
   SKYQUILT_TRY_ASSIGN(const storage::Boundary area, storage::ParseArea(polygon));
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
-  if (IsScaleGuessed(*tileset)) return UnusableArea(kNoScale);
+  if (IsScaleGuessed(*tileset)) return UnusableArea(flight::RemarkCode::kVolumeWithoutScale);
   const std::int64_t revision = tileset->revision.revision;
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> heights,
                       service.surfaces.Open(flight_id, revision, surface));
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::HeightCells> cells, heights->Within(area));
-  if (!cells) return UnusableArea("the polygon lies beside the map.");
+  if (!cells) return UnusableArea(flight::RemarkCode::kVolumeWithoutHeights);
   const surface::AreaHeights inside{cells->columns,   cells->rows,        cells->cell_m,
                                     cells->heights_m, cells->is_measured, cells->is_inside};
   std::optional<surface::AreaVolume> volume;
@@ -99,7 +94,7 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
   if (base.since) {
     SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> before,
                         service.tilesets.Get(base.since->flight_id));
-    if (IsScaleGuessed(*before)) return UnusableArea(kNoScale);
+    if (IsScaleGuessed(*before)) return UnusableArea(flight::RemarkCode::kVolumeWithoutScale);
     SKYQUILT_TRY_ASSIGN(const HeightChange change,
                         ChangeSince(service, *tileset, *before, surface, base.since->is_aligned));
     shift = change.shift;
@@ -107,12 +102,12 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
     for (float& height_m : then.heights_m) height_m += static_cast<float>(shift->up_m);
     volume = surface::VolumeSince(inside,
                                   {then.heights_m, then.is_measured, shift->sigma_m, change.then->cell_m()});
-    if (!volume) return UnusableArea("one of the two maps knows no height within the polygon.");
+    if (!volume) return UnusableArea(flight::RemarkCode::kVolumeWithoutHeightsOfBoth);
   } else {
     if (cells->edge.empty() && base.kind != surface::VolumeBase::kGiven)
-      return UnusableArea("the map knows no height along the polygon's edge. Give the base as a height.");
+      return UnusableArea(flight::RemarkCode::kVolumeWithoutHeights);
     volume = surface::VolumeOver(inside, cells->edge, base.kind, base.given_m);
-    if (!volume) return UnusableArea("the map knows no height within the polygon.");
+    if (!volume) return UnusableArea(flight::RemarkCode::kVolumeWithoutHeights);
   }
   VolumeJson json;
   json["revision"] = revision;

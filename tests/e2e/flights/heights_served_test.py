@@ -204,7 +204,8 @@ class HeightsServed(ScratchCase):
 
     def test_no_volume_without_heights_or_polygon(self):
         polygon = self.polygon(self.raster("dsm.tif"), [(3, 3), (3, 4), (4, 4)])
-        self.assertEqual(self.post_polygon("volume", polygon)[0], 422)
+        status, told = self.post_polygon("volume", polygon)
+        self.assertEqual((status, told["reason"]["code"]), (422, "volume_without_heights"), told)
         self.assertEqual(self.post_polygon("volume?base=sea", polygon)[0], 400)
         self.assertEqual(self.post_polygon("volume?base=1e9", polygon)[0], 400)
         self.assertEqual(self.post_polygon("volume?of=dem", polygon)[0], 400)

@@ -57,7 +57,10 @@ async function openHeights({ surfaces = ['dsm', 'dtm'], context = {}, facts = {}
     const query = new URL(request.url()).searchParams;
     asked.volumes.push({ query: String(query), type: request.headers()['content-type'], body: request.postDataJSON() });
     const base = query.get('base') ?? '';
-    if (base === '9999') return route.fulfill({ status: 422, contentType: 'application/problem+json', json: { title: 'Unprocessable', status: 422, detail: 'The area has no heights.' } });
+    if (base === '9999' || base === '8888') {
+      const reason = base === '9999' ? { code: 'volume_without_heights', values: {} } : { code: 'maps_far_apart', values: { most_m: 6 } };
+      return route.fulfill({ status: 422, contentType: 'application/problem+json', json: { title: 'Unprocessable', status: 422, detail: 'None.', reason } });
+    }
     const is_plane = base === 'plane';
     const since = query.get('since');
     return route.fulfill({ json: { revision: 1, of: 'dsm', base: since ? 'flight' : is_plane || base === 'lowest' ? base : 'given', ...(since ? { since, shift: { east_m: null, north_m: null, up_m: 0.2, sigma_m: 0.05, alike_share: 0.9 } } : {}), base_m: is_plane ? 405.6 : 404.8, area_m2: 1000, covered_m2: 1000, measured_share: is_plane ? 0.72 : 0.97, cell_m: 0.1, cut_m3: 1234.5, fill_m3: 34.56, net_m3: 1199.9, net_sigma_m3: 12.3, lowest_m: 404.8, highest_m: 412.4, mean_m: 406 } });
@@ -157,6 +160,8 @@ test('a measured area has a volume above and below the chosen base', options, as
   assert.equal(await page.inputValue('#volume-given'), '405.6');
   await page.fill('#volume-given', '9999');
   await page.waitForFunction(() => /No heights are known here/.test(document.querySelector('#volume-message')?.textContent ?? ''));
+  await page.fill('#volume-given', '8888');
+  await page.waitForFunction(() => /more than 6\sm apart sideways/.test(document.querySelector('#volume-message')?.textContent ?? ''));
   await page.fill('#volume-given', 'x');
   assert.equal(await page.getAttribute('#volume-given', 'aria-invalid'), 'true');
   await page.fill('#volume-given', '404,5');

@@ -4,7 +4,7 @@
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { MapView } from '../map/map_view.js' */
 /** @import { Units } from '../shared/units.js' */
-import { ApiError, getVolume, messageOf } from '../shared/api.js';
+import { getVolume, messageOf } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatPercent, typedNumber } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
@@ -18,8 +18,6 @@ import { figureList } from './figures.js';
 
 const kGiven = 'given';
 const kSince = 'since=';  // and the other flight's id
-// Of the server's answer: the map knows no heights within the outline, or along it where the base is taken from that.
-const kNothingThere = 422;
 // Of less measured ground, or less ground with heights, it is said.
 const kMuchMeasured = 0.9;
 const kAllCovered = 0.99;
@@ -84,7 +82,6 @@ export function volumeSection(view) {
   const say = (/** @type {string} */ text) => put(result, h('p', { class: 'muted fine', id: 'volume-message' }, text));
   const asker = askAtRest(kRest_ms, (/** @type {VolumeFigures|null} */ found, /** @type {unknown} */ error) => {
     if (found) put(result, ...volumeWords(found, units));
-    else if (error instanceof ApiError && error.status === kNothingThere) say(base.value.startsWith(kSince) ? words.unknown_since : words.unknown);
     else say(messageOf(error));
   });
   const drop = () => {

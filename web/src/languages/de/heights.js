@@ -52,7 +52,5 @@ export const volume_words = {
   unknown_error: 'unbekannt',
   little_measured: (share) => `Nur ${share} dieser Höhen sind gemessen; der Rest ist aus der Umgebung ergänzt.`,
   partly: (share) => `Nur für ${share} dieser Fläche sind Höhen bekannt; der Rest zählt nicht mit.`,
-  unknown: 'Hier sind keine Höhen bekannt. Zeichnen Sie die Fläche auf der Karte, oder geben Sie die Bezugshöhe an.',
-  unknown_since: 'Die beiden Flüge haben hier zu wenig vom selben Boden gemessen.',
   waiting: 'Volumen wird berechnet …',
 };

@@ -50,7 +50,5 @@ export const volume_words = {
   unknown_error: 'unknown',
   little_measured: (/** @type {string} */ share) => `Only ${share} of these heights were measured; the rest is filled in from its surroundings.`,
   partly: (/** @type {string} */ share) => `Heights are known for only ${share} of this area; the rest does not count.`,
-  unknown: 'No heights are known here. Draw the area on the map, or give the height of the base.',
-  unknown_since: 'The two flights measured too little of the same ground here.',
   waiting: 'Computing volume …',
 };
