@@ -156,6 +156,12 @@ GroundModel GroundUnder(const std::vector<float>& heights_m, int columns, int ro
   // Walls are blurred, and cells at them show some of both: what is beside no ground is not believed either.
   std::vector<float> weights(ground.is_ground.begin(), ground.is_ground.end());
   ChooseInSquares(weights, columns, rows, 1, [](float a, float b) { return std::min(a, b); });
+  // Where that leaves nothing far and wide, as between rows of plants, it is all that is known of the ground.
+  std::vector<float> near_sure = weights;
+  ChooseInSquares(near_sure, columns, rows, largest, [](float a, float b) { return std::max(a, b); });
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (near_sure[i] == 0.0f) weights[i] = static_cast<float>(ground.is_ground[i]);
+  }
   BridgeGaps(ground.heights_m, std::move(weights), columns, rows);
   return ground;
 }

@@ -69,6 +69,19 @@ TEST(GroundUnder, IsNotLedAstrayByPits) {
   }
 }
 
+// Two cells of ground and one of plants, and so on: none has nothing but ground around it.
+TEST(GroundUnder, KnowsTheGroundBetweenRowsOfPlants) {
+  std::vector<float> heights = Hill();
+  for (std::size_t cell = 0; cell < heights.size(); ++cell)
+    heights[cell] += 100.0f + (cell % kAcross % 3 == 0 ? 0.8f : 0.0f);
+  const GroundModel ground = GroundUnder(heights, kAcross, kUp, kCell);
+  for (int row = 0; row < kUp; ++row) {
+    for (int column = 0; column < kAcross; ++column)
+      EXPECT_NEAR(ground.heights_m[static_cast<std::size_t>(row) * kAcross + column],
+                  100.0f + HillAt(column, row), 0.3);
+  }
+}
+
 TEST(GroundUnder, BridgesWhereThereIsNoHeight) {
   std::vector<float> heights = Hill();
   for (int row = 30; row < 40; ++row) {
