@@ -9,6 +9,7 @@
 #include "api/auth/limits.h"
 #include "api/common/node_answers.h"
 #include "api/http/digest.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "core/base/try.h"
@@ -23,7 +24,7 @@ using storage::Scope;
 constexpr std::string_view kTokenText = "sq_", kShareText = "sq_share_";
 
 struct ShownToken {
-  std::string_view text;
+  std::string text;
   bool is_in_query = false;
 };
 
@@ -31,10 +32,11 @@ ShownToken ShownBy(const Request& request) {
   const std::string_view header = request.headers.Find("Authorization");
   constexpr std::string_view kBearer = "Bearer ";
   if (header.size() > kBearer.size() && EqualsIgnoringCase(header.substr(0, kBearer.size()), kBearer)) {
-    return {header.substr(kBearer.size()), false};
+    return {std::string(header.substr(kBearer.size())), false};
   }
-  if (!header.empty()) return {header, false};
-  return {request.Query("token").value_or(""), true};
+  if (!header.empty()) return {std::string(header), false};
+  // In whatever case: GeoServer, which cascades a WMS, writes all names of an address in capitals.
+  return {Parameter(request, "token").value_or(""), true};
 }
 
 // Every token is compared whole, whatever the outcome: the time taken tells nothing.

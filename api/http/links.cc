@@ -4,15 +4,16 @@
 
 #include <algorithm>
 
+#include "api/http/parameters.h"
 #include "core/base/text/percent.h"
 
 namespace skyquilt::api {
 
 std::string TokenInQuery(const Request& request) {
-  const std::string_view token = request.Query("token").value_or("");
+  const std::string token = Parameter(request, "token").value_or("");
   const bool is_plain = std::all_of(token.begin(), token.end(),
                                     [](char c) { return IsLetterOrDigit(c) || c == '-' || c == '_'; });
-  return token.empty() || !is_plain ? std::string() : "token=" + std::string(token);
+  return token.empty() || !is_plain ? std::string() : "token=" + token;
 }
 
 std::string WithToken(std::string_view base_url, std::string_view path, std::string_view token) {

@@ -245,5 +245,17 @@ TEST(Access, TellsWhoAsksWhatItMayDo) {
   EXPECT_EQ(sample.Get("/api/v1/access").status, 401);
 }
 
+// Programs that cascade a WMS write the names of all parameters in capitals (GeoServer).
+TEST(Access, ATokenInTheAddressIsNamedInAnyCase) {
+  SampleService sample;
+  const std::string text = MakeToken(sample, "one", Scope::kUpload);
+  const Response told = sample.Get("/wms?SERVICE=WMS&REQUEST=GetCapabilities&TOKEN=" + text);
+  EXPECT_EQ(told.status, 200) << told.body;
+  EXPECT_NE(told.body.find("/wms?token=" + text), std::string::npos) << told.body;
+  EXPECT_EQ(sample.Get("/wms?TOKEN=" + text + "x").status, 401);
+  // It still only reads.
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights?TOKEN=" + text, "{}").status, 403);
+}
+
 }  // namespace
 }  // namespace skyquilt::api
