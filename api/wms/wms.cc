@@ -118,7 +118,7 @@ std::string WmsCapabilities(const ListedMaps& listed, bool is_newer) {
 )",
       root, is_newer ? "WMS" : "OGC:WMS", XmlText(listed.title), href,
       is_newer ? fmt::format("<LayerLimit>{0}</LayerLimit><MaxWidth>{1}</MaxWidth><MaxHeight>{1}</MaxHeight>",
-                             listed.path.empty() ? kMaxWmsLayers : 1, kMaxWmsSidePx)
+                             listed.path.empty() ? kMaxWmsLayers : 1, kMaxWmsSquareSidePx)
                : "",
       is_newer ? "text/xml" : "application/vnd.ogc.wms_xml", http,
       is_newer ? "XML" : "application/vnd.ogc.se_xml", is_newer ? "CRS" : "SRS",

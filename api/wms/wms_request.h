@@ -47,6 +47,9 @@ bool IsNewerWms(const Request& request);
 
 inline constexpr int kMaxWmsSidePx = 4096;
 inline constexpr int kMaxWmsPixels = 8 << 20;
+// What capabilities say of both, which have words for sides alone: of a square.
+inline constexpr int kMaxWmsSquareSidePx = 2896;
+static_assert(kMaxWmsSquareSidePx * kMaxWmsSquareSidePx <= kMaxWmsPixels);
 inline constexpr std::size_t kMaxWmsLayers = 16;
 
 }  // namespace skyquilt::api

@@ -5,6 +5,7 @@
 
 #include "api/tiles/recode_tile.h"
 #include "api/views/feature_info.h"
+#include "api/wms/wms_request.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 
@@ -103,6 +104,20 @@ TEST_F(AllMapsTest, WmsLaysLayersOverEachOther) {
         "&CRS=CRS:84&BBOX=0,0,1,1&WIDTH=-1&HEIGHT=9"}) {
     EXPECT_EQ(sample_.Get(wrong + window).status, 400) << window;
   }
+}
+
+// QGIS cuts a print into pieces of the size that capabilities name.
+TEST_F(AllMapsTest, WmsTakesAPictureOfTheSizeThatItNames) {
+  const std::string text = Body("/wms?REQUEST=GetCapabilities&VERSION=1.3.0");
+  Request request;
+  request.query = {{"LAYERS", red_}, {"CRS", "CRS:84"}, {"BBOX", "0,0,1,1"}, {"FORMAT", "image/png"}};
+  for (const auto& [element, parameter] : {std::pair{"<MaxWidth>", "WIDTH"}, {"<MaxHeight>", "HEIGHT"}}) {
+    const std::size_t at = text.find(element);
+    ASSERT_NE(at, std::string::npos) << element;
+    const std::size_t first = at + std::string_view(element).size();
+    request.query.emplace_back(parameter, text.substr(first, text.find('<', first) - first));
+  }
+  EXPECT_TRUE(ParseGetMap(request));
 }
 
 // Boxes of such a map go on beyond 180 degrees, in its capabilities and in what programs ask for.
