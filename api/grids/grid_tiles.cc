@@ -19,6 +19,7 @@ Result<void> CheckOnMap(const storage::Tileset& tileset, const GridTileRequest& 
   const std::vector<GridMatrix> matrices = MatricesOf(wanted.grid, tileset.revision, TileSizePx(tileset));
   const auto found = std::find_if(matrices.begin(), matrices.end(),
                                   [&](const GridMatrix& matrix) { return matrix.level == wanted.level; });
+  if (found == matrices.end() && wanted.is_of_any_level) return {};
   if (found == matrices.end()) return Error{ErrorCode::kNotFound, "The map has no tiles of this level."};
   if (wanted.column < found->min_column || wanted.column > found->max_column || wanted.row < found->min_row ||
       wanted.row > found->max_row) {

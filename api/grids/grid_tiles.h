@@ -22,6 +22,7 @@ struct GridTileRequest {
   std::optional<image::PictureFormat> format = {};  // absent: as above
   EmptyTile empty = EmptyTile::kBlank;
   std::optional<IndexLook> look = {};  // an index in colours; absent: the map as it is
+  bool is_of_any_level = false;        // also of those that are none of the map's
 };
 Result<Response> AnswerGridTile(Service& service, const Request& request, const GridTileRequest& wanted);
 

@@ -192,7 +192,9 @@ Result<IndexValues> ValuesOfTile(MapBands& map_bands, const storage::Tileset& ti
   const MapWindow window = WindowOfTile(tile, side_px);
   if (raster) return ValuesOfRaster(*raster, expression, GridOver(window));
   SKYQUILT_TRY(PlacesOf(expression, ColourBands()));  // before anything is decoded
-  const bool is_stored = side_px == TileSizePx(tileset) && tile.z() <= tileset.revision.max_zoom;
+  const storage::Revision& map = tileset.revision;
+  const bool is_stored =
+      side_px == TileSizePx(tileset) && tile.z() >= map.min_zoom && tile.z() <= map.max_zoom;
   SKYQUILT_TRY_ASSIGN(const image::RgbaImage picture,
                       is_stored ? StoredPicture(tileset, tile, side_px) : RenderWindow(tileset, window));
   return ValuesOfColours(expression, picture);

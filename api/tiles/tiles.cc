@@ -35,11 +35,10 @@ bool Touches(const geo::TileId& tile, const storage::Revision& revision) {
   return bounds.Intersects(map);
 }
 
-// Made of the four tiles below it, or enlarged where there are none.
-Result<std::string> MakeDoubleTile(const storage::Tileset& tileset, const geo::TileId& tile,
-                                   image::PictureFormat format) {
-  SKYQUILT_TRY_ASSIGN(image::RgbaImage pixels,
-                      RenderWindow(tileset, WindowOfTile(tile, 2 * TileSizePx(tileset))));
+// Made of the finer tiles below it, or enlarged where there are none.
+Result<std::string> DrawTile(const storage::Tileset& tileset, const geo::TileId& tile, int side_px,
+                             image::PictureFormat format) {
+  SKYQUILT_TRY_ASSIGN(image::RgbaImage pixels, RenderWindow(tileset, WindowOfTile(tile, side_px)));
   return EncodeTile(std::move(pixels), format);
 }
 
@@ -49,11 +48,12 @@ Error TooLargeToDouble() {
 
 Result<Response> DoubleTile(Service& service, const Request& request, const storage::Tileset& tileset,
                             const TileRequest& wanted) {
-  if (2 * TileSizePx(tileset) > image::kMaxPictureSidePx) return TooLargeToDouble();
+  const int side_px = 2 * TileSizePx(tileset);
+  if (side_px > image::kMaxPictureSidePx) return TooLargeToDouble();
   const image::PictureFormat format = wanted.format.value_or(image::PictureFormat::kPng);
   return AnswerMade(service, request, tileset,
                     {tileset.flight_id, tileset.revision.revision, wanted.tile, format, 2}, "2x",
-                    [&] { return MakeDoubleTile(tileset, wanted.tile, format); });
+                    [&] { return DrawTile(tileset, wanted.tile, side_px, format); });
 }
 
 // The format in Accept, where the address has none: an exact image type, or else as stored.
@@ -143,6 +143,16 @@ Result<Response> IndexTile(Service& service, const Request& request, const stora
   });
 }
 
+// Of a zoom that the map does not have.
+Result<Response> TileOfOtherZoom(Service& service, const Request& request, const storage::Tileset& tileset,
+                                 const TileRequest& wanted, int side_px) {
+  if (wanted.look) return IndexTile(service, request, tileset, wanted, side_px);
+  const image::PictureFormat format = wanted.format.value_or(image::PictureFormat::kPng);
+  return AnswerMade(service, request, tileset,
+                    {tileset.flight_id, tileset.revision.revision, wanted.tile, format, 1, side_px}, "zoom",
+                    [&] { return DrawTile(tileset, wanted.tile, side_px, format); });
+}
+
 Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Request& request,
                             const TileRequest& wanted) {
   // There is nothing finer to show for a preview.
@@ -150,6 +160,8 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
   const int side_px = (shown.side_px >> shown.depth) * (is_double ? 2 : 1);
   const int stored_zoom = wanted.tile.z() - shown.depth;
   if (shown.zooms && (stored_zoom < shown.zooms->first || stored_zoom > shown.zooms->second)) {
+    if (wanted.is_of_any_zoom && shown.tileset != nullptr && Touches(wanted.tile, shown.tileset->revision))
+      return TileOfOtherZoom(service, request, *shown.tileset, wanted, side_px);
     if (wanted.is_of_world && stored_zoom < shown.zooms->first) {
       return BlankAnswer(request, wanted.empty, side_px, shown.cache_control);
     }

@@ -26,6 +26,7 @@ struct TileRequest {
       side_px;  // of a tiling with tiles of that side; absent, or 256 where there are none: as stored
   EmptyTile empty = EmptyTile::kBlank;  // where the map has nothing, unless ?empty= says
   bool is_of_world = false;             // of a tiling of the whole world: nothing lies outside it
+  bool is_of_any_zoom = false;          // also of zooms that the map does not have, drawn from its nearest
   std::optional<IndexLook> look;        // an index in colours; absent: the map as it is
 };
 // Where the fringe is stored as WebP and no format is asked for, who does not name it in Accept gets PNG.

@@ -60,7 +60,7 @@ std::optional<std::string> EndingOfType(std::string_view type) {
 
 Response AnswerTileAt(Service& service, const Request& request, const std::string& flight_id,
                       const MapSet& set, const std::string& style, std::string_view matrix,
-                      std::string_view row, std::string_view column_and_ending) {
+                      std::string_view row, std::string_view column_and_ending, bool is_of_any_zoom) {
   // Column and row stand the other way round in our own addresses.
   const std::size_t dot = column_and_ending.find('.');
   std::string y(row);
@@ -75,6 +75,7 @@ Response AnswerTileAt(Service& service, const Request& request, const std::strin
     if (!is_in_grid) return Exception(400, "TileOutOfRange", "TileRow", is_in_grid.error().message);
     GridTileRequest wanted{flight_id, *set.grid, numbers->z, numbers->x, numbers->y, numbers->format};
     wanted.look = *std::move(look);
+    wanted.is_of_any_level = is_of_any_zoom;
     Result<Response> answer = AnswerGridTile(service, request, wanted);
     return answer ? *std::move(answer) : Exception(answer.error());
   }
@@ -86,6 +87,7 @@ Response AnswerTileAt(Service& service, const Request& request, const std::strin
   wanted.format = path->format;
   wanted.side_px = set.side_px;
   wanted.look = *std::move(look);
+  wanted.is_of_any_zoom = is_of_any_zoom;
   Result<Response> answer = AnswerTile(service, request, wanted);
   if (!answer) return Exception(answer.error());
   return *std::move(answer);
@@ -133,8 +135,11 @@ Response KvpTile(Service& service, const Request& request) {
   std::variant<WmtsTile, Response> parsed = ParseKvpTile(service, request);
   if (auto* refused = std::get_if<Response>(&parsed)) return std::move(*refused);
   const WmtsTile& tile = std::get<WmtsTile>(parsed);
+  // Where all maps are layers, a set has the zooms of them all, and programs ask each layer for those (QGIS
+  // passes the layer's own limits over).
+  const bool is_of_any_zoom = *Parameter(request, "Layer") != kLayer;
   return AnswerTileAt(service, request, tile.flight_id, tile.set, tile.style, tile.matrix, tile.row,
-                      tile.column + tile.ending);
+                      tile.column + tile.ending, is_of_any_zoom);
 }
 
 std::optional<int> PixelIn(std::string_view text, int side_px) {
@@ -203,7 +208,8 @@ Response RestTile(Service& service, const Request& request) {
   const Result<MapSet> set = map->SetNamed(request.Parameter("set"));
   if (!set) return Exception(404, "NotFound", "TileMatrixSet", set.error().message);
   return AnswerTileAt(service, request, request.Parameter("flight"), *set, request.Parameter("style"),
-                      request.Parameter("matrix"), request.Parameter("row"), request.Parameter("column"));
+                      request.Parameter("matrix"), request.Parameter("row"), request.Parameter("column"),
+                      false);
 }
 
 }  // namespace

@@ -72,6 +72,26 @@ TEST_F(AllMapsTest, WmtsHasALayerForEachMap) {
   EXPECT_EQ(sample_.Get("/wmts?cursor=x").status, 400);
 }
 
+// One set has the zooms of all maps, and QGIS asks for the one nearest to its view, whatever the layer's
+// limits.
+TEST_F(AllMapsTest, WmtsDrawsLayersAtZoomsOfOthers) {
+  const std::array red = {200, 10, 20, 255}, green = {10, 200, 20, 255};
+  const std::string ask = "?Request=GetTile&Format=image/png&Style=";
+  const std::string of_red = "/wmts" + ask + "&Layer=" + red_ + "&TileMatrixSet=";
+  EXPECT_EQ(PixelOf(of_red + "WebMercatorQuad&TileMatrix=1&TileRow=0&TileCol=0"), red);
+  EXPECT_EQ(PixelOf(of_red + "WebMercatorQuad&TileMatrix=5&TileRow=9&TileCol=9"), red);
+  EXPECT_EQ(PixelOf(of_red + "WorldCRS84Quad&TileMatrix=3&TileRow=2&TileCol=6"), red);
+  const std::string of_large = "/wmts" + ask + "&Layer=" + large_ + "&TileMatrixSet=";
+  EXPECT_EQ(PixelOf(of_large + "WebMercatorQuad&TileMatrix=6&TileRow=18&TileCol=18"), green);
+  EXPECT_EQ(PixelOf(of_large + "WebMercatorQuad512&TileMatrix=4&TileRow=5&TileCol=5"), green);
+  EXPECT_EQ(PixelOf("/wmts?Request=GetTile&Format=image/png&Style=vari&Layer=" + red_ +
+                    "&TileMatrixSet=WebMercatorQuad&TileMatrix=1&TileRow=0&TileCol=0")[3],
+            255);
+  // A map's own service has its own zooms alone.
+  const std::string own = "/wmts/" + red_ + ask + "&Layer=map&TileMatrixSet=WebMercatorQuad";
+  EXPECT_EQ(sample_.Get(own + "&TileMatrix=5&TileRow=9&TileCol=9").status, 404);
+}
+
 TEST_F(AllMapsTest, FlightsWithoutMapsTakeNoPlaceInLists) {
   for (int i = 0; i < 200; ++i) sample_.NewFlight();
   for (const char* path : {"/tms/1.0.0", "/arcgis/rest/services"})
