@@ -10,6 +10,7 @@
 #include "api/stac/stac_search.h"
 #include "api/surface/map_surface.h"
 #include "core/pipeline/report/map_quality.h"
+#include "storage/exports/warped/warp_tiles.h"
 
 namespace skyquilt::api {
 namespace {
@@ -120,7 +121,10 @@ ItemJson StacItem(const Request& request, const storage::ShownFlight& map,
       {"thumbnail", asset("/thumbnail.png", "image/png", "The map, small", "thumbnail")}};
   for (const Surface surface : surfaces) {
     const SurfaceFiles& files = FilesOf(surface);
-    item["assets"][files.name] = asset(fmt::format("/{}", files.heights), kCogType, files.title, "data");
+    ItemJson& heights = item["assets"][files.name];
+    heights = asset(fmt::format("/{}", files.heights), kCogType, files.title, "data");
+    // Their cells are of a zone, whatever the properties say of the map.
+    if (const Result<int> epsg = storage::UtmEpsg(map.revision.bounds.Middle())) heights["proj:epsg"] = *epsg;
   }
   item["links"] = links;
   return item;

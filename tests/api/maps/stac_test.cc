@@ -1,6 +1,7 @@
 // The catalogue of all maps: what a search finds, page by page, and what a token sees of it.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -54,6 +55,17 @@ class StacTest : public testing::Test {
 
   SampleService sample_;
 };
+
+TEST_F(StacTest, HeightsNameTheZoneOfTheirCells) {
+  const std::string flight = sample_.NewFlight();
+  const std::int64_t revision =
+      sample_.PublishAt({7.1, 46.8, 7.2, 46.9}, flight, {{2, 1, 2, TransparentPng(256)}});
+  std::ofstream(sample_.dir().Revision(flight, revision) / "dsm_photos.tif") << "of ours";
+  const json item = sample_.Json("/stac/" + flight);
+  EXPECT_EQ(item["properties"]["proj:epsg"], 3857);
+  EXPECT_EQ(item["assets"]["dsm"]["proj:epsg"], 32632);
+  EXPECT_FALSE(item["assets"]["cog"].contains("proj:epsg"));
+}
 
 using Ids = std::set<std::string>;
 
