@@ -42,7 +42,7 @@ struct WmsLegend {
 };
 Result<WmsLegend> ParseGetLegendGraphic(const Request& request);
 
-// 1.3.0, which is also meant where no version is said.
+// 1.3.0, which is also meant where no version is said, nor a system as older ones name it.
 bool IsNewerWms(const Request& request);
 
 inline constexpr int kMaxWmsSidePx = 4096;
