@@ -148,16 +148,17 @@ class TiffWalker {
     const auto count = Unsigned(offset, is_big_tiff_ ? 8 : 2);
     if (!count || *count == 0 || *count > kMaxEntries) return false;
     const std::size_t entry_size = is_big_tiff_ ? 20 : 12;
+    const std::uint64_t first = offset + (is_big_tiff_ ? 8 : 2);
     const std::vector<std::uint8_t> entries =
-        source_.ReadUpTo(offset + (is_big_tiff_ ? 8 : 2), static_cast<std::size_t>(*count) * entry_size);
+        source_.ReadUpTo(first, static_cast<std::size_t>(*count) * entry_size);
     for (std::size_t i = 0; (i + 1) * entry_size <= entries.size(); ++i) {
-      ReadEntry(entries.data() + i * entry_size, ifd, table);
+      ReadEntry(entries.data() + i * entry_size, first + i * entry_size, ifd, table);
     }
     return entries.size() >= entry_size;
   }
 
  private:
-  void ReadEntry(const std::uint8_t* entry, ExifIfd ifd, ExifTable& table) {
+  void ReadEntry(const std::uint8_t* entry, std::uint64_t entry_offset, ExifIfd ifd, ExifTable& table) {
     const auto number = [&](const std::uint8_t* p, std::size_t size) {
       return UnsignedAt(p, size, is_big_endian_);
     };
@@ -172,12 +173,13 @@ class TiffWalker {
     value.count = static_cast<std::uint32_t>(count);
     const std::uint64_t total = count * size;
     const std::uint8_t* inline_bytes = entry + 4 + field;
+    value.offset = total <= field ? entry_offset + 4 + field : number(inline_bytes, field);
     if (total <= field) {
       value.bytes.assign(inline_bytes, inline_bytes + total);
     } else {
       if (total > kMaxTotalBytes - total_bytes_) return;
       value.bytes.resize(static_cast<std::size_t>(total));
-      if (!source_.Read(number(inline_bytes, field), value.bytes)) return;
+      if (!source_.Read(value.offset, value.bytes)) return;
       total_bytes_ += total;
     }
     if (table.Find(ifd, tag) == nullptr) table.Set(ifd, tag, std::move(value));

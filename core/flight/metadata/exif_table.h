@@ -42,6 +42,7 @@ struct ExifValue {
   std::uint32_t count = 0;
   bool is_big_endian = false;
   std::vector<std::uint8_t> bytes;  // count x size of type, at most
+  std::uint64_t offset = 0;         // of the bytes in what they were read from
 
   // The i-th number; nothing beyond the end, for text, and for what is not finite (a zero denominator).
   std::optional<double> Number(std::size_t i = 0) const;

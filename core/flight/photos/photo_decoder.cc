@@ -8,6 +8,7 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <utility>
 
 #include "core/base/check.h"
@@ -31,15 +32,36 @@ using image::DecodedPart;
 
 int CeilDiv(int a, int b) { return (a + b - 1) / b; }
 
+// The tag by which a TIFF asks to be turned: OpenCV does so whatever its flags say.
+std::optional<ExifValue> TurnOf(const std::vector<std::uint8_t>& bytes) {
+  constexpr std::uint16_t kOrientationTag = 0x0112;
+  if (!IsTiff(bytes)) return std::nullopt;
+  MemoryBytes source(bytes);
+  const auto tags = ReadTiffTags(source);
+  const ExifValue* orientation = tags ? tags->Find(ExifIfd::kImage, kOrientationTag) : nullptr;
+  if (orientation == nullptr || orientation->count != 1 || orientation->Number() == 1.0) return std::nullopt;
+  return *orientation;
+}
+
+// With 1 in place of what it asks.
+std::vector<std::uint8_t> WithoutTurn(std::vector<std::uint8_t> tiff, const ExifValue& turn) {
+  std::uint8_t* const value = tiff.data() + turn.offset;
+  std::fill_n(value, turn.bytes.size(), std::uint8_t{0});
+  value[turn.is_big_endian ? turn.bytes.size() - 1 : 0] = 1;
+  return tiff;
+}
+
 // As stored, or as OpenCV's `flags` ask.
 Result<cv::Mat> ReadByOpenCv(const std::vector<std::uint8_t>& bytes, int width_px, int height_px, int flags) {
   // What is wrong is said in the error, not on the terminal.
   static const auto before = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   static_cast<void>(before);
   SKYQUILT_TRY(image::CheckPngEnds(bytes));
+  const std::optional<ExifValue> turn = TurnOf(bytes);
+  const std::vector<std::uint8_t> unturned = turn ? WithoutTurn(bytes, *turn) : std::vector<std::uint8_t>();
   cv::Mat picture;
   try {
-    picture = cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
+    picture = cv::imdecode(turn ? unturned : bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem) throw std::bad_alloc();
     return image::PictureDamaged(error.what());
@@ -153,8 +175,9 @@ std::int64_t WorkBytes(const std::vector<std::uint8_t>& bytes, int width_px, int
   const SampleFormat format = FormatOf(bytes);
   if (image::IsPng(bytes) && format.kind == SampleKind::kBytes)
     return image::PngWorkBytes(bytes, width_px, height_px);
+  const std::int64_t copy_bytes = TurnOf(bytes) ? static_cast<std::int64_t>(bytes.size()) : 0;
   // OpenCV's picture, its samples of 16 bits (four channels) or 64 (one), and ours.
-  return (format.kind == SampleKind::kBytes ? 9 : 18) * pixels;
+  return copy_bytes + (format.kind == SampleKind::kBytes ? 9 : 18) * pixels;
 }
 
 Error NeedsTooMuch(std::int64_t needed_bytes, std::int64_t max_bytes) {

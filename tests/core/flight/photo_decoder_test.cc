@@ -6,6 +6,7 @@
 #include <turbojpeg.h>
 
 #include <algorithm>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -95,6 +96,21 @@ TEST(DecodePhotoBytes, DecodesTiffAndPngAtEverySize) {
         ExpectRamp(image, kWidth, kHeight, denominator);
       }
     }
+  }
+}
+
+// The angles are those of the picture as it is stored; by itself OpenCV turns TIFFs by that tag.
+TEST(DecodePhotoBytes, GivesATiffAsItIsStoredWhateverItsOrientation) {
+  constexpr int kWidth = 40, kHeight = 30;
+  std::vector<std::uint16_t> levels(std::size_t{kWidth} * kHeight);
+  std::iota(levels.begin(), levels.end(), std::uint16_t{100});
+  for (std::uint16_t orientation = 1; orientation <= 8; ++orientation) {
+    SCOPED_TRACE(orientation);
+    const ExifWriter tags = ExifWriter().Short(ExifIfd::kImage, 0x0112, orientation);
+    const Bytes colour = TiffImage(tags, kWidth, kHeight, Ramp(kWidth, kHeight));
+    ExpectRamp(test::ValueOf(DecodePhotoBytes(colour, kWidth, kHeight, 1)), kWidth, kHeight, 1);
+    const Bytes band = BandTiff(tags, kWidth, kHeight, levels, "");
+    EXPECT_EQ(test::ValueOf(DecodeSampleBytes(band, kWidth, kHeight)).samples, levels);
   }
 }
 
