@@ -270,7 +270,8 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
     if (of_day.count() > 0) record.gps_time_of_day = of_day;  // zeros stand there without a fix
     return;
   }
-  const auto midnight = ParseExifTime(date + " 00:00:00");
+  // Some (Workswell's Wiris) repeat the time behind the day.
+  const auto midnight = ParseExifTime(date.substr(0, date.find_first_of(" T")) + " 00:00:00");
   // Without a fix a receiver counts from where its clock (1980) or its weeks (1999) begin.
   constexpr std::chrono::sys_days kFirstFix = std::chrono::year(2000) / 1 / 1;
   if (!midnight) return;

@@ -402,16 +402,17 @@ TEST(ReadPhotoTime, TakesTheFractionOfTheFilesTimeWhereBothAreTheSame) {
 
 TEST(ReadPhotoTime, FindsTheZoneFromTheGpsTimeAndKeepsTheClocksSteps) {
   using namespace std::chrono;
-  const ExifWriter exif = ExifWriter()
-                              .Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 18:04:56")
-                              .Ascii(ExifIfd::kExif, 0x9291, "582")
-                              .Ascii(ExifIfd::kGps, 0x1D, "2021:06:03")
-                              .Rational(ExifIfd::kGps, 7, {{12, 1}, {34, 1}, {56, 1}});
-  const Photo photo = Read(exif);
-  EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 582ms);  // +05:30
-  EXPECT_EQ(photo.receiver_time, sys_days(2021y / 6 / 3) + 12h + 34min + 56s);
-  EXPECT_FALSE(photo.captured_at_is_local);
-  EXPECT_EQ(photo.clock_minus_utc, 5h + 30min);
+  for (const char* date : {"2021:06:03", "2021:06:03 12:34:56"}) {
+    const Photo photo = Read(ExifWriter()
+                                 .Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 18:04:56")
+                                 .Ascii(ExifIfd::kExif, 0x9291, "582")
+                                 .Ascii(ExifIfd::kGps, 0x1D, date)
+                                 .Rational(ExifIfd::kGps, 7, {{12, 1}, {34, 1}, {56, 1}}));
+    EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 582ms) << date;  // +05:30
+    EXPECT_EQ(photo.receiver_time, sys_days(2021y / 6 / 3) + 12h + 34min + 56s) << date;
+    EXPECT_FALSE(photo.captured_at_is_local);
+    EXPECT_EQ(photo.clock_minus_utc, 5h + 30min) << date;
+  }
 }
 
 TEST(ReadPhotoTime, FindsTheDayOfAGpsTimeThatNamesNoneByAWrittenZone) {
