@@ -181,13 +181,22 @@ void ReadDirection(const ExifTable& table, ExifRecord& record) {
   record.is_direction_from_true_north = table.Text(ExifIfd::kGps, tag::kDirectionRef) == "T";
 }
 
+double FocalPlaneUnitMm(const ExifTable& table) {
+  const double unit = table.Number(ExifIfd::kExif, tag::kFocalPlaneUnit).value_or(2.0);
+  return unit == 3.0 ? 10.0 : unit == 4.0 ? 1.0 : unit == 5.0 ? 0.001 : 25.4;
+}
+
 std::optional<double> PixelsPerMm(const ExifTable& table, std::uint16_t resolution_tag) {
   const auto resolution = table.Number(ExifIfd::kExif, resolution_tag);
   if (!resolution || *resolution <= 0.0) return std::nullopt;
-  const double unit = table.Number(ExifIfd::kExif, tag::kFocalPlaneUnit).value_or(2.0);
-  const double unit_mm = unit == 3.0 ? 10.0 : unit == 4.0 ? 1.0 : unit == 5.0 ? 0.001 : 25.4;
   // Pixels of 0.5 to 100 micrometres exist.
-  return Within(*resolution / unit_mm, 10.0, 2000.0);
+  return Within(*resolution / FocalPlaneUnitMm(table), 10.0, 2000.0);
+}
+
+std::optional<double> SideMm(const ExifTable& table, std::uint16_t resolution_tag) {
+  const auto side = table.Number(ExifIfd::kExif, resolution_tag);
+  if (!side) return std::nullopt;
+  return Within(*side * FocalPlaneUnitMm(table), 1.0, 100.0);
 }
 
 // In millimetres, of a lens that exists; the same as of a picture of 36 mm by 24.
@@ -336,6 +345,8 @@ ExifRecord InterpretExif(const ExifTable& table) {
   record.focal_length_35mm_mm = OfFullFrame(table.Number(ExifIfd::kExif, tag::kFocalLength35));
   record.focal_plane_x_px_per_mm = PixelsPerMm(table, tag::kFocalPlaneX);
   record.focal_plane_y_px_per_mm = PixelsPerMm(table, tag::kFocalPlaneY);
+  record.focal_plane_x_mm = SideMm(table, tag::kFocalPlaneX);
+  record.focal_plane_y_mm = SideMm(table, tag::kFocalPlaneY);
   constexpr double kMaxSide = 100000.0;
   if (const auto value = Within(table.Number(ExifIfd::kExif, tag::kPixelWidth), 1.0, kMaxSide)) {
     record.recorded_width_px = static_cast<int>(*value);

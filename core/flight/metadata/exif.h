@@ -27,6 +27,7 @@ struct ExifRecord {
   std::optional<double> focal_length_35mm_mm;
   std::optional<double> focal_plane_x_px_per_mm;
   std::optional<double> focal_plane_y_px_per_mm;
+  std::optional<double> focal_plane_x_mm, focal_plane_y_mm;  // the same numbers read as lengths
   std::optional<int>
       recorded_width_px;  // what the tags say; another program may have changed the image since
   double digital_zoom = 1.0;

@@ -387,6 +387,22 @@ std::optional<Remark> WhyPlaneIsWrong(int width_px, int height_px, const ExifRec
   return Remark{RemarkCode::kSensorImpossible, {{"written_mm", sensor_mm}}};
 }
 
+// FLIR's thermal cameras write the sides of their sensor, which have the picture's shape, where its pixels in
+// a millimetre are due, which are as many one way as the other.
+void TakeSidesOfSensor(int width_px, int height_px, ExifRecord& exif) {
+  constexpr double kShapeWithin = 0.01, kMinOblong = 1.05;
+  // Finer ones do not see waves of 8 to 14 micrometres: a Zenmuse XT2 writes sides that make 6.
+  constexpr double kMinPixelMm = 0.008, kMaxPixelMm = 0.1;
+  if (!exif.focal_plane_x_mm || !exif.focal_plane_y_mm) return;
+  const double shape = *exif.focal_plane_x_mm / *exif.focal_plane_y_mm;
+  const double of_picture = static_cast<double>(width_px) / height_px;
+  const double pixel_mm = *exif.focal_plane_x_mm / width_px;
+  if (shape < kMinOblong || std::abs(shape / of_picture - 1.0) > kShapeWithin || pixel_mm < kMinPixelMm ||
+      pixel_mm > kMaxPixelMm)
+    return;
+  exif.focal_plane_x_px_per_mm = exif.focal_plane_y_px_per_mm = 1.0 / pixel_mm;
+}
+
 }  // namespace
 
 double FocalPxFrom35mm(double focal_35mm, int width_px, int height_px) {
@@ -405,7 +421,8 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
   if (const auto camera = FromSkydioCalibration(width_px, height_px, xmp))
     return CalibratedWithZoom(*camera, FocalSource::kCalibrated, recorded, notes);
   ExifRecord exif = recorded;
-  if (auto why = WhyPlaneIsWrong(width_px, height_px, recorded)) {
+  TakeSidesOfSensor(width_px, height_px, exif);
+  if (auto why = WhyPlaneIsWrong(width_px, height_px, exif)) {
     notes.push_back(*std::move(why));
     exif.focal_plane_x_px_per_mm.reset();
     exif.focal_plane_y_px_per_mm.reset();

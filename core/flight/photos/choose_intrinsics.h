@@ -7,7 +7,8 @@
 //   Camera:FisheyePolynomial           our lens model fitted to the calibrated fisheye
 //   EXIF focal length and FocalPlaneXResolution, unless it is wrong: its unit, by 2.54, 10 or 25.4 off from
 //     all that the next two say, or its picture's size, clearly off by another factor, or a sensor's size
-//     that does not exist; said in a note. A crop mode to APS-C keeps it
+//     that does not exist; said in a note. A crop mode to APS-C keeps it. FLIR writes a thermal sensor's
+//     sides there, which are known by their shape
 //   EXIF focal length and the table of sensors
 //   EXIF 35 mm equivalent; before the table's, where by it the camera used a part of its sensor only
 //   a usual drone lens (focal length 0.8 of the longer side), said in a note

@@ -4,13 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "core/camera/sensor_database.h"
+#include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -268,6 +271,26 @@ TEST(ChooseIntrinsics, BelievesTheSmallestThermalSensors) {
   EXPECT_NEAR(chosen.intrinsics.focal_x_px, 147.5, 0.1);
   exif.focal_plane_x_px_per_mm = 1000.0 / 5.0;
   EXPECT_NE(Choose(160, 120, exif).source, FocalSource::kFocalPlane) << "0.8 mm";
+}
+
+// A FLIR Duo Pro R: 640 x 512 pixels of 17 micrometres.
+TEST(ChooseIntrinsics, KnowsTheSidesOfAThermalSensorByTheirShape) {
+  const auto taken = [](int width_px, int height_px, std::uint32_t x_um, std::uint32_t y_um) {
+    const Bytes exif = ExifWriter()
+                           .Rational(ExifIfd::kExif, 0x920A, {{13, 1}})
+                           .Rational(ExifIfd::kExif, 0xA20E, {{x_um, 1000}})
+                           .Rational(ExifIfd::kExif, 0xA20F, {{y_um, 1000}})
+                           .Short(ExifIfd::kExif, 0xA210, 4)
+                           .Write();
+    return test::ValueOf(ReadPhotoFromBytes(
+        "a.jpg", JpegHeader({.width_px = width_px, .height_px = height_px, .exif = exif})));
+  };
+  const Photo duo = taken(640, 512, 10880, 8700);
+  EXPECT_EQ(duo.focal_source, FocalSource::kFocalPlane);
+  EXPECT_NEAR(duo.intrinsics.focal_x_px, 13.0 / 0.017, 0.1);
+  EXPECT_NEAR(taken(640, 512, 58824, 58824).intrinsics.focal_x_px, 13.0 / 0.017, 0.1) << "a resolution";
+  EXPECT_EQ(taken(4000, 3000, 10880, 8704).focal_source, FocalSource::kAssumed) << "its visible camera";
+  EXPECT_EQ(taken(640, 512, 3840, 3072).focal_source, FocalSource::kAssumed) << "6 micrometres";
 }
 
 TEST(ChooseIntrinsics, KeepsAFocalPlaneThatAnyOtherSourceConfirms) {
