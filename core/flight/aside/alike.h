@@ -10,6 +10,8 @@ namespace skyquilt::flight {
 // How many of one name or moment are looked at for one picture.
 inline constexpr std::size_t kMaxLookedAt = 64;
 
+inline constexpr double kMaxThermalPx = 1.4e6;  // of a sensor: visible pictures are larger
+
 double PhotoPixels(const Photo& photo);
 
 // Whether `a` is within `share` of `b`.

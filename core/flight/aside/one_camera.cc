@@ -34,11 +34,10 @@ struct CameraOfFlight {
   std::vector<std::size_t> photos;
 };
 
-// By the name only where nothing else tells; visible pictures are larger than any thermal sensor.
+// By the name only where nothing else tells.
 Lens LensInUse(const Photo& photo, std::string_view mark) {
   if (photo.lens != Lens::kUnsaid) return photo.lens;
-  constexpr double kLargestThermalPx = 1.4e6;
-  if ((mark == "t" || mark == "ir") && PhotoPixels(photo) <= kLargestThermalPx) return Lens::kThermal;
+  if ((mark == "t" || mark == "ir") && PhotoPixels(photo) <= kMaxThermalPx) return Lens::kThermal;
   if (mark == "z") return Lens::kZoom;
   return mark == "w" || mark == "v" ? Lens::kWide : Lens::kUnsaid;
 }

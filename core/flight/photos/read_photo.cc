@@ -10,6 +10,7 @@
 
 #include "core/base/try.h"
 #include "core/camera/sensor_database.h"
+#include "core/flight/aside/alike.h"
 #include "core/flight/aside/aside.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/metadata/attitude_tags.h"
@@ -68,7 +69,10 @@ Lens LensOf(const ImageHeader& header, const XmpTags& xmp) {
   if (!header.flir.empty()) return Lens::kThermal;
   const std::string band = LowerCase(WrittenBandName(xmp));
   const std::string source = LowerCase(xmp.Text("drone-dji:ImageSource"));
-  if (HoldsOneOf(source, {"infrared", "thermal"}) || band.find("lwir") != std::string::npos)
+  // FLIR's Duo Pro R names the band of its thermal camera in the pictures of the visible one too.
+  const bool may_be_thermal = static_cast<double>(header.width_px) * header.height_px <= kMaxThermalPx;
+  if (HoldsOneOf(source, {"infrared", "thermal"}) ||
+      (may_be_thermal && band.find("lwir") != std::string::npos))
     return Lens::kThermal;
   if (HoldsOneOf(source, {"zoom", "tele"})) return Lens::kZoom;
   return HoldsOneOf(source, {"wide", "visible"}) ? Lens::kWide : Lens::kUnsaid;

@@ -193,6 +193,19 @@ TEST(ReadPhoto, NotesWhatAFilterMakesOfTheChannels) {
     EXPECT_EQ(said.find("channels"), std::string::npos) << said;
 }
 
+// A FLIR Duo Pro R writes it into both.
+TEST(ReadPhoto, TakesNoLargePictureForThermalByTheBandThatItNames) {
+  const auto lens_of = [](int width_px, int height_px) {
+    const std::string xmp =
+        XmpPacket("xmlns:Camera=\"http://pix4d.com/camera/1.0/\" Camera:BandName=\"LWIR\"");
+    return ValueOf(ReadPhotoFromBytes("a.jpg",
+                                      JpegHeader({.width_px = width_px, .height_px = height_px, .xmp = xmp})))
+        .lens;
+  };
+  EXPECT_EQ(lens_of(640, 512), Lens::kThermal);
+  EXPECT_EQ(lens_of(4000, 3000), Lens::kUnsaid);
+}
+
 TEST(ReadPhoto, NotesOrientationAndViewersWithoutTurningAnything) {
   const auto photo = ValueOf(ReadPhotoFromBytes(
       "a.jpg", JpegHeader({.exif = ExifWriter()
