@@ -102,6 +102,8 @@ RecordedAttitude Gimbal(const Degrees& angles, std::string_view source) {
 // From nadir this would be a look backwards, 60 degrees up from straight down, which no survey's camera
 // takes: such a pitch counts from the horizon, as some firmware writes it in the other's names.
 constexpr double kFarthestBackDeg = -60.0;
+// Autel's gimbals stop straight down.
+constexpr double kFarthestBackOfAutelDeg = -10.0;
 
 bool IsAutel(const std::string& make) { return LowerCase(make).find("autel") != std::string::npos; }
 
@@ -147,7 +149,8 @@ std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
 
   Degrees camera = FromXmp(xmp, "Camera:Yaw", "Camera:Pitch", "Camera:Roll");
   if (IsUsable(camera, "Camera", notes)) {
-    if (*camera.pitch < kFarthestBackDeg) return Gimbal(camera, "Camera");
+    if (*camera.pitch < (IsAutel(make) ? kFarthestBackOfAutelDeg : kFarthestBackDeg))
+      return Gimbal(camera, "Camera");
     if (!IsAutel(make)) return Attitude(AttitudeKind::kAirframe, camera, "Camera");
     *camera.pitch -= 90.0;
     return Gimbal(camera, "Camera");

@@ -9,7 +9,8 @@
 //   Yuneec (CGO3+)                xmp:CameraYaw/Pitch/Roll         camera, horizon zero      -> kGimbal
 //   Teal                          exif:Platform* + exif:Camera*    summed, horizon zero       -> kGimbal
 //   Autel (old)                   Camera:Yaw/Pitch/Roll            gimbal, nadir zero: pitch - 90 -> kGimbal
-//   Autel (XL715, some firmware)  Camera:Yaw/Pitch/Roll, pitch below -60: horizon zero        -> kGimbal
+//   Autel (XL715, some firmware)  Camera:Yaw/Pitch/Roll, pitch below -10: horizon zero        -> kGimbal
+//     (of others below -60)
 //   Sequoia, senseFly, Sentera, Pix4D  Camera:Yaw/Pitch/Roll       nadir zero                 -> kAirframe
 //   Phase One                     aerialgps:GPSIMUYaw/Pitch/Roll   camera, horizon zero       -> kGimbal
 //   senseFly (old)                sensefly:Heading.../Yaw...       nadir zero                 -> kAirframe

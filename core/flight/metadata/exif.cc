@@ -361,7 +361,10 @@ ExifRecord InterpretExif(const ExifTable& table) {
 }
 
 void FillFromXmp(const XmpTags& xmp, ExifRecord& record) {
-  if (record.make.empty()) record.make = xmp.Text("tiff:Make");
+  // The EXIF of Autel's XL715 calls its maker "Camera".
+  if (const std::string make = xmp.Text("tiff:Make");
+      !make.empty() && (record.make.empty() || record.make == "Camera"))
+    record.make = make;
   if (record.model.empty()) record.model = xmp.Text("tiff:Model");
   if (!record.focal_length_mm) record.focal_length_mm = OfLens(xmp.Number("exif:FocalLength"));
   if (!record.focal_length_35mm_mm)

@@ -178,6 +178,20 @@ TEST(AttitudeFromTags, CountsFromTheHorizonWhatWouldLookBackwardsFromNadir) {
     ExpectAngles(ReadXmp(tags("-61"), "", make), AttitudeKind::kGimbal, 123.0, -61.0, 0.5);
   }
   ExpectAngles(ReadXmp(tags("-45")), AttitudeKind::kAirframe, 123.0, -45.0, 0.5);  // of an oblique rig
+  // No gimbal of Autel's looks back.
+  ExpectAngles(ReadXmp(tags("-45"), "", "Autel Robotics"), AttitudeKind::kGimbal, 123.0, -45.0, 0.5);
+  ExpectAngles(ReadXmp(tags("-2"), "", "Autel Robotics"), AttitudeKind::kGimbal, 123.0, -92.0, 0.5);
+}
+
+TEST(AttitudeFromTags, KnowsAutelsXl715ByItsXmp) {
+  const Photo photo = test::ValueOf(ReadPhotoFromBytes(
+      "a.jpg", JpegHeader({.exif = ExifWriter().Ascii(ExifIfd::kImage, 0x010F, "Camera").Write(),
+                           .xmp = XmpPacket(
+                               "xmlns:tiff=\"http://ns.adobe.com/tiff/1.0/\" tiff:Make=\"Autel Robotics\" "
+                               "xmlns:Camera=\"http://pix4d.com/camera/1.0\" Camera:Yaw=\"123\" "
+                               "Camera:Pitch=\"-30\" Camera:Roll=\"0\"")})));
+  EXPECT_EQ(photo.make, "Autel Robotics");
+  ExpectAngles({photo.attitude, {}}, AttitudeKind::kGimbal, 123.0, -30.0, 0.0);
 }
 
 TEST(AttitudeFromTags, ReadsPhaseOnesFractions) {
