@@ -21,16 +21,31 @@ struct Readout {
 constexpr double kJoinedMegapixels = 30.0;  // no more than that where they do
 
 constexpr std::array kReadouts = {
-    Readout{"FC200", 74},   Readout{"FC300C", 33},    Readout{"FC300S", 33},     Readout{"FC300X", 33},
-    Readout{"FC330", 33},   Readout{"FC350", 30},     Readout{"FC220", 64},      Readout{"FC2103", 32},
-    Readout{"FC7203", 25},  Readout{"FC3170", 27},    Readout{"FC3411", 32},     Readout{"FC3582", 26, 60},
-    Readout{"L1D-20c", 56}, Readout{"L2D-20c", 16.6}, Readout{"XT705", 30},      Readout{"Anafi", 39},
-    Readout{"E90", 44},     Readout{"FC3682", 23},    Readout{"FC8482", 21, 58}, Readout{"XT701", 25},
+    Readout{"PHANTOM VISION FC200", 74},
+    Readout{"FC300C", 33},
+    Readout{"FC300S", 33},
+    Readout{"FC300X", 33},
+    Readout{"FC330", 33},
+    Readout{"FC350", 30},
+    Readout{"FC220", 64},
+    Readout{"FC2103", 32},
+    Readout{"FC7203", 25},
+    Readout{"FC3170", 27},
+    Readout{"FC3411", 32},
+    Readout{"FC3582", 26, 60},
+    Readout{"L1D-20c", 56},
+    Readout{"L2D-20c", 16.6},
+    Readout{"XT705", 30},
+    Readout{"Anafi", 39},
+    Readout{"E90", 44},
+    Readout{"FC3682", 23},
+    Readout{"FC8482", 21, 58},
+    Readout{"XT701", 25},
 };
 
 constexpr std::array kSensors = {
     // DJI
-    Entry{"FC200", {4384, 3288, 6.17}},
+    Entry{"PHANTOM VISION FC200", {4384, 3288, 6.17}},
     Entry{"FC300C", {4000, 3000, 6.17}},
     Entry{"FC300S", {4000, 3000, 6.17}},
     Entry{"FC300X", {4000, 3000, 6.17}},

@@ -87,6 +87,7 @@ TEST(RollingShutter, SeesNothingWhereTheCameraTurnsFasterThanItsRows) {
 TEST(FindReadoutS, KnowsCamerasWithAndWithout) {
   EXPECT_DOUBLE_EQ(FindReadoutS("fc330", 12.0).value(), 0.033);
   EXPECT_DOUBLE_EQ(FindReadoutS("fc330", 48.0).value(), 0.033);
+  EXPECT_DOUBLE_EQ(FindReadoutS("PHANTOM VISION FC200", 14.0).value(), 0.074);
   EXPECT_DOUBLE_EQ(FindReadoutS("FC3582", 12.2).value(), 0.026);
   EXPECT_DOUBLE_EQ(FindReadoutS("FC3582", 48.8).value(), 0.060);  // four pixels are not joined to one
   EXPECT_FALSE(FindReadoutS("FC6310", 20.0));                     // a mechanical shutter

@@ -450,6 +450,7 @@ TEST(FocalSourceName, HasAWordForEach) {
 
 TEST(FindSensor, KnowsNoCameraByPartOfItsName) {
   EXPECT_TRUE(camera::FindSensor("FC6310"));
+  EXPECT_TRUE(camera::FindSensor("PHANTOM VISION FC200"));  // all of it is the Phantom 2 Vision's
   EXPECT_FALSE(camera::FindSensor("FC"));
   EXPECT_FALSE(camera::FindSensor(""));
 }
