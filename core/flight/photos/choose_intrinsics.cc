@@ -421,6 +421,9 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
   if (const auto camera = FromSkydioCalibration(width_px, height_px, xmp))
     return CalibratedWithZoom(*camera, FocalSource::kCalibrated, recorded, notes);
   ExifRecord exif = recorded;
+  // Of an upright picture the width on record is the shorter side.
+  if (exif.recorded_width_px == std::min(width_px, height_px))
+    exif.recorded_width_px = std::max(width_px, height_px);
   TakeSidesOfSensor(width_px, height_px, exif);
   if (auto why = WhyPlaneIsWrong(width_px, height_px, exif)) {
     notes.push_back(*std::move(why));

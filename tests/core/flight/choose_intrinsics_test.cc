@@ -332,6 +332,17 @@ TEST(ChooseIntrinsics, LeavesAFocalPlaneOfAnotherPictureAside) {
   EXPECT_EQ(Choose(2000, 2000, part).source, FocalSource::kFocalPlane);
 }
 
+TEST(ChooseIntrinsics, TakesAnUprightPictureForNoPartOfAnother) {
+  ExifRecord exif = ExifInUnit(1.0);
+  for (const auto& [width_px, height_px] : {std::pair(3000, 4000), {4000, 3000}}) {
+    exif.recorded_width_px = width_px;
+    std::vector<Remark> notes;
+    const auto chosen = ChooseIntrinsics(width_px, height_px, exif, XmpTags(), notes);
+    EXPECT_EQ(chosen.source, FocalSource::kFocalPlane);
+    EXPECT_TRUE(notes.empty()) << InWords(notes.front());
+  }
+}
+
 // A full-frame camera that keeps to APS-C writes the size of the part, and the pixels of the whole in a
 // millimetre.
 TEST(ChooseIntrinsics, KeepsTheFocalPlaneOfACropMode) {
