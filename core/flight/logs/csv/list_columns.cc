@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string>
 
 #include "core/base/text/file_names.h"
@@ -71,23 +72,28 @@ bool MapByNamesOfLists(const NameAndUnit& name, CsvColumn& column) {
   return true;
 }
 
-// "Accuracy_X_(m)", "acc", "sigma h": of angles they are not read.
+// "Accuracy_X/Y/Z_(m)", "acc", "sigma h", "stdH", "VRMS", "lat_std": of angles they are not read.
 void MapAccuracy(const NameAndUnit& name, bool has_horizontal, CsvColumn& column) {
   std::string_view of = name.letters;
-  constexpr std::array<std::string_view, 3> kBegin = {"accuracy", "acc", "sigma"};
-  const auto begin =
-      std::find_if(kBegin.begin(), kBegin.end(), [&](std::string_view word) { return of.starts_with(word); });
-  if (begin == kBegin.end() && !of.ends_with(kBegin.front())) return;
-  if (begin == kBegin.end())
-    of.remove_suffix(kBegin.front().size());
-  else
-    of.remove_prefix(begin->size());
-  constexpr std::array<std::string_view, 14> kHorizontal = {
-      "h",  "hor", "horz", "horiz",    "horizontal", "x",    "y",
-      "xy", "lat", "lon",  "latitude", "longitude",  "east", "north"};
+  constexpr std::array<std::string_view, 9> kWords = {"accuracy", "acc", "sigma", "stddev",   "stdev",
+                                                      "std",      "sd",  "rms",   "precision"};
+  constexpr std::ptrdiff_t kPlainWords = 3;  // alone the others may be of anything
+  auto word =
+      std::find_if(kWords.begin(), kWords.end(), [&](std::string_view w) { return of.starts_with(w); });
+  if (word != kWords.end()) {
+    of.remove_prefix(word->size());
+  } else {
+    word = std::find_if(kWords.begin(), kWords.end(), [&](std::string_view w) { return of.ends_with(w); });
+    if (word == kWords.end()) return;
+    of.remove_suffix(word->size());
+  }
+  constexpr std::array<std::string_view, 15> kHorizontal = {
+      "h",   "hor", "horz", "horiz",    "horizontal", "x",    "y",    "xy",
+      "xyz", "lat", "lon",  "latitude", "longitude",  "east", "north"};
   constexpr std::array<std::string_view, 7> kVertical = {"v",        "vert", "vertical", "z",
                                                          "altitude", "alt",  "height"};
-  const bool is_open = of.empty() || of == "m" || of == "position";
+  const bool is_plain = word - kWords.begin() < kPlainWords;
+  const bool is_open = is_plain && (of.empty() || of == "m" || of == "position");
   if (IsOneOf(of, kVertical) || (is_open && has_horizontal)) {
     column = MapAs("accuracy vertical", name.unit, column);
   } else if (IsOneOf(of, kHorizontal) || is_open) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/list_columns.h"
@@ -203,6 +204,23 @@ TEST(NamedLists, FindsAccuraciesByTheirNamesAndUnits) {
   EXPECT_NEAR(sigma("acc,acc", "0.5,1.5").z(), 1.5, 1e-9);
   EXPECT_NEAR(sigma("accuracy", "0.5").x(), 0.5, 1e-9);
   EXPECT_NEAR(sigma("accuracy_yaw,sigma_v,sigma_h", "9,1.5,0.5").x(), 0.5, 1e-9);
+}
+
+TEST(NamedLists, FindsAccuraciesAsMetashapeAndPostProcessorsNameThem) {
+  const std::string of_metashape = "Accuracy_X/Y/Z_(m),Accuracy_Yaw/Pitch/Roll_(deg)";
+  for (const auto& [names, cells] : {std::pair{of_metashape, std::string("0.02,1")},
+                                     {"stdH,stdV", "0.02,0.04"},
+                                     {"HRMS,VRMS", "0.02,0.04"},
+                                     {"lat_std,alt_std", "0.02,0.04"},
+                                     {"StdDev X (m),StdDev Z (m)", "0.02,0.04"},
+                                     {"Horizontal precision,Vertical precision", "0.02,0.04"}}) {
+    const CameraEvent event = FirstRow("#Label,X/Longitude,Y/Latitude,Z/Altitude," + names +
+                                       "\na.jpg,8.5,47.4,500," + cells + "\n");
+    ASSERT_TRUE(event.sigma_in_ned_m) << names;
+    EXPECT_NEAR(event.sigma_in_ned_m->x(), 0.02, 1e-9) << names;
+    EXPECT_NEAR(event.sigma_in_ned_m->z(), 0.04, 1e-9) << names;
+  }
+  EXPECT_FALSE(FirstRow("image,latitude,longitude,RMS\na.jpg,47.4,8.5,0.6\n").sigma_in_ned_m) << "of what?";
 }
 
 TEST(NamedLists, FindsAccuraciesAsReceiversProgramsNameThem) {
