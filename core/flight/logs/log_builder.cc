@@ -16,6 +16,7 @@ constexpr double kSegmentStepS = 1e9;
 constexpr double kLatestS = 4e8;  // no log lasts 12 years; keeps segments apart
 constexpr int kMaxSegments = 64;
 constexpr std::size_t kMaxEvents = 200'000;
+constexpr std::size_t kMinFlatRows = 3;  // one or two may well be zero
 constexpr double kLowestHeightM = -1e3,
                  kHighestHeightM = 1e5;  // what lies beyond is no height of an aircraft
 
@@ -259,7 +260,6 @@ void LogBuilder::KeepLongestSegment() {
 
 // A column has to stand in lists of photos, and who has no heights fills it with zeros.
 void LogBuilder::DropHeightsThatAreFillers() {
-  constexpr std::size_t kMinFlatRows = 3;
   std::size_t zeros = 0;
   for (const CameraEvent& event : log_.events) {
     if (!event.height_ellipsoid_m && !event.height_amsl_m) continue;
@@ -274,6 +274,19 @@ void LogBuilder::DropHeightsThatAreFillers() {
     event.height_amsl_m.reset();
   }
   Warn(RemarkCode::kHeightsNotSurveyed);
+}
+
+// So do angles before accuracies; as measured they would turn all cameras to the north.
+void LogBuilder::DropAnglesThatAreFillers() {
+  std::size_t zeros = 0;
+  for (const CameraEvent& event : log_.events) {
+    if (!event.yaw_pitch_roll_rad) continue;
+    if (*event.yaw_pitch_roll_rad != Eigen::Vector3d::Zero() || !event.image_name) return;
+    ++zeros;
+  }
+  if (zeros < kMinFlatRows) return;
+  for (CameraEvent& event : log_.events) event.yaw_pitch_roll_rad.reset();
+  Warn(RemarkCode::kAnglesNotMeasured);
 }
 
 Error LogBuilder::Refuse(RemarkCode why) const {
@@ -296,6 +309,7 @@ FlightLog LogBuilder::Finish() && {
   std::stable_sort(log_.events.begin(), log_.events.end(),
                    [](const CameraEvent& a, const CameraEvent& b) { return a.t_s < b.t_s; });
   DropHeightsThatAreFillers();
+  DropAnglesThatAreFillers();
   if (heights_beyond_ > 0)
     Warn({RemarkCode::kHeightsBeyond, {{"rows", heights_beyond_}, {"height_m", first_height_beyond_m_}}});
   std::size_t duplicates = 0;

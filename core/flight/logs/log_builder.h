@@ -78,6 +78,7 @@ class LogBuilder {
   void KeepLongestSegment();
   void DropHeightsBeyond(RecordedHeights& heights);
   void DropHeightsThatAreFillers();
+  void DropAnglesThatAreFillers();
 
   FlightLog log_;
   CappedSeries<ImuSample> imu_;

@@ -301,6 +301,20 @@ TEST(ParseGeoTxt, TakesHeightsThatAreAllZeroForNone) {
   EXPECT_EQ(high.events.at(0).height_ellipsoid_m, 0.0);
 }
 
+TEST(ParseGeoTxt, TakesAnglesThatAreAllZeroForNone) {
+  const std::string rows =
+      "EPSG:4326\na.jpg 8.1 46.8 500 0 0 0 0.02 0.03\nb.jpg 8.1 46.8 500 0 0 0 0.02 0.03\n";
+  const auto filled = ValueOf(ParseGeoTxt("geo.txt", BytesOf(rows + "c.jpg 8.1 46.8 500 0 0 0 0.02 0.03\n")));
+  ASSERT_EQ(filled.events.size(), 3u);
+  for (const CameraEvent& event : filled.events) EXPECT_FALSE(event.yaw_pitch_roll_rad);
+  ASSERT_TRUE(filled.events[0].sigma_in_ned_m);
+  EXPECT_DOUBLE_EQ(filled.events[0].sigma_in_ned_m->x(), 0.02);
+  ASSERT_EQ(filled.warnings.size(), 1u);
+  EXPECT_EQ(filled.warnings[0].code, RemarkCode::kAnglesNotMeasured);
+  const auto measured = ValueOf(ParseGeoTxt("geo.txt", BytesOf(rows + "c.jpg 8.1 46.8 500 0.1 0 0\n")));
+  EXPECT_TRUE(measured.events.at(0).yaw_pitch_roll_rad);
+}
+
 TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
   const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\n\na.jpg 46.8 -91.9 198.3\n")));
   ASSERT_EQ(log.events.size(), 1u);

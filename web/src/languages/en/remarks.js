@@ -183,6 +183,7 @@ export const remark_words = {
   angles_lack_others: (v) => `the angles of column ${v.columns} are not used: yaw, pitch and roll, or omega, phi and kappa, must all be there`,
   column_words_unknown: (v) => `column ${v.column} is not used: what ${v.word} says of its unit or its zero is not known`,
   heights_not_surveyed: () => 'all heights are 0; they are taken as not surveyed',
+  angles_not_measured: () => 'all angles are 0; they are taken as not measured',
   heights_beyond: (v) => `${plural(v.rows, { one: '1 row gives a height', other: `${number(v.rows)} rows give heights` })} that no aircraft reaches and ${plural(v.rows, { one: 'is', other: 'are' })} used without (first ${metresTold(v.height_m, 0)})`,
   sightings_beyond: (v) => `more than ${number(v.most)} marks; the rest is not used`,
   point_outside_system: (v) => `${v.point}: (${v.x}, ${v.y}) lies outside the area of ${v.system}`,
