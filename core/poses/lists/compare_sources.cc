@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/base/median.h"
@@ -276,9 +277,36 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
   return *std::move(placed);
 }
 
+// Written with other digits, or in another system.
+bool AreSame(const flight::GcpPoint& a, const flight::GcpPoint& b) {
+  constexpr double kSameM = 0.1;
+  if (!a.has_position || !b.has_position || flight::IsCheckPoint(a.name) != flight::IsCheckPoint(b.name))
+    return false;
+  const bool have_same_height =
+      a.height_m && b.height_m ? std::abs(*a.height_m - *b.height_m) <= kSameM : a.height_m == b.height_m;
+  return have_same_height && geo::MetresApart(a.position, b.position) <= kSameM;
+}
+
+std::vector<flight::GcpSighting> MarksByPhoto(const flight::GcpList& list) {
+  std::vector<flight::GcpSighting> marks = list.sightings;
+  std::sort(marks.begin(), marks.end(), [](const flight::GcpSighting& a, const flight::GcpSighting& b) {
+    return std::tie(a.image_name, a.pixel_x, a.pixel_y) < std::tie(b.image_name, b.pixel_x, b.pixel_y);
+  });
+  return marks;
+}
+
 // Of lists whose marks are named by the photos that they are in.
 bool AreSame(const flight::GcpList& a, const flight::GcpList& b) {
-  return a.reference_system == b.reference_system && a.points == b.points && a.sightings == b.sightings;
+  if (a.reference_system == b.reference_system && a.points == b.points && a.sightings == b.sightings)
+    return true;
+  if (a.sightings.empty()) return false;
+  const auto of_a = MarksByPhoto(a), of_b = MarksByPhoto(b);
+  return std::equal(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
+                    [&](const flight::GcpSighting& one, const flight::GcpSighting& other) {
+                      return one.image_name == other.image_name && one.pixel_x == other.pixel_x &&
+                             one.pixel_y == other.pixel_y &&
+                             AreSame(a.points[one.point], b.points[other.point]);
+                    });
 }
 
 // A list that is there twice counts once: its points would bear each other out, and one that is wrong itself.

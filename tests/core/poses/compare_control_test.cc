@@ -143,6 +143,33 @@ TEST(CompareControl, TakesOneOfTwoThatMarkTheSamePhotos) {
               Contains(HasSubstr("old_gcp_list.txt is not used: it is the same as gcp_list.txt")));
 }
 
+TEST(CompareControl, TakesOneOfTwoThatSayTheSameInOtherSystems) {
+  for (const char* name : {"p0", "p0_check"}) {
+    flight::GcpList metres = Survey(), degrees = Survey(kDuluth, "EPSG:4326");
+    degrees.file_name = "wgs84.txt";
+    for (std::size_t k = 0; k < 5; ++k) {
+      const LatLon at = Beside(kDuluth, 30.0 * static_cast<double>(k), 20.0 * static_cast<double>(k % 2));
+      for (flight::GcpList* const list : {&metres, &degrees}) {
+        list->points[k].position = at;
+        list->points[k].has_position = true;
+      }
+      degrees.points[k].x = at.lon_deg;
+      degrees.points[k].y = at.lat_deg;
+    }
+    degrees.points[0].name = name;
+    std::reverse(degrees.sightings.begin(), degrees.sightings.end());
+    Flight flown = FlightAt(kDuluth);
+    flown.gcp_lists = {metres, degrees};
+    ASSERT_TRUE(CompareSources(flown).ok());
+    const bool are_same = std::string(name) == "p0";
+    EXPECT_EQ(flown.gcp_lists.size(), are_same ? 1u : 2u) << name;
+    if (are_same) {
+      EXPECT_THAT(InWords(flown.warnings),
+                  Contains(HasSubstr("wgs84.txt is not used: it is the same as gcp_list.txt")));
+    }
+  }
+}
+
 // Of two cards, beside the photos of one of which the list lies too: only there it is told which are meant.
 TEST(CompareControl, TakesBothOfTwoThatMarkThePhotosOfTheirFolders) {
   Flight flown = FlightAt(kDuluth);
