@@ -1,6 +1,8 @@
 #include "core/flight/logs/autopilots/ulog_topics.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace skyquilt::flight {
 namespace {
@@ -51,6 +53,20 @@ struct Stamp {
 std::optional<UtcTime> UtcFromUnixUs(std::optional<double> unix_us) {
   if (!unix_us || *unix_us < 9e14 || *unix_us > 7e15) return std::nullopt;  // 1998 to 2191
   return UtcTime(std::chrono::microseconds(std::llround(*unix_us)));
+}
+
+// The camera's attitude is the gimbal's where there is one, then of all photos: an airframe does not fly at
+// -45 deg of pitch, though it may fall so.
+void TellGimbal(std::vector<CameraEvent>& events) {
+  constexpr std::ptrdiff_t kOneIn = 10;
+  const auto is_turned = [](const CameraEvent& event) { return event.yaw_pitch_roll_rad.has_value(); };
+  const auto looks_down = [](const CameraEvent& event) {
+    return event.yaw_pitch_roll_rad && event.yaw_pitch_roll_rad->y() < geo::DegToRad(-45.0);
+  };
+  const auto down = std::count_if(events.begin(), events.end(), looks_down);
+  const bool has_gimbal = down > 0 && kOneIn * down >= std::count_if(events.begin(), events.end(), is_turned);
+  for (CameraEvent& event : events)
+    event.attitude_kind = has_gimbal || looks_down(event) ? AttitudeKind::kGimbal : AttitudeKind::kAirframe;
 }
 
 }  // namespace
@@ -231,12 +247,8 @@ struct UlogReaders {
       event.height_amsl_m = Get(amsl, payload);
       if (const auto above = Get(ground, payload); above && *above > 0.0)
         event.height_above_ground_m = *above;
-      if (const auto attitude = GetQuaternion(q, payload)) {
+      if (const auto attitude = GetQuaternion(q, payload))
         event.yaw_pitch_roll_rad = YawPitchRollFromNed(*attitude);
-        // The gimbal's attitude where there is one; an airframe does not fly at -45 deg of pitch.
-        event.attitude_kind = event.yaw_pitch_roll_rad->y() < geo::DegToRad(-45.0) ? AttitudeKind::kGimbal
-                                                                                   : AttitudeKind::kAirframe;
-      }
       if (const auto time_utc = UtcFromUnixUs(Get(utc, payload))) topics.clock_.Add(event.t_s, *time_utc);
       if (is_capture) {
         builder().Add(event);
@@ -285,6 +297,7 @@ void UlogTopics::Finish() {
       if (event.is_feedback || !any_feedback) builder_.Add(event);
     }
   }
+  TellGimbal(builder_.log().events);
   builder_.BaroStartsAtZero();
   if (clipped_ > 0) builder_.Warn({RemarkCode::kImuClipped, {{"samples", clipped_}}});
   if (const auto fit = clock_.Solve()) {

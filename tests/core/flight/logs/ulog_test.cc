@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
@@ -132,6 +134,31 @@ TEST(ParseUlog, ReadsCameraCaptures) {
   // q turns the camera's axis straight down.
   EXPECT_NEAR((*event.yaw_pitch_roll_rad)[1], geo::DegToRad(-90.0), 1e-3);
   EXPECT_EQ(event.attitude_kind, AttitudeKind::kGimbal);
+}
+
+TEST(ParseUlog, TellsAGimbalForAllPhotosOfALog) {
+  const auto kinds_of = [](const std::vector<double>& pitches_deg) {
+    UlogWriter w;
+    DefineTopics(w);
+    w.Subscribe(0, "camera_capture");
+    std::uint64_t us = 10'000'000;
+    for (const double pitch_deg : pitches_deg) {
+      const Eigen::Quaterniond q = NedFromYawPitchRoll(0.5, geo::DegToRad(pitch_deg), 0.0);
+      w.Data(0, Pack(us, kUtcUs + us, std::uint32_t{1}, 47.5, 8.5, 560.0f, 60.0f, static_cast<float>(q.w()),
+                     static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()),
+                     std::int8_t{1}));
+      us += 1'000'000;
+    }
+    const auto log = ValueOf(ParseUlog("camera.ulg", w.bytes()));
+    std::vector<AttitudeKind> kinds;
+    for (const CameraEvent& event : log.events) kinds.push_back(event.attitude_kind);
+    return kinds;
+  };
+  EXPECT_EQ(kinds_of({-90.0, -30.0, -30.0}), std::vector<AttitudeKind>(3, AttitudeKind::kGimbal));
+  std::vector<double> of_airframe(20, -5.0);
+  EXPECT_EQ(kinds_of(of_airframe), std::vector<AttitudeKind>(20, AttitudeKind::kAirframe));
+  of_airframe.push_back(-60.0);  // where it falls
+  EXPECT_EQ(kinds_of(of_airframe).front(), AttitudeKind::kAirframe);
 }
 
 TEST(ParseUlog, ReadsHowAGimbalHoldsItsCamera) {
