@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/base/text/printable.h"
 #include "core/base/try.h"
@@ -11,6 +14,7 @@
 #include "core/flight/logs/system_line.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/geo/crs/reference_system.h"
+#include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -32,6 +36,23 @@ void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, CameraEvent
   };
   event.yaw_pitch_roll_rad = YawPitchRollRad(number(4), number(5), number(6));
   event.sigma_in_ned_m = SigmaInNedM(number(7), number(8));
+}
+
+// Of old the format had omega, phi and kappa there, and others write roll, pitch and yaw: the third angle
+// turns by more than an airframe rolls, the others hardly.
+bool TurnsByThirdAngle(const std::vector<CameraEvent>& events) {
+  constexpr double kMaxLevelRad = 0.5, kMinTurnedRad = 0.8;
+  constexpr std::size_t kFewestRows = 3;
+  std::size_t rows = 0, level = 0, turned = 0;
+  for (const CameraEvent& event : events) {
+    if (!event.yaw_pitch_roll_rad) continue;
+    const Eigen::Vector3d& angles_rad = *event.yaw_pitch_roll_rad;
+    const auto size_rad = [&](int k) { return std::abs(std::remainder(angles_rad[k], 2.0 * geo::kPi)); };
+    ++rows;
+    level += size_rad(0) < kMaxLevelRad && size_rad(1) < kMaxLevelRad ? 1 : 0;
+    turned += size_rad(2) > kMinTurnedRad ? 1 : 0;
+  }
+  return rows >= kFewestRows && 4 * level >= 3 * rows && 4 * turned >= rows;
 }
 
 }  // namespace
@@ -95,7 +116,13 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   builder.log().written_order_is_named = order.has_value();
   builder.log().mapping = {fmt::format("x, y -> {}", system ? system->name() : "no system is named"),
                            is_above_sea ? "z -> height above the sea" : "z -> height above the ellipsoid"};
-  builder.log().mapping.emplace_back("yaw, pitch, roll -> degrees, pitch 0 = straight down");
+  if (TurnsByThirdAngle(builder.log().events)) {
+    for (CameraEvent& event : builder.log().events) event.yaw_pitch_roll_rad.reset();
+    builder.Warn(RemarkCode::kAnglesWithoutHeader);
+    builder.log().mapping.emplace_back("no angles");
+  } else {
+    builder.log().mapping.emplace_back("yaw, pitch, roll -> degrees, pitch 0 = straight down");
+  }
   if (metres_per_height_unit != 1.0) {
     builder.log().mapping.push_back(fmt::format("z -> times {} to metres", metres_per_height_unit));
   }

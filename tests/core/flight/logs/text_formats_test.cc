@@ -315,6 +315,23 @@ TEST(ParseGeoTxt, TakesAnglesThatAreAllZeroForNone) {
   EXPECT_TRUE(measured.events.at(0).yaw_pitch_roll_rad);
 }
 
+TEST(ParseGeoTxt, TakesKappaForNoRoll) {
+  const auto of_angles = [](const std::vector<const char*>& angles) {
+    std::string text = "EPSG:4326\n";
+    for (const char* row : angles) text += "a.jpg 8.1 46.8 500 " + std::string(row) + "\n";
+    return ValueOf(ParseGeoTxt("geo.txt", BytesOf(text)));
+  };
+  const auto opk = of_angles({"1.5 -2 3", "0.5 1 -178", "-1 2 179", "2 1 358"});
+  for (const CameraEvent& event : opk.events) EXPECT_FALSE(event.yaw_pitch_roll_rad);
+  ASSERT_EQ(opk.warnings.size(), 1u);
+  EXPECT_EQ(opk.warnings[0].code, RemarkCode::kAnglesWithoutHeader);
+  for (const auto& flown : {of_angles({"90 2 3", "270 5 -10", "91 2 359"}),
+                            of_angles({"10 -90 180", "5 -90 180", "8 -90 180"})}) {
+    EXPECT_TRUE(flown.warnings.empty());
+    for (const CameraEvent& event : flown.events) EXPECT_TRUE(event.yaw_pitch_roll_rad);
+  }
+}
+
 TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
   const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\n\na.jpg 46.8 -91.9 198.3\n")));
   ASSERT_EQ(log.events.size(), 1u);
