@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -26,8 +27,9 @@ using M = CsvMeaning;
 struct CsvHeader {
   std::vector<CsvColumn> columns;
   char separator = ',';
-  bool is_timed = true;  // false: rows name photos and say where they were taken, not when
-  SystemLine system;     // that a line above names
+  bool is_timed = true;             // false: rows name photos and say where they were taken, not when
+  SystemLine system;                // that a line above names
+  std::optional<ListHeading> list;  // what it is where each row names a photo, beside a column of times
 };
 
 // "Easting (UTM 33U)": what stands in the brackets; nothing where they hold no zone.
@@ -73,6 +75,7 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
       header.separator = ' ';
     }
     header.columns = MapTolerantColumns(cells);
+    header.list = std::move(list);
     const bool may_be_prose = header.separator == ' ' && HasColumn(header.columns, M::kIgnored);
     const auto has = [&](M meaning) { return HasColumn(header.columns, meaning); };
     const bool timed = has(M::kTime) || has(M::kUtc) || has(M::kDate);
@@ -119,6 +122,20 @@ Result<void> TakeZoneOfRows(std::string_view name, LineReader lines, CsvHeader& 
   }
   if (!zones.empty()) header.system = {zones.front(), true};
   return {};
+}
+
+// Lists of photos may say when these were taken, too.
+Result<SettledColumns> SettleHeader(std::string_view name, const LineReader& lines, CsvHeader& header) {
+  if (header.list) {
+    ListHeading& list = *header.list;
+    SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, list.separator, list.columns));
+    if (settled.rows_are_photos) {
+      header.columns = std::move(list.columns);
+      header.separator = list.separator;
+      return settled;
+    }
+  }
+  return SettleColumns(name, lines, header.separator, header.columns);
 }
 
 std::vector<CsvRow> PreviewOf(LineReader lines, const CsvHeader& header) {
@@ -274,7 +291,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   if (!header) {
     return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileWithoutHeader, {{"file", name}}});
   }
-  SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, header->separator, header->columns));
+  SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleHeader(name, lines, *header));
   std::vector<CsvRow> preview = PreviewOf(lines, *header);
   if (!header->is_timed || settled.rows_are_photos) {
     SKYQUILT_TRY(TakeZoneOfRows(name, lines, *header));

@@ -132,6 +132,23 @@ TEST(NamedLists, ReadsPlacesInAPlaneBesideTimesOfAnyKind) {
   }
 }
 
+TEST(NamedLists, ReadsAllOfAListBesideAColumnOfTimes) {
+  const FlightLog log = ReadList(
+      "#Image,Date,Time,Latitude,Longitude,H-Ell (m),Omega,Phi,Kappa,XY accuracy,Z accuracy\n"
+      "a.jpg,2016-06-23,21:31:09,47.4,8.5,500,0,0,-30,0.02,0.03\n"
+      "b.jpg,2016-06-23,21:31:12,47.401,8.5,500,0,0,-30,0.02,0.03\n");
+  EXPECT_TRUE(log.gnss.empty()) << "rows of photos are no track";
+  ASSERT_EQ(log.events.size(), 2u);
+  const CameraEvent& event = log.events[1];
+  EXPECT_EQ(event.image_name, "b.jpg");
+  EXPECT_EQ(event.height_ellipsoid_m, 500.0);
+  ASSERT_TRUE(event.yaw_pitch_roll_rad);
+  EXPECT_NEAR(event.yaw_pitch_roll_rad->x(), DegToRad(30.0), 1e-9);
+  ASSERT_TRUE(event.sigma_in_ned_m);
+  EXPECT_DOUBLE_EQ(event.sigma_in_ned_m->x(), 0.02);
+  EXPECT_DOUBLE_EQ(event.sigma_in_ned_m->z(), 0.03);
+}
+
 TEST(NamedLists, ReadsDegreesAsXAndY) {
   const FlightLog log = ReadList("#name,x,y,alt,yaw,pitch,roll\na.jpg,8.5,47.4,500,90,1,2\n");
   ASSERT_EQ(log.events.size(), 1u);
