@@ -420,6 +420,8 @@ TEST(WrittenTables, ExplainsWhatStopsATable) {
                     HasSubstr("Rechtswert (\"8.1\" in line 2)")));
   EXPECT_THAT(why("1;46,8;8,1\n2;46,9;8,2\n"),
               AllOf(HasSubstr("line 1, \"1;46,8;8,1\""), HasSubstr("no names of columns")));
+  EXPECT_THAT(why("P1,5188169.6,576691.6,158.5,nail\nP2,5188201.2,576702.9,158.9,nail\n"),
+              HasSubstr("imported under Control points"));
   EXPECT_THAT(why("#stamp,lat,lon\n1,46.8,8.1\n2,46.8,8.1\n"), HasSubstr("stamp (\"1\" in line 2)"));
   EXPECT_THAT(why("stamp;lat;lon\n1;N46,8;8,1\n2;N46,9;8,2\n"),
               HasSubstr("not recognised are stamp (\"1\" in line 2)"));
