@@ -22,6 +22,7 @@ constexpr std::size_t kLongestWkt = 16'384;
 constexpr std::size_t kShortestName = 5;
 constexpr double kExactM = 1.0;      // operations that are no better than this err by what a map shows
 constexpr double kSameFrameM = 3.0;  // degrees of an older datum lie tens to hundreds of metres from WGS84's
+constexpr double kUnknownShiftM = 300.0;  // as far as those
 
 bool IsSmallLetter(char c) { return c >= 'a' && c <= 'z'; }
 
@@ -299,7 +300,7 @@ struct ReferenceSystem::Impl {
   PJ* transform = nullptr;
   PJ* to_own_degrees = nullptr;  // of the system's own datum; null: it has none that is known
   PJ* horizontal_system = nullptr;
-  bool is_geographic = false;
+  bool is_geographic = false, has_older_ellipsoid = false;
   double metres_per_height_unit = 1.0;
   bool heights_are_above_sea = false;
   AreaOfUse area;
@@ -337,6 +338,11 @@ struct ReferenceSystem::Impl {
     } else if (!is_geographic) {
       metres_per_height_unit = UnitOfAxis(context, plain, 0);
     }
+    constexpr double kPresentSemiMajorM = 6'378'137.0, kSameEllipsoidM = 10.0;
+    double semi_major_m = kPresentSemiMajorM;
+    if (const PjPtr ellipsoid = Owned(proj_get_ellipsoid(context, plain)))
+      proj_ellipsoid_get_parameters(context, ellipsoid.get(), &semi_major_m, nullptr, nullptr, nullptr);
+    has_older_ellipsoid = std::abs(semi_major_m - kPresentSemiMajorM) > kSameEllipsoidM;
     AreaOfUse used;
     if (proj_get_area_of_use(context, plain, &used.west_deg, &used.south_deg, &used.east_deg, &used.north_deg,
                              nullptr) != 0 &&
@@ -373,14 +379,16 @@ struct ReferenceSystem::Impl {
     return position ? std::optional(*position) : std::nullopt;
   }
 
-  // Of the operation that is used there, where it is of an older datum and no better than a metre. Under the
-  // lock.
+  // Of the operation that is used there, where it is of an older datum and no better than a metre, or PROJ
+  // takes its degrees for WGS84's as it knows no better. Under the lock.
   std::optional<double> InexactShiftM(double x, double y) const {
     if (to_own_degrees == nullptr) return std::nullopt;
-    const auto own = Place(to_own_degrees, x, y);
-    const auto there = Place(transform, x, y);
-    if (!own || !there || MetresApart(*own, *there) < kSameFrameM) return std::nullopt;
+    const auto own = Place(to_own_degrees, x, y), there = Place(transform, x, y);
+    if (!own || !there) return std::nullopt;
     const PjPtr used = Owned(proj_trans_get_last_used_operation(transform));
+    if (used && has_older_ellipsoid && proj_coordoperation_has_ballpark_transformation(context, used.get()))
+      return kUnknownShiftM;
+    if (MetresApart(*own, *there) < kSameFrameM) return std::nullopt;
     const double error_m = used ? proj_coordoperation_get_accuracy(context, used.get()) : -1.0;
     return error_m > kExactM ? std::optional(error_m) : std::nullopt;
   }

@@ -391,6 +391,9 @@ ListVerdict JudgeList(const WrittenList& list) {
       const WrittenPlace& row = list.rows[first - verdict.places.begin()];
       if (const auto shift = ShiftOf(reader, verdict.use.reading, row)) {
         verdict.use.system_error_m = shift->error_m;
+        // No further off than where the receivers of the photos say that it lies.
+        if (verdict.use.apart_m && list.use.own_are_photos && !list.use.own_are_stale)
+          verdict.use.system_error_m = std::min(shift->error_m, *verdict.use.apart_m + kReceiverM);
         verdict.use.lacks_grid = shift->lacks_grid;
       }
       if (list.use.kind == flight::ListKind::kPositions)

@@ -235,6 +235,19 @@ TEST(MapProjection, WhatCannotBeIsRefusedOrAbsent) {
   EXPECT_FALSE(test::ValueOf(MapProjection::OfEpsg(3035)).LatLonOf({4321000.0 + 3e7, 3210000.0}));
 }
 
+TEST(ReferenceSystem, KnowsNoPlaceOfAnOlderEllipsoidWithoutADatum) {
+  const auto gauss =
+      ReferenceSystem::Parse("+proj=tmerc +lat_0=0 +lon_0=9 +k=1 +x_0=3500000 +y_0=0 +ellps=bessel +units=m");
+  const auto utm = ReferenceSystem::Parse("+proj=utm +zone=32 +ellps=GRS80 +units=m");
+  ASSERT_TRUE(gauss && utm);
+  const auto shift = gauss->InexactShiftAt(3'500'000.0, 5'200'000.0);
+  ASSERT_TRUE(shift);
+  EXPECT_GT(shift->error_m, 150.0);
+  EXPECT_FALSE(shift->lacks_grid);
+  EXPECT_EQ(gauss->InexactShiftM({.lat_deg = 46.94, .lon_deg = 9.0}), shift->error_m);
+  EXPECT_FALSE(utm->InexactShiftAt(500'000.0, 5'200'000.0)) << "as all present frames";
+}
+
 // PROJ keeps what failed last, of whichever system, until somebody forgets it.
 TEST(ReferenceSystem, AnswersAfterAnotherLackedAGrid) {
   const auto mine = ReferenceSystem::Parse("EPSG:25832"), other = ReferenceSystem::Parse("EPSG:27700");

@@ -41,5 +41,18 @@ TEST(JudgeList, ReadsEastingsWithTheZoneBeforeThemInTheZoneOfThePhotos) {
   ExpectPlaced(verdict);
 }
 
+TEST(JudgeList, KnowsAnUnknownDatumAsWellAsThePhotosDo) {
+  WrittenList list;
+  list.use.system = "+proj=tmerc +lat_0=0 +lon_0=9 +k=1 +x_0=3500000 +y_0=0 +ellps=bessel +units=m";
+  for (const double on_m : {0.0, 20.0, 40.0, 60.0}) list.rows.push_back({3'500'000.0 + on_m, 5'200'000.0});
+  const ListVerdict alone = JudgeList(list);
+  EXPECT_GT(alone.use.system_error_m.value_or(0.0), 150.0);
+  list.own_of_row = alone.places;
+  list.use.own_are_photos = true;
+  const ListVerdict beside_photos = JudgeList(list);
+  EXPECT_GT(beside_photos.use.system_error_m.value_or(0.0), 1.0);
+  EXPECT_LT(beside_photos.use.system_error_m.value_or(0.0), 100.0);
+}
+
 }  // namespace
 }  // namespace skyquilt::poses
