@@ -1,6 +1,8 @@
 #include "core/alignment/from_images/grow_block.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
 
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
@@ -9,7 +11,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr std::size_t kMaxInitialPairs = 6;
+constexpr std::ptrdiff_t kInitialPairsAtOnce = 6;
 constexpr int kPhotosAfterInitialPair = 4;  // photos
 constexpr int kEnoughPoints = 15;
 constexpr int kMinAgreeing = 12;            // observations that agree on a new photo's pose
@@ -29,6 +31,7 @@ struct InitialPair {
   std::size_t pair = 0, pose = 0;
 };
 
+// All that a block may begin with, the best first.
 std::vector<InitialPair> InitialPairs(const Registration& input, const PhotoSet& used,
                                       const PhotoSet& spent) {
   std::vector<std::pair<double, std::size_t>> ranked;
@@ -46,7 +49,6 @@ std::vector<InitialPair> InitialPairs(const Registration& input, const PhotoSet&
   std::vector<int> begun(used.Photos(), 0);
   std::vector<InitialPair> chosen;
   for (const auto& [score, p] : ranked) {
-    if (chosen.size() >= kMaxInitialPairs) break;
     const PhotoPair& pair = input.links[p];
     int& first = begun[pair.first];
     int& second = begun[pair.second];
@@ -56,6 +58,23 @@ std::vector<InitialPair> InitialPairs(const Registration& input, const PhotoSet&
     for (std::size_t k = 0; k < pair.poses.size(); ++k) chosen.push_back({p, k});
   }
   return chosen;
+}
+
+// Whether a third photo sees enough of what both show.
+bool MayGrow(const Registration& input, const PhotoSet& used, const PhotoPair& pair) {
+  std::vector<int> seen(used.Photos(), 0);
+  for (const int t : input.tracks_of[pair.first]) {
+    const KeypointTrack& track = input.scene[t];
+    if (std::none_of(track.begin(), track.end(),
+                     [&](const TrackElement& element) { return element.photo == pair.second; }))
+      continue;
+    for (const TrackElement& element : track) {
+      const bool is_third =
+          element.photo != pair.first && element.photo != pair.second && !used.Has(element.photo);
+      if (is_third && ++seen[element.photo] >= kMinAgreeing) return true;
+    }
+  }
+  return false;
 }
 
 struct NextPhoto {
@@ -206,6 +225,7 @@ struct Tried {
 std::optional<Tried> Try(const Registration& input, const std::vector<BundleLens>& lenses,
                          const PhotoSet& used, const InitialPair& initial_pair, int threads) {
   const PhotoPair& pair = input.links[initial_pair.pair];
+  if (!MayGrow(input, used, pair)) return std::nullopt;
   Block block(input, lenses);
   block.Place(pair.first, geo::Rigid3{});
   block.Place(pair.second, pair.poses[initial_pair.pose]);
@@ -234,23 +254,31 @@ std::optional<Tried> Try(const Registration& input, const std::vector<BundleLens
 
 std::optional<Block> BeginBlock(const Registration& input, const std::vector<BundleLens>& lenses,
                                 const PhotoSet& used, const PhotoSet& spent, int threads) {
-  const std::vector<InitialPair> initial_pairs = InitialPairs(input, used, spent);
-  std::vector<std::optional<Tried>> tried(initial_pairs.size());
-  ParallelFor(initial_pairs.size(), threads,
-              [&](std::size_t b) { tried[b] = Try(input, lenses, used, initial_pairs[b], 1); });
-  std::optional<Tried>* best = nullptr;
-  for (std::size_t b = 0; b < tried.size(); ++b) {
-    std::optional<Tried>& one = tried[b];
-    const PhotoPair& pair = input.links[initial_pairs[b].pair];
-    TraceDecision("initial pair", {{"photo", pair.first},
-                                   {"with", pair.second},
-                                   {"photos", one ? one->block.size() : 0},
-                                   {"observations", one ? one->observations : 0}});
-    if (!one) continue;
-    if (best == nullptr || one->observations > (*best)->observations) best = &one;
+  const std::vector<InitialPair> ranked = InitialPairs(input, used, spent);
+  // The best few against each other; the next where none of them begins a block.
+  for (auto next = ranked.begin(); next != ranked.end();) {
+    const auto first = next;
+    while (next != ranked.end() &&
+           (next - first < kInitialPairsAtOnce || next->pair == std::prev(next)->pair))
+      ++next;
+    const std::vector<InitialPair> initial_pairs(first, next);
+    std::vector<std::optional<Tried>> tried(initial_pairs.size());
+    ParallelFor(initial_pairs.size(), threads,
+                [&](std::size_t b) { tried[b] = Try(input, lenses, used, initial_pairs[b], 1); });
+    std::optional<Tried>* best = nullptr;
+    for (std::size_t b = 0; b < tried.size(); ++b) {
+      std::optional<Tried>& one = tried[b];
+      const PhotoPair& pair = input.links[initial_pairs[b].pair];
+      TraceDecision("initial pair", {{"photo", pair.first},
+                                     {"with", pair.second},
+                                     {"photos", one ? one->block.size() : 0},
+                                     {"observations", one ? one->observations : 0}});
+      if (!one) continue;
+      if (best == nullptr || one->observations > (*best)->observations) best = &one;
+    }
+    if (best != nullptr) return std::move((*best)->block);
   }
-  if (best == nullptr) return std::nullopt;
-  return std::move((*best)->block);
+  return std::nullopt;
 }
 
 void GrowBlock(const PhotoSet& used, int threads, Progress& progress, Block& block) {

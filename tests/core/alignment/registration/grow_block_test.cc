@@ -101,5 +101,33 @@ TEST(BeginBlock, BeginsWithNoPhotoThatIsSpent) {
   EXPECT_FALSE(BeginBlock(input, input.lenses, PhotoSet(6), spent, 1).has_value());
 }
 
+// As of a flight over woods: pairs of two photos each, with more matches than those of any group.
+TEST(BeginBlock, GoesOnAfterPairsThatNoThirdPhotoSharesAnythingWith) {
+  const ComesAndGoes scene;
+  Registration input = scene.input;
+  const auto add_link = [&](int first, int second, std::size_t matches) {
+    PhotoPair& pair = input.links.emplace_back();
+    pair.first = first;
+    pair.second = second;
+    pair.matches.resize(matches);
+    pair.poses = {scene.cam_from_world[1] * scene.cam_from_world[0].Inverse()};
+    pair.angle_rad = 0.2;
+  };
+  const PhotoFeatures alone;
+  for (int pair = 0; pair < 10; ++pair) {
+    const int first = static_cast<int>(input.Photos());
+    for (int photo = 0; photo < 2; ++photo) input.Add(&alone, 0, {});
+    add_link(first, first + 1, 500);
+  }
+  input.tracks_of.resize(input.Photos());
+  const PhotoSet none(input.Photos());
+  EXPECT_FALSE(BeginBlock(input, input.lenses, none, none, 1).has_value());
+  add_link(0, 1, 60);
+  const std::optional<Block> block = BeginBlock(input, input.lenses, none, none, 1);
+  ASSERT_TRUE(block.has_value());
+  EXPECT_TRUE(block->Has(0) && block->Has(1));
+  EXPECT_GE(block->size(), 3);
+}
+
 }  // namespace
 }  // namespace skyquilt::alignment
