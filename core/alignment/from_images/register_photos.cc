@@ -93,6 +93,8 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
                  Registration& registration) {
   registration.cam_from_world.resize(registration.Photos());
   registration.block_of.assign(registration.Photos(), -1);
+  if (!blocks.empty()) registration.lenses = blocks.front().lenses();
+  std::vector<int> told_by(registration.lenses.size(), 0);  // by lens, of how many photos the block is
   double square = 0.0;
   int observations = 0;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -100,8 +102,10 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
     const std::vector<int> seen = block.PointsSeen();
     const std::vector<double> residuals = block.ResidualsPx();
     int size = 0;
+    std::vector<int> photos_of(registration.lenses.size(), 0);
     for (std::size_t i = 0; i < registration.Photos(); ++i) {
       if (!block.Has(i) || seen[i] < kMinSeen) continue;
+      ++photos_of[registration.lens_of[i]];
       registration.cam_from_world[i] = block.Pose(i);
       registration.block_of[i] = static_cast<int>(b);
       square += residuals[i] * residuals[i] * seen[i];
@@ -109,6 +113,12 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
       ++size;
     }
     registration.block_sizes.push_back(size);
+    // Each lens by the largest block with enough photos of it: one with none has it as it began.
+    for (std::size_t c = 0; c < photos_of.size(); ++c) {
+      if (photos_of[c] < kFewForALens || size <= told_by[c]) continue;
+      told_by[c] = size;
+      registration.lenses[c] = block.lenses()[c];
+    }
     for (Track& track : block.Tracks()) registration.tracks.push_back(std::move(track));
   }
   registration.NumberBySize();  // of photos left out in the end one has more than another
@@ -153,15 +163,16 @@ std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& 
   return blocks;
 }
 
-// Lenses as the largest block has them, where they are no more what they were taken for.
-bool TakeLenses(const std::vector<Block>& blocks, std::vector<BundleLens>& lenses) {
+// Lenses as they were found, where they are no more what they were taken for.
+bool TakeLenses(const std::vector<Block>& blocks, const std::vector<BundleLens>& found,
+                std::vector<BundleLens>& lenses) {
   if (blocks.empty() || blocks.front().size() < kFewForALens) return false;
   bool is_other = false;
   for (std::size_t c = 0; c < lenses.size(); ++c) {
-    const camera::Intrinsics& found = blocks.front().lenses()[c].intrinsics;
-    const double off = std::abs(std::log(found.focal_x_px / lenses[c].intrinsics.focal_x_px));
+    const camera::Intrinsics& lens = found[c].intrinsics;
+    const double off = std::abs(std::log(lens.focal_x_px / lenses[c].intrinsics.focal_x_px));
     is_other = is_other || off > kOtherFocal;
-    lenses[c].intrinsics = found;
+    lenses[c].intrinsics = lens;
   }
   return is_other;
 }
@@ -178,11 +189,11 @@ Registration RegisterPhotos(const Registration& given, int threads, Progress& pr
     JoinLinks(input);
     const std::vector<Block> blocks = GrowBlocks(input, threads, progress);
     Registration grown = given;
-    if (!blocks.empty()) grown.lenses = blocks.front().lenses();
     MergeBlocks(blocks, input.links, grown);
+    const std::vector<BundleLens> found = grown.lenses;
     // Through the right lens more pairs agree, and with each other: one by which fewer do was not right.
     if (pass == 0 || grown.LargestSize() >= registration.LargestSize()) registration = std::move(grown);
-    if (pass >= kMaxPasses || progress.IsCancelled() || !TakeLenses(blocks, input.lenses)) break;
+    if (pass >= kMaxPasses || progress.IsCancelled() || !TakeLenses(blocks, found, input.lenses)) break;
     VerifyAgain(threads, input);
   }
   registration.pairs_compared = input.pairs_compared;

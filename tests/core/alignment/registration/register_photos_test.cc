@@ -102,6 +102,27 @@ TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
   for (std::size_t i = 0; i < input.Photos(); ++i) EXPECT_EQ(found.block_of[i], i < 10 ? 0 : 1) << i;
 }
 
+// Of two cameras above two places: nothing in the larger block says anything of the other lens.
+TEST(RegisterPhotos, EachLensIsFoundByTheBlockThatHasItsPhotos) {
+  SyntheticOptions options{.relief_m = 6.0, .tilt_rad = 0.3, .any_yaw = true};
+  const SyntheticScene here = MakeScene(options);
+  options.columns = 5;
+  options.points_per_m2 = 0.25;  // the block that is begun later
+  options.seed = 2;
+  const SyntheticScene there = MakeScene(options);
+  Registration input = InputOf(here);
+  input.lenses.push_back(InputOf(there, 1.1).lenses.front());
+  for (const PhotoFeatures& features : there.features) input.Add(&features, 1, {});
+  const Registration found = Register(input);
+  ASSERT_GE(found.block_sizes.size(), 2U);
+  EXPECT_EQ(found.LargestSize(), 24);
+  EXPECT_EQ(found.block_of.front(), 0);
+  EXPECT_GE(found.block_sizes[1], 10);
+  const double focal_px = here.lens.MeanFocalPx();
+  EXPECT_NEAR(found.lenses[0].intrinsics.MeanFocalPx(), focal_px, 0.015 * focal_px);
+  EXPECT_NEAR(found.lenses[1].intrinsics.MeanFocalPx(), focal_px, 0.05 * focal_px);
+}
+
 struct CountedGroup {
   int photos = 0;
   int size() const { return photos; }
