@@ -27,6 +27,7 @@ constexpr double kUnknownHeightM = 1e4;
 constexpr double kLooseHeightM = 3.0;
 constexpr double kHeightsWorth = 3.0;
 constexpr double kPoorestShare = 0.5;  // of the positions' own spread
+constexpr double kFarBetterShare = 0.5;
 constexpr double kMaxHeightShare = 0.25;
 
 std::vector<std::size_t> PhotosOf(const Registration& registration, int block) {
@@ -108,6 +109,15 @@ bool AreSpread(const std::vector<PlacePair>& pairs, const FittedSimilarity& fitt
   return away_m > kMinSpreadSigmas * apart_m;
 }
 
+// Whether the positions say that up is the one of two directions rather than the other: where most points are
+// on walls the plane through them is no ground.
+bool FitFarBetter(const std::vector<PlacePair>& pairs, const UpDirection& one, const UpDirection& other) {
+  const std::optional<FittedSimilarity> by_one = FitRobustly(pairs, one, kPoorestShare);
+  if (!by_one || !AreSpread(pairs, *by_one)) return false;
+  const std::optional<FittedSimilarity> by_other = FitRobustly(pairs, other, kPoorestShare);
+  return !by_other || by_one->median_residual < kFarBetterShare * by_other->median_residual;
+}
+
 // A level block that surveyed heights tip over: they are wrong, or of points that have none.
 bool IsTipped(const FittedSimilarity& fitted, const UpDirection& up) {
   const Vector3d up_in_enu = fitted.target_from_source.rotation * up.in_source.normalized();
@@ -170,10 +180,29 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   std::vector<Vector3d> centers;
   for (const std::size_t i : photos) centers.push_back(registration.cam_from_world[i].TargetOriginInSource());
 
+  std::vector<PlacePair> pairs;
+  std::vector<std::size_t> photo_of;
+  for (std::size_t k = 0; k < photos.size(); ++k) {
+    const PhotoRecord& record = records.photos[photos[k]];
+    if (!record.center_in_enu) continue;
+    pairs.push_back({centers[k], *record.center_in_enu, record.sigma_m});
+    pairs.back().sigma.z() = std::max(kLooseHeightM, 3.0 * record.sigma_m.z());
+    photo_of.push_back(photos[k]);
+  }
+  // Heights err together, slowly along the flight: however many there are, they are worth a few. More would
+  // tilt level ground to a barometer's drift.
+  const double worth = std::sqrt(std::max(1.0, static_cast<double>(pairs.size()) / kHeightsWorth));
+  for (PlacePair& pair : pairs) pair.sigma.z() *= worth;
+  place.positions = static_cast<int>(pairs.size());
+
   std::optional<UpDirection> up = UpOfGround(points, centers);
   if (const std::optional<Vector3d> told = ByAttitudes(registration, photos, records, Vector3d::UnitZ())) {
-    const double against = up ? std::acos(std::clamp(told->dot(up->in_source), -1.0, 1.0)) : 0.0;
-    if (against < kAttitudesAgainstGroundRad) up = UpDirection{*told, kSigmaOfAttitudesRad};
+    const UpDirection by_attitudes{*told, kSigmaOfAttitudesRad};
+    const auto against = [&told](const UpDirection& ground) {
+      return std::acos(std::clamp(told->dot(ground.in_source), -1.0, 1.0));
+    };
+    if (!up || against(*up) < kAttitudesAgainstGroundRad || FitFarBetter(pairs, by_attitudes, *up))
+      up = by_attitudes;
   }
   if (!up) {
     // Nothing but that cameras look down.
@@ -204,20 +233,6 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     place.knows_north = true;
   };
   if (by_control) take(*by_control, Placing::kByControl);
-  std::vector<PlacePair> pairs;
-  std::vector<std::size_t> photo_of;
-  for (std::size_t k = 0; k < photos.size(); ++k) {
-    const PhotoRecord& record = records.photos[photos[k]];
-    if (!record.center_in_enu) continue;
-    pairs.push_back({centers[k], *record.center_in_enu, record.sigma_m});
-    pairs.back().sigma.z() = std::max(kLooseHeightM, 3.0 * record.sigma_m.z());
-    photo_of.push_back(photos[k]);
-  }
-  // Heights err together, slowly along the flight: however many there are, they are worth a few. More would
-  // tilt level ground to a barometer's drift.
-  const double worth = std::sqrt(std::max(1.0, static_cast<double>(pairs.size()) / kHeightsWorth));
-  for (PlacePair& pair : pairs) pair.sigma.z() *= worth;
-  place.positions = static_cast<int>(pairs.size());
   // Records that are poor everywhere still say better than nothing where and how large the block is.
   const std::optional<FittedSimilarity> by_positions = FitRobustly(pairs, up, kPoorestShare);
   if (by_positions && AreSpread(pairs, *by_positions)) {

@@ -19,6 +19,14 @@ struct Case {
   Registration registration;
   GeoreferenceRecords records;
   std::vector<Eigen::Vector3d> centers_in_enu;
+
+  Similarity3 WorldFromEnu() const {
+    Similarity3 world_from_enu;
+    world_from_enu.scale = 1.0 / enu_from_world.scale;
+    world_from_enu.rotation = enu_from_world.rotation.conjugate();
+    world_from_enu.shift = -(world_from_enu.scale * (world_from_enu.rotation * enu_from_world.shift));
+    return world_from_enu;
+  }
 };
 
 // Eight photos a line, 60 m over almost level ground, in a world that lies and is scaled anyhow.
@@ -27,10 +35,7 @@ Case MakeCase() {
   made.enu_from_world.scale = 1.7;
   made.enu_from_world.rotation = geo::RotationFromVector({0.4, 2.0, -0.8});
   made.enu_from_world.shift = {30.0, -20.0, 10.0};
-  Similarity3 world_from_enu;
-  world_from_enu.scale = 1.0 / made.enu_from_world.scale;
-  world_from_enu.rotation = made.enu_from_world.rotation.conjugate();
-  world_from_enu.shift = -(world_from_enu.scale * (world_from_enu.rotation * made.enu_from_world.shift));
+  const Similarity3 world_from_enu = made.WorldFromEnu();
   Sampler sampler(1);
   BundleLens lens;
   lens.recorded = lens.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
@@ -187,6 +192,36 @@ TEST(Georeference, RecordedAttitudesGiveNorth) {
   const BlockPlace place = Georeference(made.registration, 0, made.records);
   EXPECT_TRUE(place.knows_north);
   EXPECT_LT(place.enu_from_world.rotation.angularDistance(made.enu_from_world.rotation), 0.02);
+}
+
+// Five rows of eight photos above each other: the plane through what they show stands upright.
+TEST(Georeference, AWallIsNoGroundWherePositionsAndAttitudesSaySo) {
+  Case made = MakeCase();
+  const Similarity3 world_from_enu = made.WorldFromEnu();
+  Sampler sampler(3);
+  for (int i = 0; i < kPhotos; ++i) {
+    geo::Rigid3& cam_from_world = made.registration.cam_from_world[i];
+    PhotoRecord& record = made.records.photos[i];
+    const Eigen::Vector3d center(15.0 * (i % 8), 0.0, 20.0 + 40.0 * (i / 8));
+    record.cam_from_enu = made.enu_from_world.Moved(cam_from_world).rotation;
+    record.center_in_enu =
+        center + Eigen::Vector3d(Uniform(sampler) - 0.5, Uniform(sampler) - 0.5, Uniform(sampler) - 0.5);
+    cam_from_world =
+        world_from_enu.Moved(geo::Rigid3::FromRotationAndTargetOrigin(*record.cam_from_enu, center));
+    made.centers_in_enu[i] = center;
+  }
+  for (Track& track : made.registration.tracks) {
+    track.point_in_enu = world_from_enu * Eigen::Vector3d(140.0 * Uniform(sampler) - 15.0,
+                                                          50.0 + Uniform(sampler), 200.0 * Uniform(sampler));
+  }
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_EQ(place.placing, Placing::kByPositions);
+  EXPECT_LT(LeanRad(made, place), 0.03);
+  for (std::size_t i = 0; i < made.centers_in_enu.size(); ++i) {
+    const Eigen::Vector3d center =
+        place.enu_from_world * made.registration.cam_from_world[i].TargetOriginInSource();
+    EXPECT_LT((center - made.centers_in_enu[i]).head<2>().norm(), 1.5) << i;
+  }
 }
 
 }  // namespace
