@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 namespace skyquilt::ground {
+namespace {
 
-GroundSurface ExtendGround(const GroundSurface& known, const GroundSurface& added,
-                           const geo::Bounds2& needed) {
+constexpr std::size_t kMaxNodes = 16'000'000;  // four times what a flight has that is modelled as a whole
+
+}  // namespace
+
+std::optional<GroundSurface> ExtendGround(const GroundSurface& known, const GroundSurface& added,
+                                          const geo::Bounds2& needed) {
   if (known.IsPlane() || needed.IsEmpty()) return known;
   const double cell_m = known.CellSize();
   const Eigen::Vector2d north_east =
@@ -20,11 +26,13 @@ GroundSurface ExtendGround(const GroundSurface& known, const GroundSurface& adde
   const int north = cells(needed.max.y() - north_east.y());
   if (west + south + east + north == 0) return known;
   const int columns = known.Columns() + west + east, rows = known.Rows() + south + north;
+  const std::size_t nodes = static_cast<std::size_t>(columns) * rows;
+  if (nodes > kMaxNodes) return std::nullopt;
   const Eigen::Vector2d corner = known.SouthWest() - cell_m * Eigen::Vector2d(west, south);
   // A plane says nothing of the ground beyond: there the border goes on.
   const GroundSurface& beyond = added.IsPlane() ? known : added;
   std::vector<float> heights;
-  heights.reserve(static_cast<std::size_t>(columns) * rows);
+  heights.reserve(nodes);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const int x = column - west, y = row - south;

@@ -324,7 +324,9 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
 
   ground::ModelGroundReport ground_report;
   const ground::GroundSurface beyond = ground::ModelGround(aligned, ground_report);
-  grown.ground = ground::ExtendGround(known.ground, beyond, SeenBy(placed, known.ground.MeanHeight()));
+  auto extended = ground::ExtendGround(known.ground, beyond, SeenBy(placed, known.ground.MeanHeight()));
+  if (!extended) return std::optional<FlightFacts>();  // as a whole, its ground has larger cells
+  grown.ground = *std::move(extended);
   for (AlignedPhoto& photo : placed) grown.flight.photos.push_back(std::move(photo));
   TellAligned(aligned.warnings, names, warnings);
   if (grown.align_report) {
