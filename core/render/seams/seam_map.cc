@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
@@ -36,30 +36,29 @@ cv::Mat1f Spread(const cv::Mat1f& in, int reach) {
   return out;
 }
 
-struct Neighbour {
-  cv::Mat1f share;  // of the wide transition
-};
-
-// By photo: where it shows the map, spread out; only what reaches into the cells that `photo` may show.
-std::map<std::int32_t, Neighbour> NeighboursOf(const LowResView& view, const SeamLabels& labels,
-                                               const cv::Mat1b& needed) {
-  std::map<std::int32_t, Neighbour> neighbours;
+// Calls `visit(photo, share)`, rising, for each photo that reaches into the `needed` cells of the view: where
+// it shows the map, spread out. One share at a time: a photo from high above sees the cells of hundreds.
+template <typename Visit>
+void ForEachNeighbour(const LowResView& view, const SeamLabels& labels, const cv::Mat1b& needed,
+                      const Visit& visit) {
+  cv::Mat1b reached;
+  cv::dilate(needed, reached, cv::Mat::ones(2 * kReach + 1, 2 * kReach + 1, CV_8U));
+  cv::Mat1i shown(view.rows, view.columns);
+  std::set<std::int32_t> photos;
   for (int y = 0; y < view.rows; ++y) {
     for (int x = 0; x < view.columns; ++x) {
-      const std::int32_t label = labels.At(view.column + x, view.row + y);
-      if (label == kNoPhoto) continue;
-      cv::Mat1f& share = neighbours[label].share;
-      if (share.empty()) share = cv::Mat1f(view.rows, view.columns, 0.0f);
-      share(y, x) = 1.0f;
+      shown(y, x) = labels.At(view.column + x, view.row + y);
+      if (reached(y, x) != 0 && shown(y, x) != kNoPhoto) photos.insert(shown(y, x));
     }
   }
-  for (auto it = neighbours.begin(); it != neighbours.end();) {
-    it->second.share = Spread(it->second.share, kReach);
+  for (const std::int32_t photo : photos) {
+    cv::Mat1f share(view.rows, view.columns, 0.0f);
+    share.setTo(1.0, shown == photo);
+    share = Spread(share, kReach);
     double most = 0.0;
-    cv::minMaxLoc(it->second.share, nullptr, &most, nullptr, nullptr, needed);
-    it = most > 1e-3 ? std::next(it) : neighbours.erase(it);
+    cv::minMaxLoc(share, nullptr, &most, nullptr, nullptr, needed);
+    if (most > 1e-3) visit(photo, share);
   }
-  return neighbours;
 }
 
 // other - view where both see the same, smoothed; with how sure that is.
@@ -120,14 +119,15 @@ PhotoLevels LevelsOf(std::int32_t photo, const std::vector<LowResView>& views, c
   }
   if (!any) return levels;
   cv::dilate(needed, needed, cv::Mat(), {-1, -1}, 3);  // as far as the narrow transition mixes photos
-  const auto neighbours = NeighboursOf(view, labels, needed);
-  if (neighbours.size() < 2) return levels;
   cv::Mat3f sum(view.rows, view.columns, cv::Vec3f(0, 0, 0));
   cv::Mat1f shares(view.rows, view.columns, 0.0f);
-  for (const auto& [other, neighbour] : neighbours) {
-    shares += neighbour.share;
-    if (other != photo) AddDifference(view, views[static_cast<std::size_t>(other)], neighbour.share, sum);
-  }
+  int neighbours = 0;
+  ForEachNeighbour(view, labels, needed, [&](std::int32_t other, const cv::Mat1f& share) {
+    ++neighbours;
+    shares += share;
+    if (other != photo) AddDifference(view, views[static_cast<std::size_t>(other)], share, sum);
+  });
+  if (neighbours < 2) return levels;
   levels.eighths.assign(view.seen.size(), {});
   for (int y = 0; y < view.rows; ++y) {
     for (int x = 0; x < view.columns; ++x) {

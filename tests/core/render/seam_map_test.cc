@@ -2,11 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "core/geo/web_mercator.h"
 #include "core/render/blocks/measure_seams.h"
 #include "core/render/seams/label_seams.h"
+#include "tests/support/peak_memory.h"
 #include "tests/support/simulated_map.h"
 
 namespace skyquilt::render {
@@ -177,6 +182,39 @@ TEST(SeamMap, CorrectionsOfNeighboursMeetAtTheSeam) {
   // Most of the light was evened out by the gains: what is left is small, and it is there.
   EXPECT_GT(corrections, 0.2);
   EXPECT_LT(corrections, 12.0);
+}
+
+// 144 photos from low down, and one from five times as high that sees all of them and shows what lies around.
+// A picture of its view for each of them would be 250 MiB.
+TEST(SeamMap, TakesNoMoreMemoryForAHighPhotoThatSeesHundreds) {
+  constexpr int kSide = 12, kPhotos = kSide * kSide + 1;
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(geo::kPi, Eigen::Vector3d::UnitX()));
+  alignment::AlignedFlight flight;
+  flight.frame = geo::LocalFrame({46.8, 7.1, 500.0});
+  std::vector<Thumbnail> thumbnails;
+  for (int i = 0; i < kPhotos; ++i) {
+    const bool is_high = i + 1 == kPhotos;
+    alignment::AlignedPhoto photo;
+    photo.intrinsics = camera::Intrinsics::Centered(640, 480, 800.0);
+    photo.height_above_ground_m = is_high ? 400.0 : 80.0;
+    Eigen::Vector3d center(0.0, 0.0, photo.height_above_ground_m);
+    if (!is_high) center.head<2>() = Eigen::Vector2d(10.0 * (i % kSide) - 55.0, 8.0 * (i / kSide) - 44.0);
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(down, center);
+    image::DecodedImage picture{64, 48, {}};
+    picture.rgb.assign(std::size_t{64} * 48 * 3, is_high ? 128 : 120);
+    thumbnails.push_back(MakeThumbnail(photo.photo, picture));
+    flight.photos.push_back(std::move(photo));
+  }
+  const ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
+  const MosaicPlan plan = *PlanMosaic(flight, ground, {});
+  const double before_mib = test::PeakMib();
+  const SeamMap seams = BuildSeamMap(flight, ground, plan, ExposureModel::Even(kPhotos), thumbnails,
+                                     {.moves_seams = false, .threads = 1});
+  EXPECT_LT(test::PeakMib() - before_mib, 180.0);
+  int darkest = 0;  // of what evens the high photo's light at its seams with the others
+  for (const auto& eighths : seams.levels.back().eighths) darkest = std::min<int>(darkest, eighths[0]);
+  EXPECT_LT(darkest, -8 * 2);
+  EXPECT_GT(darkest, -8 * 8);
 }
 
 test::SimulatedMap SharpMap() {
