@@ -103,7 +103,7 @@ class StatisticsCounter {
       if (in_row == 0) continue;
       pixels_ += in_row;
       const double lat_deg = geo::LatLonFromMerc({0.0, top_m - (row + 0.5) * pixel_m_}).lat_deg;
-      covered_m2_ += static_cast<double>(in_row) * pixel_m_ * pixel_m_ * GroundPerMercArea(lat_deg);
+      covered_m2_ += static_cast<double>(in_row) * pixel_m_ * pixel_m_ * geo::GroundPerMercArea(lat_deg);
     }
     return {};
   }

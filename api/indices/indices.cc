@@ -109,7 +109,7 @@ std::vector<storage::ClassFacts> FactsOfZones(const IndexValues& values, const s
   for (int row = 0; row < cells.height_px; ++row) {
     const double lat_deg =
         geo::LatLonFromMerc({0.0, cells.north_m - (row + 0.5) * cells.pixel_height_m}).lat_deg;
-    const double cell_m2 = cells.pixel_width_m * cells.pixel_height_m * GroundPerMercArea(lat_deg);
+    const double cell_m2 = cells.pixel_width_m * cells.pixel_height_m * geo::GroundPerMercArea(lat_deg);
     for (int column = 0; column < cells.width_px; ++column) {
       const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cells.width_px) +
                       static_cast<std::size_t>(column);

@@ -155,13 +155,6 @@ Result<image::RgbaImage> StoredPicture(const storage::Tileset& tileset, const ge
 
 }  // namespace
 
-double GroundPerMercArea(double lat_deg) {
-  const double sin_lat = std::sin(geo::DegToRad(lat_deg));
-  const double along = geo::GroundMetresPerMercMetre(lat_deg);
-  const double w = 1.0 - geo::kWgs84EccentricitySquared * sin_lat * sin_lat;
-  return along * along * (1.0 - geo::kWgs84EccentricitySquared) / w;
-}
-
 Result<std::vector<std::string>> BandsOf(MapBands& map_bands, const storage::Tileset& tileset) {
   SKYQUILT_TRY_ASSIGN(const auto raster, map_bands.Of(tileset));
   return raster ? raster->bands() : ColourBands();

@@ -28,8 +28,6 @@ struct IndexValues {
 
 // What is more transparent is the fringe of a map, and counts for no statistics.
 inline constexpr std::uint8_t kSolidMapAlpha = 128;
-// Square metres of ground under one of Web Mercator.
-double GroundPerMercArea(double lat_deg);
 
 // The bands of a map, in the order of its file.
 Result<std::vector<std::string>> BandsOf(MapBands& map_bands, const storage::Tileset& tileset);

@@ -33,4 +33,11 @@ double GroundMetresPerMercMetre(double lat_deg) {
   return std::cos(lat_rad) / std::sqrt(1.0 - kWgs84EccentricitySquared * sin_lat * sin_lat);
 }
 
+double GroundPerMercArea(double lat_deg) {
+  const double sin_lat = std::sin(DegToRad(lat_deg));
+  const double along = GroundMetresPerMercMetre(lat_deg);
+  const double w = 1.0 - kWgs84EccentricitySquared * sin_lat * sin_lat;
+  return along * along * (1.0 - kWgs84EccentricitySquared) / w;
+}
+
 }  // namespace skyquilt::geo

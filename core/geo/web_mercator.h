@@ -18,5 +18,7 @@ LatLonBounds LatLonBoundsFromMerc(const Bounds2& bounds_in_merc);
 // How many metres on the ground one merc metre is at this latitude, east-west. (Mercator is conformal on the
 // sphere; on the ellipsoid north-south differs by up to 0.7 %.)
 double GroundMetresPerMercMetre(double lat_deg);
+// Square metres of ground under one of merc.
+double GroundPerMercArea(double lat_deg);
 
 }  // namespace skyquilt::geo

@@ -83,9 +83,7 @@ void DescribeMap(const FlightFacts& facts, const PlannedMap& planned,
                          .is_by_hand = facts.is_by_hand};
   report.quality = JudgeMap(judged);
   for (flight::Remark& remark : RemarksOnPositions(judged)) report.warnings.push_back(std::move(remark));
-  const double lat_deg = aligned.frame.origin().lat_deg;
-  const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
-  report.area_m2 = rendered.covered_merc_m2 * ground_per_merc * ground_per_merc;
+  report.area_m2 = rendered.covered_m2;
   report.bounds = geo::LatLonBoundsFromMerc(rendered.covered_in_merc).OnEarth();
   report.min_zoom = plan.min_zoom;
   report.max_zoom = plan.base_zoom;

@@ -67,6 +67,14 @@ void MeasureCoverage(const image::RgbaImage& image, const RenderBlock& block, co
       Eigen::Vector2d(bounds.min.x() + (x1 + 1) * pixel_m, bounds.max.y() - (y1 + 1) * pixel_m));
 }
 
+double CoveredM2(const pyramid::KeptBlock& block, double pixel_in_merc_m) {
+  if (block.covered_in_merc.IsEmpty()) return 0.0;
+  const geo::Bounds2& covered = block.covered_in_merc;
+  const geo::LatLon middle = geo::LatLonFromMerc(0.5 * (covered.min + covered.max));
+  return static_cast<double>(block.covered_pixels) * pixel_in_merc_m * pixel_in_merc_m *
+         geo::GroundPerMercArea(middle.lat_deg);
+}
+
 FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& options,
                           const RenderBlock& block, const BlockGeometry& geometry) {
   FinishedBlock finished;
@@ -229,7 +237,7 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
         }
         if (block.half) overviews.AddHalf(context.plan.blocks[i].tile, *block.half);
         report.base_tiles += kept->base_tiles;
-        report.covered_merc_m2 += static_cast<double>(kept->covered_pixels) * pixel_m * pixel_m;
+        report.covered_m2 += CoveredM2(*kept, pixel_m);
         report.covered_in_merc.Include(kept->covered_in_merc);
         progress.Report(static_cast<double>(i + 1) / static_cast<double>(count),
                         fmt::format("block {} of {}", i + 1, count));

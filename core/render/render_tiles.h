@@ -27,7 +27,7 @@ struct RenderMemory {
 struct RenderReport {
   std::int64_t tiles = 0;
   std::int64_t base_tiles = 0;
-  double covered_merc_m2 = 0.0;  // covered area in merc square metres
+  double covered_m2 = 0.0;       // of ground, each block by its latitude
   geo::Bounds2 covered_in_merc;  // of the base tiles' covered pixels
   std::int64_t blocks_kept = 0;  // taken over from an earlier run, of all
   std::int64_t blocks = 0;

@@ -159,8 +159,8 @@ Result<void> ImportRaster(const flight::InputFile& file, const std::filesystem::
   };
   report.bounds = geo::LatLonBoundsFromMerc(
       {corner(covered.first_x, covered.last_y + 1), corner(covered.last_x + 1, covered.first_y)});
-  const double pixel_m = pixel_merc_m * geo::GroundMetresPerMercMetre(report.bounds.Middle().lat_deg);
-  report.area_m2 = static_cast<double>(covered.count) * pixel_m * pixel_m;
+  report.area_m2 = static_cast<double>(covered.count) * pixel_merc_m * pixel_merc_m *
+                   geo::GroundPerMercArea(report.bounds.Middle().lat_deg);
   return writer->Publish(MetadataOfImport(report, ""));
 }
 

@@ -4,7 +4,10 @@
 #include <proj.h>
 
 #include <limits>
+#include <utility>
+#include <vector>
 
+#include "core/geo/geodesic.h"
 #include "core/geo/raster_frame.h"
 #include "core/geo/tile_id.h"
 
@@ -26,6 +29,17 @@ TEST(WebMercator, AgreesWithProjAndRoundTrips) {
     }
   }
   proj_destroy(oracle);
+}
+
+TEST(WebMercator, AreasAreThoseOnTheEllipsoid) {
+  constexpr double kSideM = 10'000.0;
+  for (const double lat_deg : {-80.0, -33.0, 0.001, 46.8, 84.0}) {
+    const Eigen::Vector2d middle = MercFromLatLon({lat_deg, 7.1});
+    std::vector<LatLon> square;
+    for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}})
+      square.push_back(LatLonFromMerc(middle + kSideM * Eigen::Vector2d(x, y)));
+    EXPECT_NEAR(GroundPerMercArea(lat_deg) * kSideM * kSideM / GeodesicAreaM2(square), 1.0, 1e-5) << lat_deg;
+  }
 }
 
 TEST(LatLonBounds, AcrossTheAntimeridianGoOnBeyondItInTheEast) {

@@ -244,6 +244,25 @@ TEST(RenderTiles, ABoundaryCutsPixelsAndChangesNoneOfTheRest) {
   EXPECT_GT(outside_pixels, 1000);
 }
 
+// By the equator a metre of Mercator is 0.7 % less ground from north to south than from east to west.
+TEST(RenderTiles, TellsHowMuchGroundTheMapShows) {
+  simulate::SimulateOptions options = test::SmallPhotos(9);
+  options.origin = {0.3, 7.1};
+  test::SimulatedMap map = test::MakeSimulatedMap(options);
+  const geo::Boundary triangle = TriangleOver(map, 0.0);
+  PlanOptions plan;
+  plan.boundary = &triangle;
+  map.plan = *PlanMosaic(map.flight, map.ground, plan);
+  const SeamMap seams = map.Seams({});
+  PhotoCache cache(*map.photos, 1 << 28);
+  test::MemorySink tiles;
+  SilentProgress progress;
+  const RenderContext context{map.flight, map.ground, map.exposure, seams, map.plan, cache};
+  const auto report = RenderTiles(context, {2, {image::TileEncoding::kJpegPng, 95}}, tiles, progress);
+  ASSERT_TRUE(report.ok());
+  EXPECT_NEAR(report->covered_m2 / geo::AreaM2(triangle), 1.0, 0.002);
+}
+
 // Of samples that are more than bytes: the same file in another range is another picture.
 TEST(RenderTiles, ABlockIsAnotherWhereItsPhotosAreDrawnInAnotherRange) {
   test::SimulatedMap map = SmallMap();
