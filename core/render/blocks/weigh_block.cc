@@ -237,9 +237,11 @@ std::vector<PixelBox> ShownRegions(const alignment::AlignedFlight& flight,
         Around(*pixel).Grown(static_cast<int>((is_end ? kCellsAroundAtEnd : kCellsAround) * cell_px) + 1));
   };
   // A photo's cells side by side are seen side by side: the outer ones are enough.
+  const int columns = seams.labels.columns();
   for (int row = 0; row < seams.labels.rows(); ++row) {
     std::int32_t last = kNoPhoto;
-    for (int column = 0; column <= seams.labels.columns(); ++column) {
+    for (int column = 0, alike = 1; column <= columns; column += alike) {
+      alike = column < columns ? seams.labels.AlikeFrom(column, row) : 1;
       const std::int32_t label = seams.labels.At(column, row);  // none beyond the last
       if (label == last) continue;
       if (last != kNoPhoto) include(last, column - 1, row);

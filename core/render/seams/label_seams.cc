@@ -80,7 +80,8 @@ class Labeller {
   // Cells that an earlier run decided, as long as their photo still sees them.
   void TakeKnown(const KnownLabels& known, const SeamGrid& grid) {
     for (int row = 0; row < labels_.rows(); ++row) {
-      for (int column = 0; column < labels_.columns(); ++column) {
+      for (int column = 0, alike = 1; column < labels_.columns(); column += alike) {
+        alike = labels_.AlikeFrom(column, row);
         const std::int32_t label = known.AtWorld(grid.first_column + column, grid.first_row + row);
         if (label == kNoPhoto || labels_.At(column, row) == kNoPhoto) continue;
         const int index = View(label).IndexOf(column, row);

@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/scoped_timer.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/blocks/measure_seams.h"
+#include "core/render/blocks/weigh_block.h"
 #include "core/render/seams/label_seams.h"
 #include "tests/support/peak_memory.h"
 #include "tests/support/simulated_map.h"
@@ -55,6 +57,21 @@ TEST(LabelSeams, TakesFlightsWithNothingToDecide) {
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column) EXPECT_EQ(labels.At(column, row), 0);
   }
+}
+
+// Two fields far apart lie in one grid of cells, and hardly any of those is of a field.
+TEST(SeamLabels, AreNotWalkedCellByCellBetweenFieldsFarApart) {
+  constexpr int kSide = 1 << 16;
+  KnownLabels known{GridOf(kSide), SeamLabels(kSide, kSide), 0};
+  known.labels.Set(kSide - 1, kSide - 1, 0);
+  double cpu_s = 0.0;
+  {
+    const ScopedCpuTimer timer(cpu_s);
+    SeamMap seams;
+    seams.labels = LabelSeams({}, GridOf(kSide), {true, 50.0, &known});
+    EXPECT_TRUE(ShownRegions({}, ground::GroundSurface::Plane(0.0), seams).empty());
+  }
+  EXPECT_LT(cpu_s, 4.0);
 }
 
 simulate::SimulateOptions SmallFlight() {
