@@ -44,14 +44,36 @@ void MaskRings(const std::vector<RingEdge>& edges, const MaskWindow& window,
   }
 }
 
+namespace {
+
+// Longitudes along a ring as the numbers go on across the antimeridian; all the way around is no step across.
+class LonAlong {
+ public:
+  explicit LonAlong(double first_deg) : last_deg_(first_deg) {}
+  double At(double lon_deg) {
+    const double step_deg = lon_deg - last_deg_;
+    if (std::abs(step_deg) < 360.0) turn_deg_ += std::remainder(step_deg, 360.0) - step_deg;
+    last_deg_ = lon_deg;
+    return lon_deg + turn_deg_;
+  }
+
+ private:
+  double last_deg_, turn_deg_ = 0.0;
+};
+
+}  // namespace
+
 LatLonBounds Boundary::Bounds() const {
   const LatLon first = polygons.front().front().front();
   LatLonBounds bounds{first.lon_deg, first.lat_deg, first.lon_deg, first.lat_deg};
   for (const Polygon& polygon : polygons) {
-    for (const LatLon& corner : polygon.front())
-      bounds.Include({corner.lon_deg, corner.lat_deg, corner.lon_deg, corner.lat_deg});
+    LonAlong along(polygon.front().front().lon_deg);
+    for (const LatLon& corner : polygon.front()) {
+      const double lon_deg = along.At(corner.lon_deg);
+      bounds.Include({lon_deg, corner.lat_deg, lon_deg, corner.lat_deg});
+    }
   }
-  return bounds;
+  return bounds.OnEarth();
 }
 
 double AreaM2(const Boundary& boundary) {
@@ -81,12 +103,12 @@ bool DoCross(const RingEdge& a, const RingEdge& b) {
 // The edges of a ring in Web Mercator, each from west to east; across the antimeridian the numbers go on.
 std::vector<RingEdge> EdgesInMerc(const Boundary::Ring& ring) {
   std::vector<RingEdge> edges;
-  double lon_deg = ring.front().lon_deg;
+  LonAlong along(ring.front().lon_deg);
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i <= ring.size(); ++i) {
     const LatLon& corner = ring[i % ring.size()];
-    lon_deg = corner.lon_deg - 360.0 * std::nearbyint((corner.lon_deg - lon_deg) / 360.0);
-    const Eigen::Vector2d to = MercFromLatLon({std::clamp(corner.lat_deg, -85.06, 85.06), lon_deg});
+    const Eigen::Vector2d to =
+        MercFromLatLon({std::clamp(corner.lat_deg, -85.06, 85.06), along.At(corner.lon_deg)});
     if (i > 0 && from.x() < to.x()) edges.push_back({from.x(), from.y(), to.x(), to.y()});
     if (i > 0 && from.x() >= to.x()) edges.push_back({to.x(), to.y(), from.x(), from.y()});
     from = to;
@@ -155,20 +177,32 @@ Boundary CutTo(const Boundary& boundary, const LatLonBounds& bounds) {
 BoundaryOnZoom::BoundaryOnZoom(const Boundary& boundary, int zoom, int tile_size_px)
     : tile_size_px_(tile_size_px) {
   const double pixel_merc_m = PixelSizeInMercM(zoom, tile_size_px);
+  const double world_px = 2.0 * kMercHalfWidthM / pixel_merc_m;
   for (const Boundary::Polygon& polygon : boundary.polygons) {
     std::vector<RingEdge> edges;
+    double west_px = world_px, east_px = 0.0;
     for (const Boundary::Ring& ring : polygon) {
+      LonAlong along(polygon.front().front().lon_deg);
       Eigen::Vector2d from = Eigen::Vector2d::Zero();
       for (std::size_t i = 0; i <= ring.size(); ++i) {
         // Beyond the square of the tiles there are none: clamped, a pole is not infinitely far.
         LatLon corner = ring[i % ring.size()];
         corner.lat_deg = std::clamp(corner.lat_deg, -85.06, 85.06);
+        corner.lon_deg = along.At(corner.lon_deg);
         const Eigen::Vector2d merc = MercFromLatLon(corner);
         const Eigen::Vector2d to((merc.x() + kMercHalfWidthM) / pixel_merc_m,
                                  (kMercHalfWidthM - merc.y()) / pixel_merc_m);
         if (i > 0) edges.push_back({from.x(), from.y(), to.x(), to.y()});
+        west_px = std::min(west_px, to.x()), east_px = std::max(east_px, to.x());
         from = to;
       }
+    }
+    // What lies beyond the square of the tiles is on its other side.
+    for (const double turn_px :
+         {west_px < -0.5 ? world_px : 0.0, east_px > world_px + 0.5 ? -world_px : 0.0}) {
+      if (turn_px == 0.0) continue;
+      std::vector<RingEdge>& turned = polygons_.emplace_back(edges);
+      for (RingEdge& edge : turned) edge.x0 += turn_px, edge.x1 += turn_px;
     }
     polygons_.push_back(std::move(edges));
   }

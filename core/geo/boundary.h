@@ -1,7 +1,7 @@
 // Boundary: an area that a map is cut to: polygons with holes on WGS 84, degrees. Edges are straight in Web
-// Mercator, the grid of the tiles. BoundaryOnZoom: which pixels of a tile lie within; MaskRings: the same for
-// any grid. Files with areas are read by storage/exports/custom/boundary.h. Pure; any thread. Memory: 32
-// bytes a corner. Nothing fails.
+// Mercator, the grid of the tiles, and go the shorter way around the Earth. BoundaryOnZoom: which pixels of a
+// tile lie within; MaskRings: the same for any grid. Files with areas are read by
+// storage/exports/custom/boundary.h. Pure; any thread. Memory: 32 bytes a corner. Nothing fails.
 #pragma once
 
 #include <cstddef>

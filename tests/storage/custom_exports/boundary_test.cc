@@ -140,6 +140,31 @@ TEST(BoundaryOnZoom, KeepsHolesEmptyAndTakesPolygonsTogether) {
   EXPECT_EQ(pixel(-90.0, 45.0), 1);
 }
 
+TEST(BoundaryOnZoom, LiesOnBothSidesOfTheAntimeridianWithItsHoles) {
+  const auto boundary =
+      test::ValueOf(ParseBoundary(Polygon("[[170,-40],[-170,-40],[-170,40],[170,40],[170,-40]],"
+                                          "[[-175,-20],[175,-20],[175,20],[-175,20],[-175,-20]]")));
+  EXPECT_EQ(boundary.Bounds(), (geo::LatLonBounds{170.0, -40.0, 190.0, 40.0}));
+  const auto from_east = test::ValueOf(ParseBoundary(Polygon("[[-170,-40],[-170,40],[170,40],[-170,-40]]")));
+  EXPECT_EQ(from_east.Bounds(), boundary.Bounds());
+  constexpr int kZoom = 4, kSidePx = 64;
+  const BoundaryOnZoom on_zoom(boundary, kZoom, kSidePx);
+  std::vector<std::uint8_t> inside;
+  const auto holds = [&](double lon, double lat) {
+    const Eigen::Vector2d merc = geo::MercFromLatLon({lat, lon});
+    const geo::TileId tile = geo::TileId::AtMerc(kZoom, merc);
+    EXPECT_EQ(on_zoom.Mask(tile, inside), on_zoom.CoverOf(tile)) << lon << " " << lat;
+    const geo::Bounds2 bounds = tile.BoundsInMerc();
+    const double pixel_m = bounds.Width() / kSidePx;
+    const auto x = static_cast<std::size_t>((merc.x() - bounds.min.x()) / pixel_m),
+               y = static_cast<std::size_t>((bounds.max.y() - merc.y()) / pixel_m);
+    return inside[y * kSidePx + x] != 0;
+  };
+  for (const double lon : {172.0, -172.0}) EXPECT_TRUE(holds(lon, 0.0) && holds(lon, 30.0)) << lon;
+  for (const double lon : {178.0, -178.0}) EXPECT_TRUE(!holds(lon, 0.0) && holds(lon, -30.0)) << lon;
+  for (const double lon : {168.0, -168.0, 0.0, 90.0}) EXPECT_FALSE(holds(lon, 0.0)) << lon;
+}
+
 TEST(BoundaryOnZoom, SaysOfATileWhatItsPixelsSay) {
   // A comb of many teeth with a hole beside it, over tiles of several sizes.
   std::string comb = "[[7.0,46.0]";
