@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "api/http/responses.h"
@@ -22,9 +24,13 @@ std::string HexOf(const indices::ColourRamp::Colour& colour) {
 
 std::array<std::string, kLegendMarks> MarksOf(const IndexLook& look) {
   std::array<std::string, kLegendMarks> marks;
+  const double range = look.most - look.least;
+  // Of a narrow range far from 0, as of kelvins, three digits do not tell the marks apart.
+  const double times = std::max(std::abs(look.least), std::abs(look.most)) / range;
+  const int digits = 3 + static_cast<int>(std::clamp(std::log10(times), 0.0, 12.0));
   for (std::size_t i = 0; i < kLegendMarks; ++i) {
     const double share = static_cast<double>(i) / (kLegendMarks - 1);
-    marks[i] = fmt::format("{:.3g}", look.least + share * (look.most - look.least));
+    marks[i] = fmt::format("{:.{}g}", look.least + share * range, digits);
   }
   return marks;
 }

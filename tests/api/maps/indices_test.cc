@@ -186,6 +186,9 @@ TEST_F(IndicesTest, DocumentsSayWhichIndicesThereAre) {
       sample_.Get("/api/v1/flights/" + flight_ + "/legend.svg?expression=min(red,green)&rescale=0,2");
   EXPECT_EQ(legend.headers.Find("Content-Type"), "image/svg+xml");
   EXPECT_NE(legend.body.find(">1.5</text>"), std::string::npos) << legend.body;
+  legend = sample_.Get("/api/v1/flights/" + flight_ + "/legend.svg?expression=red&rescale=300,301");
+  for (const char* mark : {">300</text>", ">300.25</text>", ">300.5</text>", ">300.75</text>", ">301</text>"})
+    EXPECT_NE(legend.body.find(mark), std::string::npos) << legend.body;
   EXPECT_EQ(sample_.Get("/api/v1/flights/nothing/legend.svg?index=vari").status, 404);
   EXPECT_EQ(sample_.Get("/api/v1/flights/nothing/legend.png?index=vari").status, 404);
 }
