@@ -28,7 +28,6 @@ using flight::RemarkCode;
 // Captures without a panel behind which no more are looked for: panels are held before and after a flight, in
 // as many pictures as somebody likes.
 constexpr std::size_t kWithoutPanel = 2;
-constexpr double kMaxClippedShare = 0.01;
 constexpr double kMaxSpread = 0.25;  // a panel is even: more is grass, or its rim
 constexpr double kFarH = 2.0;        // later, the sun stands elsewhere
 

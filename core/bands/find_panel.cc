@@ -59,7 +59,6 @@ using Eigen::Vector2d;
 
 constexpr int kMinPicturePx = 64;
 constexpr std::size_t kMinAreaPixels = 20;
-constexpr std::uint16_t kClipped = 65'000;
 
 // Eight bits, the darkest and brightest hundredth clipped: codes are read in black and white.
 std::vector<std::uint8_t> StretchedOf(const image::SampleImage& picture) {
@@ -151,7 +150,7 @@ std::optional<AreaLevels> LevelsIn(const image::SampleImage& picture, const Pane
   if (!ForEachPixelIn(picture.width_px, picture.height_px, area_px, take) || levels.size() < kMinAreaPixels)
     return std::nullopt;
   const auto clipped =
-      std::count_if(levels.begin(), levels.end(), [](auto level) { return level >= kClipped; });
+      std::count_if(levels.begin(), levels.end(), [](auto level) { return level >= kClippedLevel; });
   std::sort(levels.begin(), levels.end());
   const double median = levels[levels.size() / 2];
   const double half = levels[levels.size() * 3 / 4] - levels[levels.size() / 4];

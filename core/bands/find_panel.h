@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -44,6 +45,11 @@ struct FoundPanel {
 };
 
 std::optional<FoundPanel> FindPanel(const image::SampleImage& picture);
+
+// Levels of 16 bits from here on are clipped: those of ten bits end at 65472. An area of which more is tells
+// nothing.
+inline constexpr std::uint16_t kClippedLevel = 65'000;
+inline constexpr double kMaxClippedShare = 0.01;
 
 // The levels within an area: their median, how far the middle half spreads around it (a share of it), and the
 // share of them that the sensor clipped. Nothing where the area does not lie within the picture or holds less

@@ -1,7 +1,7 @@
 // MeasureTargets: by which factor each band's values are wrong where the ground's reflectance is known. A
 // target is looked at in the captures that stand nearest above it, each band in its own picture; the median
 // of what they show counts. Blocking; one thread; decodes up to six pictures a target and band. Never fails:
-// a target that no capture shows, or that is uneven, is said in the warnings.
+// a target that no capture shows, or that is overexposed or uneven, is said in the warnings.
 #pragma once
 
 #include <string>

@@ -125,6 +125,8 @@ class RigSource final : public flight::PhotoSource {
   }
   Result<image::SampleImage> DecodeSamples(const flight::Photo& photo) const override {
     if (photo.name == damaged) return Error{ErrorCode::kCorrupt, "The picture is damaged.", ""};
+    if (!overexposed.empty() && photo.name.ends_with(overexposed))
+      return image::SampleImage{kWidth, kHeight, std::vector<std::uint16_t>(kWidth * kHeight, 65'520)};
     static std::mutex mutex;
     static std::map<std::string, image::SampleImage> drawn;
     const std::lock_guard lock(mutex);
@@ -132,7 +134,7 @@ class RigSource final : public flight::PhotoSource {
     if (is_new) kept->second = DrawnBand(std::stoul(photo.name), photo.name.substr(photo.name.find('_') + 1));
     return kept->second;
   }
-  std::string damaged;
+  std::string damaged, overexposed;  // a picture; a band
 };
 
 bands::Radiometry RigRadiometry() {
@@ -292,6 +294,24 @@ TEST(MeasureTargetsTest, FindsTheFactorOfEachBandByGroundOfKnownReflectance) {
   EXPECT_TRUE(fewer.by_band[1].empty() && fewer.by_band[2].empty());
   ASSERT_EQ(fewer.warnings.size(), 1U);
   EXPECT_NE(InWords(fewer.warnings[0]).find("Target 1"), std::string::npos);
+}
+
+TEST(MeasureTargetsTest, AnOverexposedTargetSaysNothingOfItsBandAndIsSaid) {
+  RigSource source;
+  RigFlight flown = Fly(3);
+  for (bands::Band& band : flown.captures.bands) band.calibration = bands::Calibration::kRelative;
+  const BandCameras cameras = Register(flown, source);
+  flown.captures.targets = {TargetAt(flown, {10.0, 2.0}, 0.15)};
+  source.overexposed = "red";
+  const TargetFactors factors =
+      MeasureTargets(flown.references, ground::GroundSurface::Plane(0.0), flown.captures, cameras, source);
+  EXPECT_EQ(factors.by_band[0].size(), 1U);
+  EXPECT_TRUE(factors.by_band[1].empty());
+  EXPECT_EQ(factors.by_band[2].size(), 1U);
+  ASSERT_EQ(factors.warnings.size(), 1U);
+  EXPECT_NE(
+      InWords(factors.warnings[0]).find("Target 1 of known reflectance is not used for red: it is over"),
+      std::string::npos);
 }
 
 TEST(MeasureTargetsTest, AnUnevenTargetIsSaid) {

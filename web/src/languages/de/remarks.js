@@ -341,6 +341,7 @@ export const remark_words = {
   band_laid_as_reference: (v) => `In ${number(v.failed)} von ${number(v.captures)} Aufnahmen ließ sich der Kanal ${v.band} nicht auf den Bezugskanal legen; dort liegt er wie dieser.`,
   captures_not_placed: (v) => `${number(v.missing)} von ${number(v.captures)} Aufnahmen mehrerer Kanäle wurden nicht platziert und fehlen in der Karte der Kanäle.`,
   target_unseen: (v) => `Reflexionsziel ${number(v.target)} wird nicht verwendet: Keine Aufnahme zeigt es ganz.`,
+  target_overexposed: (v) => `Reflexionsziel ${number(v.target)} wird für ${v.bands} nicht verwendet: Es ist dort überbelichtet.`,
   target_uneven: (v) => `Reflexionsziel ${number(v.target)} ist ungleichmäßig: Prüfen Sie Ort und Radius in ${v.file}.`,
   every_capture_a_panel: (v) => `Laut Kamera oder ${v.file} zeigt jede Aufnahme eine Kalibriertafel: Keine wird als eine solche behandelt.`,
   bands_without_panel: (v) => `Für ${v.bands} ließ sich weder eine Kalibriertafel noch ein Reflexionsziel verwenden: Ein Index aus diesen und anderen Kanälen ist nicht kalibriert.`,

@@ -340,6 +340,7 @@ export const remark_words = {
   band_laid_as_reference: (v) => `In ${number(v.failed)} of ${number(v.captures)} captures the band ${v.band} could not be aligned with the reference; there it lies as the reference does.`,
   captures_not_placed: (v) => `${number(v.missing)} of ${number(v.captures)} captures of several bands were not placed and are not in the map of the bands.`,
   target_unseen: (v) => `Reflectance target ${number(v.target)} is not used: no capture shows all of it.`,
+  target_overexposed: (v) => `Reflectance target ${number(v.target)} is not used for ${v.bands}: it is overexposed there.`,
   target_uneven: (v) => `Reflectance target ${number(v.target)} is uneven: check its place and radius in ${v.file}.`,
   every_capture_a_panel: (v) => `Every capture is said to show a calibration panel, by the camera or in ${v.file}: none is taken for one.`,
   bands_without_panel: (v) => `Neither a calibration panel nor a reflectance target could be used for ${v.bands}: an index of these bands and others is not calibrated.`,
