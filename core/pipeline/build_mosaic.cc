@@ -9,6 +9,7 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/place_flight.h"
@@ -45,13 +46,18 @@ void DescribePhotos(const alignment::AlignedFlight& flight, MosaicReport& report
   report.photos_total = static_cast<int>(flight.photos.size()) + report.photos_left_out;
 }
 
-// Tiles so large that not one fits in the memory stay coarser.
+// Tiles so large that not one fits in the memory, or that nobody decodes, stay coarser.
 void WarnOfCoarserPixels(const render::MosaicPlan& plan, const alignment::AlignedFlight& flight,
                          const std::optional<double>& gsd_m, MosaicReport& report) {
   const double wanted_m = gsd_m.value_or(plan.gsd_m), pixel_m = render::OutputPixelM(plan, flight);
   if (pixel_m <= 1.001 * wanted_m) return;
-  report.warnings.push_back(
-      {flight::RemarkCode::kCoarserPixels, {{"pixel_mm", 1e3 * pixel_m}, {"wanted_mm", 1e3 * wanted_m}}});
+  flight::Remark coarser{flight::RemarkCode::kCoarserPixels,
+                         {{"pixel_mm", 1e3 * pixel_m}, {"wanted_mm", 1e3 * wanted_m}}};
+  if (plan.tile_size_px == image::kMaxPictureSidePx) {
+    coarser.code = flight::RemarkCode::kFinestPixels;
+    coarser.values.emplace("side_px", plan.tile_size_px);
+  }
+  report.warnings.push_back(std::move(coarser));
 }
 
 // What the report says of the finished map.

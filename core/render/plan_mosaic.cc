@@ -10,6 +10,7 @@
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
 
 namespace skyquilt::render {
 namespace {
@@ -168,7 +169,9 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   // Finer than the last zoom that GIS tools open, the tiles grow instead of the zoom: 512 pixels, 1024, ...
   while (plan.base_zoom > kFinestZoom) {
     --plan.base_zoom;
-    if (BlockBytes(2 * plan.tile_size_px) <= options.max_block_bytes) plan.tile_size_px *= 2;
+    if (2 * plan.tile_size_px <= image::kMaxPictureSidePx &&
+        BlockBytes(2 * plan.tile_size_px) <= options.max_block_bytes)
+      plan.tile_size_px *= 2;
   }
   plan.block_levels = 0;
   while (plan.block_levels < plan.base_zoom && plan.BlockSizePx() < kBlockSizePx) ++plan.block_levels;

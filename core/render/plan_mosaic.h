@@ -16,7 +16,8 @@ namespace skyquilt::render {
 
 struct PlanOptions {
   std::optional<double> gsd_m;  // of the output; default: that of the photos
-  // What one block may take while it is rendered: tiles do not grow beyond, and the pixels stay coarser.
+  // What one block may take while it is rendered: tiles do not grow beyond (nor beyond what their decoders
+  // take), and the pixels stay coarser.
   std::int64_t max_block_bytes = std::int64_t{600} << 20;
   std::int64_t max_seam_bytes = std::int64_t{1} << 30;  // of all photos' views of the seam grid
   bool not_finer_than_photos = false;                   // where gsd_m is: then it is not refused either

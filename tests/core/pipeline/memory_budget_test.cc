@@ -4,6 +4,7 @@
 
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
+#include "core/image/picture_codec.h"
 #include "core/render/seams/seam_grid.h"
 #include "tests/support/value_of.h"
 
@@ -53,12 +54,15 @@ TEST(MemoryBudget, WhatIsDividedIsNoMoreThanThereIs) {
 }
 
 // Heights a finger above the ground asked for tiles of 32,768 pixels.
-TEST(MemoryBudget, TilesDoNotGrowBeyondIt) {
-  MosaicOptions options;
+TEST(MemoryBudget, TilesDoNotGrowBeyondItNorBeyondWhatIsDecoded) {
   const auto flight = FlightAt({0.001, 0.001, 0.002});
-  const auto plan =
-      test::ValueOf(render::PlanMosaic(flight, ground::GroundSurface::Plane(0.0), PlanWithin(options)));
-  EXPECT_LE(plan.tile_size_px, 4096);
+  for (const std::int64_t memory : {kGib / 2, kGib, 4 * kGib, 64 * kGib}) {
+    MosaicOptions options;
+    options.max_memory_bytes = memory;
+    const auto plan =
+        test::ValueOf(render::PlanMosaic(flight, ground::GroundSurface::Plane(0.0), PlanWithin(options)));
+    EXPECT_EQ(plan.tile_size_px, memory < kGib ? image::kMaxPictureSidePx / 2 : image::kMaxPictureSidePx);
+  }
 }
 
 TEST(PlanMosaic, RefusesPixelsFarFinerThanThePhotos) {

@@ -335,6 +335,7 @@ export const remark_words = {
   placed_by_photo: (v) => `Die Karte wurde von Hand platziert: ${v.photo} liegt bei ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; sie wurde ${turned(v)}. ${check_place}`,
   imported: (v) => `Diese Karte wurde aus ${v.file} importiert. Ort und Genauigkeit sind die jener Datei.`,
   coarser_pixels: (v) => `Die Pixel der Karte zeigen ${fixed(v.pixel_mm, 1)}\u00a0mm statt ${fixed(v.wanted_mm, 1)}\u00a0mm: Feinere Kacheln passen nicht in den Speicher des Servers.`,
+  finest_pixels: (v) => `Die Pixel der Karte zeigen ${fixed(v.pixel_mm, 1)}\u00a0mm statt ${fixed(v.wanted_mm, 1)}\u00a0mm: Feinere bräuchten Kacheln von mehr als ${number(v.side_px)} Pixeln Seitenlänge, wie sie keine Karte hat.`,
   heights_mostly_filled: (v) => `Nur ${fixed(v.measured_percent, 0)}\u00a0% der Höhen wurden gemessen; anderswo zeigen die Fotos nicht dasselbe (Wasser, Baumkronen im Wind, zu wenig Überlappung), und die Höhen wurden aus der Umgebung ergänzt.`,
   no_bands: (v) => `Es gibt keine Karte der Kanäle. ${v.why}`,
   band_laid_as_others: (v) => `In ${number(v.failed)} von ${number(v.captures)} Aufnahmen ließ sich der Kanal ${v.band} nicht auf den Bezugskanal legen; dort liegt er wie in den anderen.`,

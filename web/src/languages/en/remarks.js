@@ -334,6 +334,7 @@ export const remark_words = {
   placed_by_photo: (v) => `The map was placed by hand: ${v.photo} lies at ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; the map was ${turned(v)}. ${check_place}`,
   imported: (v) => `This map was imported from ${v.file}. Its place and accuracy are those of that file.`,
   coarser_pixels: (v) => `The pixels of the map are ${fixed(v.pixel_mm, 1)}\u00a0mm instead of ${fixed(v.wanted_mm, 1)}\u00a0mm: finer tiles do not fit into the memory of the server.`,
+  finest_pixels: (v) => `The pixels of the map are ${fixed(v.pixel_mm, 1)}\u00a0mm instead of ${fixed(v.wanted_mm, 1)}\u00a0mm: finer ones would take tiles of more than ${number(v.side_px)} pixels a side, which no map has.`,
   heights_mostly_filled: (v) => `Only ${fixed(v.measured_percent, 0)} % of the heights were measured; elsewhere photos do not show the same thing (water, crowns in the wind, too little overlap) and heights were filled from around.`,
   no_bands: (v) => `There is no map of the bands. ${v.why}`,
   band_laid_as_others: (v) => `In ${number(v.failed)} of ${number(v.captures)} captures the band ${v.band} could not be aligned with the reference; there it lies as in the others.`,
