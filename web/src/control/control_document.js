@@ -8,6 +8,18 @@ import { kPatience_ms, kPause_ms, SavedDocument } from '../shared/saved_document
 /** @typedef {{reference_system: string, points: ControlPoint[]}} ControlPoints */
 
 const kMaxUndo = 200;
+const kKept_px = 1e-3;  // as the server keeps marks
+
+/** Are these the points that the server has? @param {ControlPoints} sent @param {ControlPoints} there */
+function isKept(sent, there) {
+  if (sent.points.length !== there.points.length) return false;
+  if (sent.points.length > 0 && sent.reference_system !== there.reference_system) return false;
+  const isSameMark = (/** @type {ControlMark} */ a, /** @type {ControlMark|undefined} */ b) => a.photo === b?.photo && Math.abs(a.x - b.x) < kKept_px && Math.abs(a.y - b.y) < kKept_px;
+  return sent.points.every(({ name, x, y, height, marks }, i) => {
+    const other = there.points[i];
+    return name === other.name && x === other.x && y === other.y && height === other.height && marks.length === other.marks.length && marks.every((mark, k) => isSameMark(mark, other.marks[k]));
+  });
+}
 
 /** What a panel that was closed still sends: who opens the flight's points next waits for it. @type {Map<string, Promise<void>>} */
 const leaving = new Map();
@@ -18,6 +30,8 @@ export class ControlDocument extends SavedDocument {
   /** @type {string[]} */
   #before = [];
   #is_dirty = false;
+  /** What was sent and not answered, as JSON: the server may have it. @type {Set<string>} */
+  #unanswered = new Set();
   /** @type {Promise<void>|null} */
   #saving = null;
   #is_closed = false;
@@ -111,13 +125,33 @@ export class ControlDocument extends SavedDocument {
     if (this.#is_dirty) await this.flush();
   }
 
+  /**
+   * In place of what was there the last time, or of what was sent since then: on a poor line the answer alone may be lost.
+   * @param {ControlPoints} next
+   * @returns {Promise<ControlPoints>} as they are stored
+   */
+  async #send(next) {
+    try {
+      const stored = await this.replace('application/json', next);
+      this.#unanswered.clear();
+      return stored;
+    } catch (error) {
+      if (error instanceof ApiError && error.is_passing) this.#unanswered.add(JSON.stringify(next));
+      if (!(error instanceof ApiError && error.status === 412) || this.#unanswered.size === 0) throw error;
+      const there = await this.get();
+      const is_own = [...this.#unanswered].some((sent) => isKept(JSON.parse(sent), there));
+      this.#unanswered.clear();
+      if (!is_own) throw error;
+      return this.#send(next);
+    }
+  }
+
   async #save() {
     const sent = this.#now;
     this.#is_dirty = false;
     const points = sent.points.map(({ name, x, y, height, marks }) => ({ name, x, y, height, marks }));
     try {
-      /** @type {ControlPoints} */
-      const stored = await this.replace('application/json', { reference_system: sent.reference_system, points });
+      const stored = await this.#send({ reference_system: sent.reference_system, points });
       // Where points lie on Earth the server says; marks may have been set meanwhile.
       const placed = new Map(stored.points.map((point) => [point.name, point]));
       this.#now = { ...this.#now, points: this.points.map((point) => {

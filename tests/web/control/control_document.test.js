@@ -1,0 +1,79 @@
+// The control points of a flight as the page keeps them, without a browser: what is marked on a poor line is not lost.
+import assert from 'node:assert/strict';
+import { beforeEach, test } from 'node:test';
+import { ControlDocument } from '../../../web/src/control/control_document.js';
+import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
+import { holdToken } from '../../../web/src/shared/token.js';
+
+await loadFlightStrings();
+holdToken('');
+Object.assign(globalThis, { addEventListener: () => {}, removeEventListener: () => {} });
+
+/** @typedef {import('../../../web/src/control/control_document.js').ControlPoints} ControlPoints */
+
+/** A server that keeps points as ours does; what becomes of its next answers stands in `line`. */
+const server = {
+  /** @type {ControlPoints} */
+  kept: { reference_system: 'EPSG:4326', points: [] },
+  edition: 0,
+  /** @type {('away'|'lost')[]} away: it is not asked; lost: it is, and its answer does not come */
+  line: [],
+  /** @param {Pick<ControlPoints, 'points'>} next */
+  keep({ points }) {
+    const kept = (/** @type {number} */ pixel) => Number((pixel + 0.5).toFixed(3)) - 0.5;
+    server.kept = { reference_system: 'EPSG:4326', points: points.map((point) => ({ ...point, lon: point.x, lat: point.y, marks: point.marks.map(({ photo, x, y }) => ({ photo, x: kept(x), y: kept(y) })) })) };
+    server.edition += 1;
+  },
+};
+
+globalThis.fetch = async (_, { method = 'GET', headers = {}, body = '' } = {}) => {
+  const fate = server.line.shift();
+  if (fate === 'away') throw new TypeError('network');
+  const answer = (/** @type {object} */ json, status = 200) => new Response(JSON.stringify(json), { status, headers: { ETag: `"${server.edition}"` } });
+  if (method === 'PUT') {
+    if (/** @type {any} */ (headers)['If-Match'] !== `"${server.edition}"`) return answer({ title: 'Precondition Failed', detail: 'changed elsewhere' }, 412);
+    server.keep(JSON.parse(String(body)));
+  }
+  if (fate === 'lost') throw new TypeError('network');
+  return answer(server.kept);
+};
+
+const pointAt = (/** @type {string} */ name) => ({ name, x: 7, y: 46, height: null, marks: [] });
+const marked = (/** @type {ControlPoints} */ { points }) => points.flatMap(({ name, marks }) => marks.map(({ photo }) => `${name} ${photo}`)).join();
+
+beforeEach(() => {
+  server.line = [];
+  server.keep({ points: [pointAt('P1')] });
+});
+
+test('a mark whose answer is lost is no change by others: those after it are saved', async () => {
+  const control = new ControlDocument('poor-line');
+  await control.load();
+  control.mark('P1', 'A.JPG', { x: 1200.123456, y: 800.0625 });
+  server.line = ['lost'];
+  await assert.rejects(control.flush());
+  assert.equal(control.state, 'waiting');
+  control.mark('P1', 'B.JPG', { x: 5, y: 6 });
+  server.line = ['away'];
+  await assert.rejects(control.flush());
+  control.mark('P1', 'C.JPG', { x: 7, y: 8 });
+  await control.flush();
+  assert.equal(control.state, 'saved');
+  assert.equal(marked(server.kept), 'P1 A.JPG,P1 B.JPG,P1 C.JPG');
+  control.mark('P1', 'D.JPG', { x: 9, y: 9 });
+  await control.flush();
+  assert.equal(marked(server.kept), 'P1 A.JPG,P1 B.JPG,P1 C.JPG,P1 D.JPG', 'on top of what was saved');
+});
+
+test('what others changed meanwhile stays, and is told', async () => {
+  const control = new ControlDocument('others');
+  await control.load();
+  control.mark('P1', 'A.JPG', { x: 1, y: 2 });
+  server.line = ['away'];
+  await assert.rejects(control.flush());
+  server.keep({ points: [{ ...pointAt('P1'), marks: [{ photo: 'A.JPG', x: 100, y: 2 }] }] });
+  await assert.rejects(control.flush());
+  assert.equal(control.state, 'failed');
+  assert.equal(control.points[0].marks[0].x, 100);
+  assert.equal(server.kept.points[0].marks[0].x, 100);
+});
