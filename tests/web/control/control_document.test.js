@@ -1,7 +1,7 @@
 // The control points of a flight as the page keeps them, without a browser: what is marked on a poor line is not lost.
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
-import { ControlDocument } from '../../../web/src/control/control_document.js';
+import { ControlDocument, controlOf } from '../../../web/src/control/control_document.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
 import { holdToken } from '../../../web/src/shared/token.js';
 
@@ -76,4 +76,28 @@ test('what others changed meanwhile stays, and is told', async () => {
   assert.equal(control.state, 'failed');
   assert.equal(control.points[0].marks[0].x, 100);
   assert.equal(server.kept.points[0].marks[0].x, 100);
+});
+
+test('what a panel that was closed could not save is there in the next one, and is saved', async () => {
+  const left = controlOf('left');
+  await left.load();
+  left.mark('P1', 'A.JPG', { x: 1, y: 2 });
+  server.line = ['away'];
+  left.close();
+  while (left.state !== 'waiting') await new Promise(setImmediate);
+  const opened = controlOf('left');
+  let drawn = 0;
+  opened.addEventListener('change', () => (drawn += 1));
+  await opened.load();
+  assert.equal(marked(opened), 'P1 A.JPG');
+  assert.equal(drawn, 1);
+  opened.mark('P1', 'B.JPG', { x: 3, y: 4 });
+  await opened.flush();
+  assert.equal(marked(server.kept), 'P1 A.JPG,P1 B.JPG');
+  // Where all is saved, what others changed meanwhile is read.
+  opened.close();
+  server.keep({ points: [pointAt('P1'), pointAt('P2')] });
+  const again = controlOf('left');
+  await again.load();
+  assert.deepEqual(again.points.map(({ name }) => name), ['P1', 'P2']);
 });

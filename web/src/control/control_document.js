@@ -21,8 +21,15 @@ function isKept(sent, there) {
   });
 }
 
-/** What a panel that was closed still sends: who opens the flight's points next waits for it. @type {Map<string, Promise<void>>} */
-const leaving = new Map();
+/** Of each flight one, for as long as the page is there. @type {Map<string, ControlDocument>} */
+const documents = new Map();
+
+/** Also of a panel that was closed before the server had all: who opens the points next goes on with them. @param {string} id of the flight */
+export function controlOf(id) {
+  const control = documents.get(id) ?? new ControlDocument(id);
+  documents.set(id, control);
+  return control;
+}
 
 export class ControlDocument extends SavedDocument {
   /** @type {ControlPoints} */
@@ -34,10 +41,9 @@ export class ControlDocument extends SavedDocument {
   #unanswered = new Set();
   /** @type {Promise<void>|null} */
   #saving = null;
-  #is_closed = false;
   /** What the server does not have yet is not lost without a question. */
   #onLeaving = (/** @type {Event} */ event) => {
-    if (this.#is_dirty || this.#saving) event.preventDefault();
+    if (this.#is_unsaved) event.preventDefault();
   };
 
   /** @param {string} id of the flight */
@@ -56,9 +62,19 @@ export class ControlDocument extends SavedDocument {
     return this.#before.length > 0;
   }
 
-  /** Reads the points. Nothing may be changed before: what the flight has would be overwritten. */
+  get #is_unsaved() {
+    return this.#is_dirty || this.#saving !== null;
+  }
+
+  /** The points, as far as they are not here and on their way still. Nothing may be changed before: what the flight has would be overwritten. */
   async load() {
-    if (!this.#is_closed) await leaving.get(this.id);
+    if (!this.#is_unsaved) return this.#read();
+    this.dispatchEvent(new Event('saved'));
+    this.dispatchEvent(new Event('change'));
+    this.flushLater(0);
+  }
+
+  async #read() {
     this.#now = await this.get();
     this.#before = [];
     this.#is_dirty = false;
@@ -171,7 +187,7 @@ export class ControlDocument extends SavedDocument {
     const status = error instanceof ApiError ? error.status : -1;
     if (status === 412) {
       // Somebody else was first: what is there now is shown.
-      await this.load().catch(() => undefined);
+      await this.#read().catch(() => undefined);
       this.tell('failed', strings.control.changed_elsewhere);
       return;
     }
@@ -181,13 +197,8 @@ export class ControlDocument extends SavedDocument {
     if (is_passing) this.flushLater(kPatience_ms);
   }
 
-  /** Saves what is left. */
+  /** Saves what is left; what the server does not take now is sent later. */
   close() {
-    this.#is_closed = true;
-    const last = this.flush().catch(() => undefined).then(() => {
-      if (!this.#is_dirty) removeEventListener('beforeunload', this.#onLeaving);
-      if (leaving.get(this.id) === last) leaving.delete(this.id);
-    });
-    leaving.set(this.id, last);
+    void this.flush().catch(() => undefined);
   }
 }

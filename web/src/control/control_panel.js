@@ -11,7 +11,7 @@ import { fixed, number } from '../shared/language.js';
 import { inOneLine } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
 import { chosenUnits, inUnits, lengthIn, units_chosen } from '../shared/units.js';
-import { ControlDocument } from './control_document.js';
+import { controlOf } from './control_document.js';
 import { openImport, openPointForm } from './control_forms.js';
 import { controlPlaces } from './control_places.js';
 import { predictionOf, residualOfMark, residualsOf } from './control_residuals.js';
@@ -32,7 +32,7 @@ const pixels = (px) => `${fixed(px, px < 10 ? 1 : 0)}\u00a0px`;
  */
 export function controlPanel({ flight, report, photos, stage, may_change, apply }) {
   const words = strings.control;
-  const control = new ControlDocument(flight.id);
+  const control = controlOf(flight.id);
   const is_placed = report.is_placed !== false;
   const places = controlPlaces(flight, photos, is_placed);
   const residuals = residualsOf(report);
@@ -185,6 +185,8 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
     element,
     close() {
       is_closed = true;
+      control.removeEventListener('change', draw);
+      control.removeEventListener('saved', drawState);
       units_chosen.removeEventListener('change', drawRows);
       control.close();
       stage.showControl([], () => undefined);
