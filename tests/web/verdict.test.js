@@ -11,7 +11,7 @@ import { gdalXml, josmAddress, qgisXml, xmlText } from '../../web/src/sharing/co
 import { glanceAtPhoto, kHeadBytes } from '../../web/src/upload/exif_reader.js';
 import { patience_ms } from '../../web/src/upload/send_file.js';
 import { verdictWords } from '../../web/src/upload/verdict_view.js';
-import { verdictOf } from '../../web/src/upload/verdict.js';
+import { judge, verdictOf } from '../../web/src/upload/verdict.js';
 import { boundsOf } from './support/mock_flight.js';
 import { startMockServer } from './support/mock_server.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
@@ -90,7 +90,7 @@ const photo = (/** @type {number} */ i, more = {}) => ({
 });
 
 test('a good flight is called good, with its size and time', () => {
-  const verdict = { ...verdictOf(Array.from({ length: 20 }, (_, i) => photo(i))), logs: 0, archives: 0 };
+  const verdict = { ...verdictOf(Array.from({ length: 20 }, (_, i) => photo(i))), logs: 0, archives: 0, films: 0 };
   keepUnits('metric');  // newer versions of Node speak American English
   const words = verdictWords(verdict);
   assert.deepEqual(words.warnings, []);
@@ -105,15 +105,23 @@ test('missing positions, a stray photo and a long pause are told', () => {
   const flight = Array.from({ length: 20 }, (_, i) => photo(i, { taken_s: 1000 + 3 * i + (i > 10 ? 600 : 0) }));
   flight[3] = photo(3, { lon_deg: null, lat_deg: null });
   flight[5] = photo(5, { lat_deg: 45 });
-  const { warnings } = verdictWords({ ...verdictOf(flight), logs: 0, archives: 0 });
+  const { warnings } = verdictWords({ ...verdictOf(flight), logs: 0, archives: 0, films: 0 });
   assert.equal(warnings.length, 3);
   assert.match(warnings[0], /^1 photo has no GPS/);
   assert.match(warnings[1], /p5\.jpg/);
   assert.match(warnings[2], /10\smin/);
-  const in_archive = verdictWords({ ...verdictOf([]), logs: 0, archives: 1 });
+  const in_archive = verdictWords({ ...verdictOf([]), logs: 0, archives: 1, films: 0 });
   assert.deepEqual(in_archive.warnings, []);
   assert.match(in_archive.facts, /^1 archive; contents are checked/);
-  assert.match(verdictWords({ ...verdictOf([photo(0, { lat_deg: null, lon_deg: null })]), logs: 0, archives: 0 }).warnings[0], /cannot be placed/);
+  assert.match(verdictWords({ ...verdictOf([photo(0, { lat_deg: null, lon_deg: null })]), logs: 0, archives: 0, films: 0 }).warnings[0], /cannot be placed/);
+});
+
+test('a video is neither a log nor a lack of photos', async () => {
+  const chosen = (/** @type {string[]} */ ...names) => names.map((name) => ({ name, file: /** @type {any} */ (new Blob(['x'])) }));
+  const film = verdictWords(await judge(chosen('DJI_0001.MP4', 'DJI_0001.SRT')));
+  assert.deepEqual(film, { facts: '1 video · 1 flight log', warnings: [] });
+  assert.deepEqual(verdictWords(await judge(chosen('DJI_0001.mov', 'DJI_0002.MOV', 'DJI_0003.JPG'))), { facts: '1 photo · 2 videos', warnings: ['1 photo has no GPS position. Add a flight log if you have one.'] });
+  assert.deepEqual(verdictWords(await judge(chosen('flight.csv'))).warnings, ['These files contain logs but no photos.']);
 });
 
 test('settings for other programs hold any name', () => {

@@ -36,6 +36,9 @@ function extension(name) {
 /** @param {string} name @returns {boolean} whether the server opens it */
 export const isArchive = (name) => kArchiveName.test(name);
 
+/** @param {string} name @returns {boolean} whether the server makes photos of its frames */
+export const isFilm = (name) => kFilms.has(extension(name));
+
 /**
  * @param {Blob} file
  * @param {number} bytes
@@ -82,7 +85,7 @@ export async function selectFiles(found) {
     if (kOtherFilms.has(kind)) reason = reasons.film;
     else if (kOtherArchives.has(kind) && !isArchive(name)) reason = reasons.archive;
     else if (kOffice.has(kind)) reason = reasons.office;
-    else if (!kPhotos.has(kind) && !kFilms.has(kind) && !kLogs.has(kind) && !isArchive(name)) reason = reasons.kind;
+    else if (!kPhotos.has(kind) && !isFilm(name) && !kLogs.has(kind) && !isArchive(name)) reason = reasons.kind;
     else if (file.size === 0) reason = reasons.empty;
     else if (kPhotos.has(kind)) {
       const head = await headOf(file, 8);

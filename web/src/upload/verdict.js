@@ -2,7 +2,7 @@
 // Judged in the browser from each photo's first bytes; a few seconds for a thousand photos.
 /** @import { ChosenFile } from './drop_files.js' */
 /** @import { PhotoGlance } from './exif_reader.js' */
-import { headOf, isArchive } from './drop_files.js';
+import { headOf, isArchive, isFilm } from './drop_files.js';
 import { glanceAtPhoto, kHeadBytes } from './exif_reader.js';
 import { boundsOf, geodesicLength } from '../map/geodesy.js';
 
@@ -11,6 +11,7 @@ import { boundsOf, geodesicLength } from '../map/geodesy.js';
  * @property {number} photos
  * @property {number} with_position
  * @property {number} logs
+ * @property {number} films whose frames become photos
  * @property {number} archives whose content is not known yet
  * @property {number} span_m the diagonal of the camera positions' box
  * @property {number} duration_s from the first to the last photo; 0 when unknown
@@ -27,7 +28,8 @@ export async function judge(files) {
   const glances = [];
   for (const { file, name } of photos) glances.push({ name, glance: glanceAtPhoto(await headOf(file, kHeadBytes)) });
   const archives = files.filter(({ name }) => isArchive(name)).length;
-  return { ...verdictOf(glances), archives, logs: files.length - photos.length - archives };
+  const films = files.filter(({ name }) => isFilm(name)).length;
+  return { ...verdictOf(glances), archives, films, logs: files.length - photos.length - archives - films };
 }
 
 /** @param {number[]} values @returns {number} */
@@ -39,7 +41,7 @@ function median(values) {
 
 /**
  * @param {{name: string, glance: PhotoGlance}[]} glances
- * @returns {Omit<Verdict, 'logs'|'archives'>}
+ * @returns {Omit<Verdict, 'logs'|'archives'|'films'>}
  */
 export function verdictOf(glances) {
   const placed = glances.flatMap(({ name, glance }) =>

@@ -21,17 +21,18 @@ const shortened = (names) => (names.length <= kNamed ? names : [...names.slice(0
  */
 export function verdictWords(verdict) {
   const words = strings.verdict;
+  const is_open = verdict.archives > 0 || verdict.films > 0;  // what is missing may be in there
   const facts = dotted(
-    verdict.photos > 0 || verdict.archives === 0 ? strings.flights.photos(verdict.photos) : '',
+    verdict.photos > 0 || !is_open ? strings.flights.photos(verdict.photos) : '',
     verdict.camera,
     verdict.span_m > 0 ? words.span(lengthIn(verdict.span_m, chosenUnits())) : '',
     verdict.duration_s > 0 ? words.duration(formatDuration(verdict.duration_s)) : '',
+    verdict.films > 0 ? words.films(verdict.films) : '',
     verdict.logs > 0 ? words.logs(verdict.logs) : '',
     verdict.archives > 0 ? words.archives(verdict.archives) : '',
   );
   const warnings = [];
   const without = verdict.photos - verdict.with_position;
-  const is_open = verdict.archives > 0;  // what is missing may be in there
   if (verdict.photos === 0 && !is_open) warnings.push(words.no_photos);
   else if (without > 0 && without === verdict.photos && verdict.logs === 0 && !is_open) warnings.push(words.no_position);
   else if (without > 0) warnings.push(verdict.logs > 0 ? words.some_from_log(without) : words.some_without(without));

@@ -19,6 +19,7 @@ export const flight_words = {
     good: 'Alle Fotos haben eine Position.',
     span: (length) => `Ausdehnung ${length}`,
     duration: (time) => `Flugdauer ${time}`,
+    films: (n) => count(n, { one: 'Video', other: 'Videos' }),
     logs: (n) => count(n, { one: 'Flugprotokoll', other: 'Flugprotokolle' }),
     archives: (n) => `${count(n, { one: 'Archiv', other: 'Archive' })}; der Inhalt wird geprüft, sobald der Server entpackt hat`,
     no_photos: 'Unter diesen Dateien sind Protokolle, aber keine Fotos.',

@@ -19,6 +19,7 @@ export const flight_words = {
     good: 'Every photo has a position.',
     span: (/** @type {string} */ length) => `${length} across`,
     duration: (/** @type {string} */ time) => `flown in ${time}`,
+    films: (/** @type {number} */ n) => count(n, { one: 'video', other: 'videos' }),
     logs: (/** @type {number} */ n) => count(n, { one: 'flight log', other: 'flight logs' }),
     archives: (/** @type {number} */ n) => `${count(n, { one: 'archive', other: 'archives' })}; contents are checked once the server has unpacked them`,
     no_photos: 'These files contain logs but no photos.',
