@@ -6,6 +6,7 @@ import { showNote } from '../shared/announce.js';
 import { getBands, getIndexStatistics, getIndexValue, getReport, zonesPath } from '../shared/api.js';
 import { wrapLongitude } from '../map/coordinates.js';
 import { checkRow, h, put, svg } from '../shared/dom.js';
+import { pointedPlace } from '../shared/follow_pointer.js';
 import { button } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { fixed, number } from '../shared/language.js';
@@ -195,15 +196,12 @@ export function indexSection(view, download) {
   };
   let place = view.map.getCenter();
   const showValueSoon = afterPause(() => void showValue(place), kCursorPause_ms);
-  view.map.on('mousemove', (event) => {
-    place = event.lngLat;
+  const look = () => {
+    place = pointed.place;
     if (shown) showValueSoon();
-  });
-  // Where there is no cursor the middle of the map counts.
-  view.map.on('moveend', () => {
-    place = view.map.getCenter();
-    if (shown) showValueSoon();
-  });
+  };
+  const pointed = pointedPlace(view.map, (is_there) => is_there && look());
+  view.map.on('moveend', look);
 
   const choose = () => {
     own.hidden = which.value !== kOwn;

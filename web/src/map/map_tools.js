@@ -10,6 +10,7 @@ import { indexSection } from '../indices/index_section.js';
 import { keepBasemap, offeredBasemaps, shownBasemap } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
 import { checkRow, h, onEscape, put } from '../shared/dom.js';
+import { pointedPlace } from '../shared/follow_pointer.js';
 import { compassNeedle, toolButton } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
 import { kUnknownErrorColour } from './map_style.js';
@@ -244,28 +245,19 @@ function coordinateReadout(view) {
   /** @type {CoordinateForm} */
   let form = /** @type {CoordinateForm} */ (keptChoice('skyquilt.coordinates') ?? 'decimal');
   if (!coordinate_forms.includes(form)) form = 'decimal';
-  /** @type {{lng: number, lat: number}|null} */
-  let cursor = null;
   const text = h('span', { class: 'mono', id: 'coordinates' });
   const zoom = h('span', { class: 'muted mono' });
   const height = heightReadout(view);
   const origin = h('span', { class: 'visually-hidden' });
   const element = h('button', { type: 'button', class: 'coordinates', title: words.format }, origin, text, height.element, zoom);
   const draw = () => {
-    const place = cursor ?? view.map.getCenter();
+    const { is_cursor, place } = pointed;
     text.textContent = formatCoordinates(place.lng, place.lat, form);
     height.of(place);
     zoom.textContent = `z ${fixed(view.map.getZoom(), 1)}`;
-    origin.textContent = `${cursor ? words.cursor : words.centre} `;
+    origin.textContent = `${is_cursor ? words.cursor : words.centre} `;
   };
-  view.map.on('mousemove', (event) => {
-    cursor = event.lngLat;
-    draw();
-  });
-  view.map.on('mouseout', () => {
-    cursor = null;
-    draw();
-  });
+  const pointed = pointedPlace(view.map, draw);
   view.map.on('move', draw);
   element.addEventListener('click', () => {
     form = coordinate_forms[(coordinate_forms.indexOf(form) + 1) % coordinate_forms.length];

@@ -1,4 +1,4 @@
-// Drag, wheel and two fingers on something that is panned and zoomed; where the arrow keys lead.
+// Drag, wheel and two fingers on something that is panned and zoomed; where the arrow keys lead; what a cursor lies over.
 
 /** On the screen: right, down. @type {Record<string, [number, number]>} */
 export const kArrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -17,6 +17,37 @@ export function movedByKey(event, map, mark, step_px) {
   event.stopPropagation();
   const { x, y } = map.project(mark.getLngLat());
   return map.unproject([x + step[0] * step_px, y + step[1] * step_px]).toArray();
+}
+
+/**
+ * The place below a cursor that lies over a map, however that moves below it, else in the middle. A finger leaves no cursor.
+ * @param {import('../../vendor/maplibre-gl.mjs').Map} map
+ * @param {(is_there: boolean) => void} on_change the cursor came or moved; false: it went
+ */
+export function pointedPlace(map, on_change) {
+  const canvas = map.getCanvasContainer();
+  /** @type {[number, number]|null} */
+  let cursor = null;
+  const set = (/** @type {[number, number]|null} */ next) => {
+    if (!cursor && !next) return;
+    cursor = next;
+    on_change(next !== null);
+  };
+  const point = (/** @type {PointerEvent} */ event) => {
+    const box = canvas.getBoundingClientRect();
+    set(event.pointerType === 'touch' ? null : [event.clientX - box.left, event.clientY - box.top]);
+  };
+  canvas.addEventListener('pointermove', point);
+  canvas.addEventListener('pointerdown', point);
+  canvas.addEventListener('pointerleave', () => set(null));
+  return {
+    get is_cursor() {
+      return cursor !== null;
+    },
+    get place() {
+      return cursor ? map.unproject(cursor) : map.getCenter();
+    },
+  };
 }
 
 /**
