@@ -53,18 +53,23 @@ export function volumeIn(cubic_metres, units) {
 /** In the units that are chosen. @param {number} metres @param {number} digits */
 export const metresTold = (metres, digits) => heightIn(metres, chosenUnits(), [], digits);
 
+/** How what is shown in units is made: it goes with that. @type {WeakMap<Element, () => HTMLElement|null>} */
+const makers = new WeakMap();
+const kInUnits = 'data-in-units';
+
 /** Made again when other units are chosen. @param {() => HTMLElement|null} make */
 export function inUnits(make) {
-  let shown = make();
-  const update = () => {
-    if (!shown?.isConnected) {
-      units_chosen.removeEventListener('change', update);
-      return;
-    }
-    const anew = make();
-    if (anew) shown.replaceWith(anew);
-    shown = anew;
-  };
-  units_chosen.addEventListener('change', update);
+  const shown = make();
+  if (!shown) return null;
+  shown.setAttribute(kInUnits, '');
+  makers.set(shown, make);
   return shown;
 }
+
+units_chosen.addEventListener('change', () => {
+  for (const shown of globalThis.document?.querySelectorAll(`[${kInUnits}]`) ?? []) {
+    const make = makers.get(shown);
+    const anew = make && shown.isConnected ? inUnits(make) : null;
+    if (anew) shown.replaceWith(anew);
+  }
+});
