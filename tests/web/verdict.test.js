@@ -8,6 +8,7 @@ import { dirname, join } from 'node:path';
 import { after, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { gdalXml, josmAddress, qgisXml, xmlText } from '../../web/src/sharing/connect_files.js';
+import { isUploading, sessions } from '../../web/src/upload/drop_zone.js';
 import { glanceAtPhoto, kHeadBytes } from '../../web/src/upload/exif_reader.js';
 import { patience_ms } from '../../web/src/upload/send_file.js';
 import { verdictWords } from '../../web/src/upload/verdict_view.js';
@@ -51,6 +52,17 @@ test('an archive that is there whole is waited for while the server unpacks it, 
   assert.ok(minutes('flight.zip', 100, 100) >= 10);
   assert.ok(minutes('flight.tar.gz', 100, null) >= 10, 'who asks again is answered when it is unpacked');
   assert.equal(minutes('A.JPG', 100, null), 1);
+});
+
+test('the page is not left without a question while the server cannot be told that all is there', () => {
+  const upload = (/** @type {string} */ state, /** @type {string} */ trouble) => void sessions.set('f', /** @type {any} */ ({ queue: { picture: { state } }, trouble }));
+  /** @type {[string, string, boolean][]} */
+  const cases = [['running', '', true], ['finished', 'The server is away.', true], ['paused', 'The server is away.', true], ['paused', '', false], ['finished', '', false]];
+  for (const [state, trouble, is_asked] of cases) {
+    upload(state, trouble);
+    assert.equal(isUploading(), is_asked, `${state} ${trouble}`);
+  }
+  sessions.clear();
 });
 
 test('real photos are read as exiftool reads them', { skip: !has('exiftool') ? 'no exiftool' : images.length === 0 ? `no photos at ${data}` : false }, () => {

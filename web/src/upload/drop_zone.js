@@ -29,7 +29,7 @@ export const stoppedUploadOf = (flight_id) => held.get(flight_id);
 export const holdsUploads = () => sessions.size > 0 || held.size > 0;
 
 /** @returns {boolean} whether leaving the page would break an upload, or leave no one to begin its map */
-export const isUploading = () => [...sessions.values()].some(({ queue, waits_for_map }) => waits_for_map || queue.picture.state === 'running');
+export const isUploading = () => [...sessions.values()].some(({ queue, trouble }) => trouble !== '' || queue.picture.state === 'running');
 
 /** @typedef {'new'|'add'|''} Wish a flight of its own; more of the one that is open; '' where nobody said */
 

@@ -121,7 +121,10 @@ export class UploadSession extends EventTarget {
         if (!(error instanceof api.ApiError)) throw error;
         this.waits_for_map = error.status === 409 && (await this.#isMapBeingMade(signal));
         signal.throwIfAborted();
-        if (!error.is_away && !this.waits_for_map) throw error;
+        if (!error.is_away && !this.waits_for_map) {
+          this.trouble = '';
+          throw error;
+        }
         this.trouble = this.waits_for_map ? strings.upload.after_map : error.message;
         this.#changed();
         await wait(delay_ms, signal);
