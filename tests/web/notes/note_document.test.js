@@ -1,4 +1,5 @@
-// The notes of a flight as the page keeps them, without a browser: an answer that comes late is not taken for a newer one.
+// The notes of a flight as the page keeps them, without a browser: an answer that comes late is not taken for a newer one, and
+// what another tab could not save yet stays.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { NoteDocument } from '../../../web/src/notes/note_document.js';
@@ -51,4 +52,30 @@ test('a look at the server that is overtaken by saving takes nothing back', asyn
   await again;
   notes.close();
   assert.equal(notes.state, 'saved');
+});
+
+test('what a tab could not save yet is not forgotten by another one', async () => {
+  const asked = heldServer();
+  const [well, gate] = ['well', 'gate'].map(pointAt);
+  const open = async () => {
+    const notes = new NoteDocument('g', true);
+    const loaded = notes.load();
+    asked[asked.length - 1].answer([], '"1"');
+    await loaded;
+    return notes;
+  };
+  const [left, other] = [await open(), await open()];
+  left.set(well);
+  void left.flush();  // of a tab that sleeps: no answer comes
+  const looked = other.refresh();
+  asked[asked.length - 1].answer([], '"1"');
+  await looked;
+  other.set(gate);
+  assert.deepEqual((await open()).notes.map(({ id }) => id), ['well', 'gate']);
+  const saved = other.flush();
+  asked[asked.length - 1].answer([gate], '"2"');
+  await saved;
+  const again = await open();
+  assert.deepEqual(again.notes.map(({ id }) => id), ['well']);
+  for (const notes of [left, other, again]) notes.endPause();
 });

@@ -28,6 +28,8 @@ export class NoteDocument extends SavedDocument {
   #changes = new Map();
   /** @type {Promise<void>|null} */
   #saving = null;
+  /** Whose changes this browser keeps for this document; others are of another tab. @type {Set<string>} */
+  #own = new Set();
   #is_closed = false;
   #is_read = false;
   #online = () => void (this.#is_read && this.#later(0));
@@ -47,6 +49,7 @@ export class NoteDocument extends SavedDocument {
   /** What the server has, and what was not sent to it the last time. */
   async load() {
     if (this.may_change) this.#changes = remembered(this.id);
+    this.#own = new Set(this.#changes.keys());
     await this.#read();
     if (this.#changes.size > 0) this.#later(0);
   }
@@ -95,8 +98,11 @@ export class NoteDocument extends SavedDocument {
   }
 
   #remember() {
+    const others = [...remembered(this.id)].filter(([id]) => !this.#own.has(id) && !this.#changes.has(id));
+    const kept = [...others, ...this.#changes];
+    this.#own = new Set(this.#changes.keys());
     try {
-      if (this.#changes.size > 0) localStorage.setItem(memoryKey(this.id), JSON.stringify([...this.#changes]));
+      if (kept.length > 0) localStorage.setItem(memoryKey(this.id), JSON.stringify(kept));
       else localStorage.removeItem(memoryKey(this.id));
     } catch (error) {
       console.debug('the browser keeps no more', error);  // the page still has them
