@@ -1,6 +1,8 @@
 // Maps across the antimeridian, whose bounds go on beyond 180 degrees, without a browser.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { shownFromSurveyed } from '../../web/src/control/control_guess.js';
+import { coverageGrid } from '../../web/src/flight/report_pictures.js';
 import { overlap } from '../../web/src/map/compare_view.js';
 import { lonBeside } from '../../web/src/map/coordinates.js';
 import { overlayParts } from '../../web/src/map/map_layers.js';
@@ -8,6 +10,7 @@ import { flightPath } from '../../web/src/map/map_style.js';
 import { isAcross, sourceBounds, tilesIn } from '../../web/src/map/tile_addresses.js';
 import { boundsOfNote, drawnNote, geometryOf, noteOf } from '../../web/src/notes/note_shape.js';
 import { getIndexStatistics } from '../../web/src/shared/api.js';
+import { verdictOf } from '../../web/src/upload/verdict.js';
 
 /** @typedef {import('../../web/src/shared/types.js').Bounds} Bounds */
 
@@ -44,6 +47,22 @@ test('lines and paths across the antimeridian do not go round the Earth, and lea
   assert.deepEqual(boundsOfNote(line), [179.999, -17, 180.001, -17]);
   const area = noteOf('area', '', geometryOf([[179.999, -17], [180.001, -17], [180.001, -16.999]], 'area'), 'n');
   assert.deepEqual(drawnNote(area).geometry.coordinates, [[[179.999, -17], [180.001, -17], [180.001, -16.999], [179.999, -17]]]);
+});
+
+test('photos on both sides of the antimeridian lie beside each other in the report and before they are sent', () => {
+  const square = (/** @type {number} */ west) => ({ properties: {}, geometry: { type: 'Polygon', coordinates: [[[west, 0], [west + 0.002, 0], [west + 0.002, 0.002], [west, 0.002], [west, 0]]] } });
+  const of = (/** @type {number[]} */ ...wests) => coverageGrid(/** @type {any} */ ({ features: wests.map(square) }), 40);
+  const [across, elsewhere] = [of(179.997, 179.999, -179.999), of(6.997, 6.999, 7.001)];
+  assert.deepEqual([across.width, across.height, across.most], [elsewhere.width, elsewhere.height, elsewhere.most]);
+  const spanOf = (/** @type {number[]} */ ...lons) => verdictOf(lons.map((lon_deg, i) => ({ name: `${i}`, glance: { lon_deg, lat_deg: 0, taken_s: null, camera: '' } }))).span_m;
+  assert.ok(Math.abs(spanOf(179.99, 179.999, -179.999, -179.99) - spanOf(6.99, 6.999, 7.001, 7.01)) < 1e-3);
+});
+
+test('a surveyed point beyond the antimeridian is expected beside the others', () => {
+  // The map is twice too large.
+  const guess = shownFromSurveyed([{ shown: [179.998, 0], is: [179.999, 0] }, { shown: [-179.998, 0], is: [-179.999, 0] }]);
+  const [lon, lat] = guess?.([-179.998, 0]) ?? [NaN, NaN];
+  assert.ok(Math.abs(lon + 179.996) < 1e-9 && Math.abs(lat) < 1e-9, `${lon} ${lat}`);
 });
 
 test('values of an index are counted on both sides of the antimeridian', async () => {

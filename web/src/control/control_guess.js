@@ -2,6 +2,7 @@
 // the other points that are marked where it has none. Pure; places are [longitude, latitude] in degrees.
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { ControlPoint } from './control_lists.js' */
+import { wrapLongitude } from '../map/coordinates.js';
 import { factorOf } from '../map/place_pairs.js';
 
 /** @typedef {{shown: LonLat, is: LonLat}} KnownPair where the map shows a point, and where it was surveyed */
@@ -9,7 +10,7 @@ import { factorOf } from '../map/place_pairs.js';
 const kMinSpread = 1e-9;
 
 /** On the plane around a place. @param {LonLat} place @param {LonLat} origin */
-const flat = ([lon, lat], [lon0, lat0]) => ({ x: (lon - lon0) * Math.cos((lat0 * Math.PI) / 180), y: lat - lat0 });
+const flat = ([lon, lat], [lon0, lat0]) => ({ x: wrapLongitude(lon - lon0) * Math.cos((lat0 * Math.PI) / 180), y: lat - lat0 });
 
 /** @param {import('../map/place_pairs.js').Spot[]} points as they lie from their middle */
 function fromMiddle(points) {
@@ -33,7 +34,7 @@ export function shownFromSurveyed(pairs) {
     const point = flat(is, is0);
     const [x, y] = [point.x - from.middle.x, point.y - from.middle.y];
     const at = { x: to.middle.x + re * x - im * y, y: to.middle.y + im * x + re * y };
-    return [shown0[0] + at.x / Math.cos((shown0[1] * Math.PI) / 180), shown0[1] + at.y];
+    return [wrapLongitude(shown0[0] + at.x / Math.cos((shown0[1] * Math.PI) / 180)), shown0[1] + at.y];
   };
 }
 

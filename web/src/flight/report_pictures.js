@@ -3,6 +3,7 @@
 /** @import { Units } from '../shared/units.js' */
 import { h, svg } from '../shared/dom.js';
 import { formatDuration } from '../shared/format.js';
+import { lonBeside } from '../map/coordinates.js';
 import { boundsOf, isInside } from '../map/geodesy.js';
 import { stageName } from './job_view.js';
 import { number } from '../shared/language.js';
@@ -16,8 +17,13 @@ import { errorIn, lengthIn } from '../shared/units.js';
  * @returns {{width: number, height: number, counts: Uint16Array, most: number}|null} row 0 is the northernmost
  */
 export function coverageGrid(photos, longest_side) {
-  const rings = photos.features.map((feature) => feature.geometry?.coordinates?.[0] ?? []).filter((ring) => ring.length > 3);
-  if (rings.length === 0) return null;
+  const written = photos.features.map((feature) => feature.geometry?.coordinates?.[0] ?? []).filter((ring) => ring.length > 3);
+  if (written.length === 0) return null;
+  // Across the antimeridian the numbers of some go on, and those of others begin anew.
+  const rings = written.map((ring) => {
+    const turn_deg = lonBeside(ring[0][0], written[0][0][0]) - ring[0][0];
+    return ring.map(([lon, lat]) => [lon + turn_deg, lat]);
+  });
   const [west, south, east, north] = boundsOf(rings.flat());
   const squeeze = Math.cos((((south + north) / 2) * Math.PI) / 180);
   const wide = Math.max((east - west) * squeeze, 1e-12);

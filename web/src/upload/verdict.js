@@ -4,6 +4,7 @@
 /** @import { PhotoGlance } from './exif_reader.js' */
 import { headOf, isArchive, isFilm } from './drop_files.js';
 import { glanceAtPhoto, kHeadBytes } from './exif_reader.js';
+import { lonBeside } from '../map/coordinates.js';
 import { boundsOf, geodesicLength } from '../map/geodesy.js';
 
 /**
@@ -52,7 +53,7 @@ export function verdictOf(glances) {
   // Far is ten times the usual distance and at least two kilometres: another place, not the end of a long field.
   const limit_m = Math.max(2000, 10 * median(away.map(({ m }) => m)));
   const near = away.filter(({ m }) => m <= limit_m);
-  const [west, south, east, north] = boundsOf(near.map(({ lon, lat }) => [lon, lat]));
+  const [west, south, east, north] = boundsOf(near.map(({ lon, lat }) => [lonBeside(lon, middle.lon), lat]));
   const times = glances
     .map(({ glance }) => glance.taken_s)
     .filter((t) => t !== null)
