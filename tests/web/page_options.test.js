@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { formOf, jobArea, kChoices, kLimits, kPresets, kStandard, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
+import { chooseOptions, chosenOptions, formOf, jobArea, kChoices, kLimits, kPresets, kStandard, optionsOf, seeLastOptions, timesCoarser } from '../../web/src/flight/job_options.js';
 import { madeWith, optionWords } from '../../web/src/flight/options_dialog.js';
 import { kLayers } from '../../web/src/shared/api.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
@@ -47,6 +47,22 @@ test('of what a map was made with nothing is said that belongs to another job', 
   assert.equal(made({ state: 'successful', options: { place: 'control', layers: kLayers } }), null, 'it was moved since');
   assert.equal(made({ state: 'successful', options: { import_file: 'a.tif' } }), null, 'others made it');
   assert.equal(made(null), null);
+});
+
+test('where nothing is chosen here, the next map is asked for as the last one was', () => {
+  const see = (/** @type {object|null} */ options) => seeLastOptions(/** @type {any} */ ({ id: 'seen', job: options && { options } }));
+  see(null);
+  assert.deepEqual(chosenOptions('seen'), { layers: kLayers });
+  const asked = { gsd_m: 0.05, origin: [46.95, 7.44], layers: ['height'] };
+  see(asked);
+  for (const other of [null, {}, { place: 'control', layers: kLayers }, { import_file: 'a.tif' }]) {
+    see(other);
+    assert.deepEqual(chosenOptions('seen'), asked);
+  }
+  assert.deepEqual(chosenOptions('another'), { layers: kLayers });
+  chooseOptions('seen', { layers: [] });
+  see(asked);
+  assert.deepEqual(chosenOptions('seen'), { layers: [] });
 });
 
 test('what was typed is what is asked for, and comes back into the form', () => {

@@ -7,7 +7,7 @@ import { controlSection } from '../control/control_section.js';
 import { arrange, byId, h, loadStyle, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
 import { confirmCoarse } from './coarse_map.js';
-import { chosenOptions } from './job_options.js';
+import { chooseOptions, chosenOptions, seeLastOptions } from './job_options.js';
 import { askOptions, lastOptions, optionsButton } from './options_dialog.js';
 import { flightActions } from './flight_actions.js';
 import { tagRow } from './flight_tags.js';
@@ -126,6 +126,7 @@ export class FlightView {
       const flight = await getFlight(this.id, this.#abort.signal);
       if (isStale()) return;
       this.flight = flight;
+      seeLastOptions(flight);
       this.drawHead(flight);
       this.#drawWork(flight);
       this.#followUntilMap();
@@ -307,6 +308,7 @@ export class FlightView {
       outlines: this.stage.outlines(),
       on_submit: async (options) => {
         await startJob(flight.id, options);
+        chooseOptions(flight.id, options);
         await this.refresh();
       },
     });

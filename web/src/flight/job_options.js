@@ -4,6 +4,7 @@ import { kLayers } from '../shared/api.js';
 import { typedNumber } from '../shared/format.js';
 import { keptChoice } from '../shared/language.js';
 import { parsePlace } from '../map/parse_place.js';
+import { movesMap } from './job_watch.js';
 
 /**
  * @typedef {object} OptionsForm empty texts and null are left to the server
@@ -138,8 +139,17 @@ export function formOf(options) {
 /** @type {Map<string, JobOptions>} by flight */
 const chosen = new Map();
 
-/** What this page's next job for a flight is asked for. @param {string} flight_id @returns {JobOptions} */
-export const chosenOptions = (flight_id) => chosen.get(flight_id) ?? optionsOf(kStandard).options;
+/** What each flight's last job was asked for that made a map, or was to, as far as this page has seen it. @type {Map<string, JobOptions>} */
+const last = new Map();
+
+/** @param {import('../shared/types.js').Flight} flight */
+export function seeLastOptions({ id, job }) {
+  const options = job?.options ?? {};
+  if (Object.keys(options).length > 0 && !movesMap(job) && !options.import_file) last.set(id, options);
+}
+
+/** What this page's next job for a flight is asked for: without a choice here the same as the last one. @param {string} flight_id @returns {JobOptions} */
+export const chosenOptions = (flight_id) => chosen.get(flight_id) ?? last.get(flight_id) ?? optionsOf(kStandard).options;
 
 /** @param {string} flight_id @param {JobOptions} options */
 export const chooseOptions = (flight_id, options) => void chosen.set(flight_id, options);
