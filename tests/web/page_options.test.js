@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { chooseOptions, chosenOptions, formOf, jobArea, kChoices, kLimits, kPresets, kStandard, optionsOf, seeLastOptions, timesCoarser } from '../../web/src/flight/job_options.js';
+import { chooseOptions, chosenOptions, forgetChosen, formOf, jobArea, kChoices, kLimits, kPresets, kStandard, optionsOf, seeLastOptions, timesCoarser } from '../../web/src/flight/job_options.js';
 import { madeWith, optionWords } from '../../web/src/flight/options_dialog.js';
 import { kLayers } from '../../web/src/shared/api.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
@@ -63,6 +63,30 @@ test('where nothing is chosen here, the next map is asked for as the last one wa
   chooseOptions('seen', { layers: [] });
   see(asked);
   assert.deepEqual(chosenOptions('seen'), { layers: [] });
+});
+
+test('what is chosen for a map is kept in the browser until that is begun', async () => {
+  /** @type {Map<string, string>} */
+  const kept = new Map();
+  const storage = { getItem: (/** @type {string} */ key) => kept.get(key) ?? null, setItem: (/** @type {string} */ key, /** @type {string} */ text) => void kept.set(key, text), removeItem: (/** @type {string} */ key) => void kept.delete(key) };
+  Object.defineProperty(globalThis, 'localStorage', { value: storage, configurable: true });
+  const asked = { layers: kLayers, gsd_m: 0.05, not_finer_than_photos: true, origin: [46.95, 7.44], boundary: kArea };
+  chooseOptions('kept', asked);
+  // The page is loaded anew.
+  const { chosenOptions: after } = await import(`../../web/src/flight/job_options.js?${Math.random()}`);
+  assert.deepEqual(after('kept'), asked);
+  assert.deepEqual(after('another'), { layers: kLayers });
+  forgetChosen('kept', asked);
+  assert.equal(kept.size, 0);
+  assert.deepEqual(chosenOptions('kept'), asked, 'as the last one was made');
+  chooseOptions('kept', { layers: [] });
+  forgetChosen('kept');
+  assert.deepEqual(chosenOptions('kept'), asked);
+  for (const text of ['', '0', '7', '{"layers":3}', '[']) {
+    kept.set('skyquilt.options.odd', text);
+    assert.deepEqual(Object.keys(chosenOptions('odd')), ['layers'], text);
+  }
+  Reflect.deleteProperty(globalThis, 'localStorage');
 });
 
 test('what was typed is what is asked for, and comes back into the form', () => {

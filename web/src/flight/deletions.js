@@ -7,11 +7,13 @@ import { askToRemove } from '../shared/dialogs.js';
 import { strings } from '../shared/strings.js';
 import { held, uploadOf } from '../upload/drop_zone.js';
 import { forgetUpload } from '../upload/upload_memory.js';
+import { forgetChosen } from './job_options.js';
 import { resumeUpload } from '../upload/uploads.js';
 
 /** What was still to be sent for a flight that is gone for good. @param {string} id */
 function forget(id) {
   forgetUpload(id);
+  forgetChosen(id);
   held.delete(id);
 }
 

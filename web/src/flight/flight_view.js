@@ -7,7 +7,7 @@ import { controlSection } from '../control/control_section.js';
 import { arrange, byId, h, loadStyle, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
 import { confirmCoarse } from './coarse_map.js';
-import { chooseOptions, chosenOptions, seeLastOptions } from './job_options.js';
+import { chosenOptions, forgetChosen, seeLastOptions } from './job_options.js';
 import { askOptions, lastOptions, optionsButton } from './options_dialog.js';
 import { flightActions } from './flight_actions.js';
 import { tagRow } from './flight_tags.js';
@@ -308,7 +308,7 @@ export class FlightView {
       outlines: this.stage.outlines(),
       on_submit: async (options) => {
         await startJob(flight.id, options);
-        chooseOptions(flight.id, options);
+        forgetChosen(flight.id, options);
         await this.refresh();
       },
     });
@@ -351,6 +351,7 @@ export class FlightView {
         const meant = before?.import_file ? before : await confirmCoarse(flight.id, chosenOptions(flight.id));
         if (meant) {
           await startJob(flight.id, meant);
+          if (!before?.import_file) forgetChosen(flight.id, meant);
           forgetUpload(flight.id);
           held.delete(flight.id);
         }

@@ -1,8 +1,8 @@
 // How a map is made, as the form has it and as the server takes it (JobOptions of the contract); what was chosen for
-// each flight of this page; and presets, which this browser keeps. Pure but for these.
+// each flight, until its map is begun, and presets, both of which this browser keeps. Pure but for these.
 import { kLayers } from '../shared/api.js';
 import { typedNumber } from '../shared/format.js';
-import { keptChoice } from '../shared/language.js';
+import { dropChoice, keepChoice, keptChoice } from '../shared/language.js';
 import { parsePlace } from '../map/parse_place.js';
 import { movesMap } from './job_watch.js';
 
@@ -138,6 +138,18 @@ export function formOf(options) {
 
 /** @type {Map<string, JobOptions>} by flight */
 const chosen = new Map();
+const chosenKey = (/** @type {string} */ flight_id) => `skyquilt.options.${flight_id}`;
+
+/** What was chosen before the page was loaded anew. @param {string} flight_id @returns {JobOptions|null} */
+function keptOptions(flight_id) {
+  try {
+    const kept = JSON.parse(keptChoice(chosenKey(flight_id)) ?? 'null');
+    return kept ? optionsOf(formOf(kept)).options : null;
+  } catch (error) {
+    console.debug('options cannot be read', error);
+    return null;
+  }
+}
 
 /** What each flight's last job was asked for that made a map, or was to, as far as this page has seen it. @type {Map<string, JobOptions>} */
 const last = new Map();
@@ -149,10 +161,20 @@ export function seeLastOptions({ id, job }) {
 }
 
 /** What this page's next job for a flight is asked for: without a choice here the same as the last one. @param {string} flight_id @returns {JobOptions} */
-export const chosenOptions = (flight_id) => chosen.get(flight_id) ?? last.get(flight_id) ?? optionsOf(kStandard).options;
+export const chosenOptions = (flight_id) => chosen.get(flight_id) ?? keptOptions(flight_id) ?? last.get(flight_id) ?? optionsOf(kStandard).options;
 
 /** @param {string} flight_id @param {JobOptions} options */
-export const chooseOptions = (flight_id, options) => void chosen.set(flight_id, options);
+export function chooseOptions(flight_id, options) {
+  chosen.set(flight_id, options);
+  keepChoice(chosenKey(flight_id), JSON.stringify(options));
+}
+
+/** A choice is for one map. @param {string} flight_id @param {JobOptions} [begun] the options of its job; without them there will be none */
+export function forgetChosen(flight_id, begun) {
+  chosen.delete(flight_id);
+  dropChoice(chosenKey(flight_id));
+  if (begun) last.set(flight_id, begun);
+}
 
 /** What no other flight shares. @type {Pick<OptionsForm, 'origin'|'takeoff_height_m'|'boundary'>} */
 const kOfOneFlight = { origin: '', takeoff_height_m: '', boundary: null };

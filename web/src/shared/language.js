@@ -116,3 +116,13 @@ export function keepChoice(key, choice) {
     unkept.set(key, choice);
   }
 }
+
+/** @param {string} key */
+export function dropChoice(key) {
+  unkept.delete(key);
+  try {
+    localStorage.removeItem(key);
+  } catch {
+    // A browser that may keep nothing has kept nothing.
+  }
+}

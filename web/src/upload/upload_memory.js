@@ -1,6 +1,7 @@
 // What this browser was to send for a flight, kept until its map is begun: so that after a stop, a deletion taken back
 // or a reload the page can tell from the server's own list what is still missing there.
 /** @import { StoredFile } from '../shared/types.js' */
+import { dropChoice } from '../shared/language.js';
 import { isArchive } from './drop_files.js';
 
 const key = (/** @type {string} */ flight_id) => `skyquilt.upload.${flight_id}`;
@@ -29,13 +30,7 @@ export function rememberUpload(flight_id, files) {
 }
 
 /** @param {string} flight_id */
-export function forgetUpload(flight_id) {
-  try {
-    localStorage.removeItem(key(flight_id));
-  } catch {
-    // A browser that may keep nothing has kept nothing.
-  }
-}
+export const forgetUpload = (flight_id) => dropChoice(key(flight_id));
 
 /**
  * @param {string} flight_id

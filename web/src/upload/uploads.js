@@ -7,7 +7,7 @@ import * as api from '../shared/api.js';
 import { announce, showError } from '../shared/announce.js';
 import { held, sessions } from './drop_zone.js';
 import { confirmCoarse } from '../flight/coarse_map.js';
-import { chosenOptions } from '../flight/job_options.js';
+import { chosenOptions, forgetChosen } from '../flight/job_options.js';
 import { isOver } from '../flight/job_watch.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/flight_strings.js';
@@ -150,6 +150,7 @@ export class UploadSession extends EventTarget {
       // Where it is not, the flight waits with its options.
       if (meant) {
         this.job = await this.#untilReached(() => api.startJob(this.flight_id, meant), signal);
+        forgetChosen(this.flight_id, meant);
         forgetUpload(this.flight_id);
       }
     } catch (error) {
