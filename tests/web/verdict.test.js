@@ -65,6 +65,26 @@ test('the page is not left without a question while the server cannot be told th
   sessions.clear();
 });
 
+test('nothing is sent before it is known what the server has, which it would keep twice', async () => {
+  Object.assign(globalThis, { addEventListener: () => {} });
+  const answers = [new Response('', { status: 500 }), Response.json({ files: [{ name: 'a.jpg', bytes: 1 }] })];
+  const { fetch } = globalThis;
+  globalThis.fetch = async () => answers.shift() ?? new Response('', { status: 503 });
+  const { UploadSession } = await import('../../web/src/upload/uploads.js');
+  const session = new UploadSession('f');
+  /** @type {string[]} */
+  const sent = [];
+  session.queue.send = ({ name }) => {
+    sent.push(name);
+    return new Promise(() => {});
+  };
+  const chosen = ['a.jpg', 'b.jpg'].map((name) => ({ name, file: /** @type {any} */ (new Blob(['x'])) }));
+  await session.add({ chosen, ignored: [], folder: '' });
+  assert.deepEqual([sent, answers.length, session.trouble], [['b.jpg'], 0, '']);
+  session.stop();
+  globalThis.fetch = fetch;
+});
+
 test('real photos are read as exiftool reads them', { skip: !has('exiftool') ? 'no exiftool' : images.length === 0 ? `no photos at ${data}` : false }, () => {
   for (const path of images.flatMap((f) => readdirSync(f).filter((n) => /\.jpe?g$/i.test(n)).slice(0, 4).map((n) => join(f, n)))) assertAgrees(path);
 });

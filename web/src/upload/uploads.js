@@ -96,7 +96,8 @@ export class UploadSession extends EventTarget {
     sessions.set(this.flight_id, this);
     held.delete(this.flight_id);
     this.#starting = false;
-    const files = await this.#untilReached(() => api.listFiles(this.flight_id), signal);
+    // Not before it is known: what the server has it would keep twice.
+    const files = await this.#untilReached(() => api.listFiles(this.flight_id), signal, (error) => error.is_passing);
     if (signal.aborted) return;
     this.queue.skipStored(new Map(files.map((file) => [file.name, file.bytes])));
     this.queue.start();
@@ -107,9 +108,10 @@ export class UploadSession extends EventTarget {
    * @template T
    * @param {() => Promise<T>} ask
    * @param {AbortSignal} signal
+   * @param {(error: api.ApiError) => boolean} passes what is waited for
    * @returns {Promise<T>}
    */
-  async #untilReached(ask, signal) {
+  async #untilReached(ask, signal, passes = (error) => error.is_away) {
     for (let delay_ms = 1000; ; delay_ms = Math.min(2 * delay_ms, kLongestDelay_ms)) {
       try {
         const answer = await ask();
@@ -121,7 +123,7 @@ export class UploadSession extends EventTarget {
         if (!(error instanceof api.ApiError)) throw error;
         this.waits_for_map = error.status === 409 && (await this.#isMapBeingMade(signal));
         signal.throwIfAborted();
-        if (!error.is_away && !this.waits_for_map) {
+        if (!passes(error) && !this.waits_for_map) {
           this.trouble = '';
           throw error;
         }
@@ -213,11 +215,11 @@ export function startUpload(flight_id, selection) {
 /** @param {UploadSession} session one that was stopped */
 export const resumeUpload = (session) => sendAnyway(session, session.resume());
 
-/** Also where it is not known what the server has. @param {UploadSession} session @param {Promise<void>} beginning */
+/** Also where the server refuses to say what it has: it says of each file why. @param {UploadSession} session @param {Promise<void>} beginning */
 function sendAnyway(session, beginning) {
   beginning.catch((error) => {
     if (error instanceof DOMException && error.name === 'AbortError') return;  // stopped meanwhile
     showError(error);
-    session.queue.start();  // sending a file twice is harmless: the server replaces it
+    session.queue.start();
   });
 }
