@@ -418,11 +418,12 @@ test('pausing stops what is in flight and going on sends it again', async () => 
   assert.equal(queue.picture.failed, 0);
 });
 
-test('files that are chosen again while they are being sent are sent once', async () => {
-  const queue = new UploadQueue(blobs(2), () => new Promise(() => {}));
+test('files that are chosen again while they are being sent, or have arrived, are sent once', async () => {
+  const queue = new UploadQueue(blobs(2), ({ name }) => new Promise((resolve) => name === 'p0.jpg' && resolve()));
   queue.start();
+  await new Promise(setImmediate);
   queue.add(blobs(3));
-  assert.deepEqual(queue.items.map(({ name, state }) => [name, state]), [['p0.jpg', 'sending'], ['p1.jpg', 'sending'], ['p2.jpg', 'sending']]);
+  assert.deepEqual(queue.items.map(({ name, state }) => [name, state]), [['p0.jpg', 'done'], ['p1.jpg', 'sending'], ['p2.jpg', 'sending']]);
   assert.equal(queue.picture.files, 3);
 });
 

@@ -92,10 +92,12 @@ export class UploadQueue extends EventTarget {
    * @param {{name: string, file: File|Blob}[]} files
    */
   add(files) {
-    const sending = new Map(this.items.filter(({ state }) => state === 'sending').map(({ name, bytes }) => [name, bytes]));
-    const more = files.filter(({ name, file }) => sending.get(name) !== file.size);  // one that is on its way is not sent twice
-    const names = new Set(files.map(({ name }) => name));
-    this.items = this.items.filter((item) => item.state === 'sending' || !names.has(item.name));
+    const chosen = new Map(files.map(({ name, file }) => [name, file.size]));
+    // One that is on its way, or has arrived, is not sent twice.
+    const stays = (/** @type {UploadItem} */ { name, state, bytes }) => state === 'sending' || !chosen.has(name) || (state === 'done' && chosen.get(name) === bytes);
+    this.items = this.items.filter(stays);
+    const there = new Map(this.items.map(({ name, bytes }) => [name, bytes]));
+    const more = files.filter(({ name, file }) => there.get(name) !== file.size);
     this.#append(more);
     if (this.#state === 'running' || this.#state === 'finished') this.start();
     else this.#changed();
