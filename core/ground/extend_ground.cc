@@ -8,7 +8,7 @@
 namespace skyquilt::ground {
 namespace {
 
-constexpr std::size_t kMaxNodes = 16'000'000;  // four times what a flight has that is modelled as a whole
+constexpr std::size_t kMaxExtendedNodes = 16'000'000;  // four times what a flight has that is modelled as a whole
 
 }  // namespace
 
@@ -27,7 +27,7 @@ std::optional<GroundSurface> ExtendGround(const GroundSurface& known, const Grou
   if (west + south + east + north == 0) return known;
   const int columns = known.Columns() + west + east, rows = known.Rows() + south + north;
   const std::size_t nodes = static_cast<std::size_t>(columns) * rows;
-  if (nodes > kMaxNodes) return std::nullopt;
+  if (nodes > kMaxExtendedNodes) return std::nullopt;
   const Eigen::Vector2d corner = known.SouthWest() - cell_m * Eigen::Vector2d(west, south);
   // A plane says nothing of the ground beyond: there the border goes on.
   const GroundSurface& beyond = added.IsPlane() ? known : added;

@@ -126,7 +126,7 @@ INPUT = ("What others made", [
     ("a height of -47 m; poses that are no numbers, at the horizon, in orbit", "24 GB, killed by the kernel",
      "left out with the reason, or guessed with a warning; memory within `--max-memory`",
      ["DegenerateFlights.BelowTheGround", "DegenerateFlights.HeightsThatAreNoNumbers", "WhyImplausible.NamesWhatIsWrong",
-      "MemoryBudget.TilesDoNotGrowBeyondIt", "PlanMosaic.RefusesPixelsFarFinerThanThePhotos"]),
+      "MemoryBudget.TilesDoNotGrowBeyondItNorBeyondWhatIsDecoded", "PlanMosaic.RefusesPixelsFarFinerThanThePhotos"]),
     ("flights where no cell of a photo has a neighbour to weigh", "abort in an internal header of OpenCV: exit code 70",
      "a graph cut of our own", ["GraphCut.FindsTheSmallestOfTheCheapestCuts", "LabelSeams.CutsWhereNoCandidateHasANeighbour"]),
     ("one photo, copies, one spot, one line, no overlap, three pixels, poles, date line, two places", "several aborts",
