@@ -8,7 +8,8 @@
 namespace skyquilt::ground {
 namespace {
 
-constexpr std::size_t kMaxExtendedNodes = 16'000'000;  // four times what a flight has that is modelled as a whole
+constexpr std::size_t kMaxExtendedNodes =
+    16'000'000;  // four times what a flight has that is modelled as a whole
 
 }  // namespace
 
