@@ -279,15 +279,15 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
     if (of_day.count() > 0) record.gps_time_of_day = of_day;  // zeros stand there without a fix
     return;
   }
-  // Some (Workswell's Wiris) repeat the time behind the day.
-  const auto midnight = ParseExifTime(date.substr(0, date.find_first_of(" T")) + " 00:00:00");
+  const auto day = ParseExifTime(date + " 00:00:00");
   // Without a fix a receiver counts from where its clock (1980) or its weeks (1999) begin.
   constexpr std::chrono::sys_days kFirstFix = std::chrono::year(2000) / 1 / 1;
-  if (!midnight) return;
+  if (!day) return;
   // Receivers count 1024 weeks and begin anew: the camera's clock, of whatever zone, tells which they mean.
   constexpr std::chrono::days kWeeksCounted(1024 * 7);
   constexpr std::chrono::hours kWidestZone(15);
-  UtcTime time = midnight->as_written + of_day;
+  // Some (Workswell's Wiris) repeat the time behind the day.
+  UtcTime time = std::chrono::floor<std::chrono::days>(day->as_written) + of_day;
   if (record.taken_at && std::chrono::abs(*record.taken_at - (time + kWeeksCounted)) <= kWidestZone)
     time += kWeeksCounted;
   if (time < kFirstFix) return;

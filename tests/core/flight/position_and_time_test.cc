@@ -402,7 +402,7 @@ TEST(ReadPhotoTime, TakesTheFractionOfTheFilesTimeWhereBothAreTheSame) {
 
 TEST(ReadPhotoTime, FindsTheZoneFromTheGpsTimeAndKeepsTheClocksSteps) {
   using namespace std::chrono;
-  for (const char* date : {"2021:06:03", "2021:06:03 12:34:56"}) {
+  for (const char* date : {"2021:06:03", "2021:06:03 12:34:56", "2021: 6: 3"}) {
     const Photo photo = Read(ExifWriter()
                                  .Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 18:04:56")
                                  .Ascii(ExifIfd::kExif, 0x9291, "582")
