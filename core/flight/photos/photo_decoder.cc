@@ -40,6 +40,9 @@ std::optional<ExifValue> TurnOf(const std::vector<std::uint8_t>& bytes) {
   const auto tags = ReadTiffTags(source);
   const ExifValue* orientation = tags ? tags->Find(ExifIfd::kImage, kOrientationTag) : nullptr;
   if (orientation == nullptr || orientation->count != 1 || orientation->Number() == 1.0) return std::nullopt;
+  // In its entry: elsewhere it may lie over any other part of the file, such as its size.
+  constexpr std::size_t kEntryBytes = 4;
+  if (orientation->bytes.size() > kEntryBytes) return std::nullopt;
   return *orientation;
 }
 

@@ -114,6 +114,19 @@ TEST(DecodePhotoBytes, GivesATiffAsItIsStoredWhateverItsOrientation) {
   }
 }
 
+TEST(DecodePhotoBytes, ChangesNothingOfATiffButItsOrientation) {
+  constexpr int kWidth = 40, kHeight = 30;
+  Bytes tiff = TiffImage(ExifWriter().Rational(ExifIfd::kImage, 0x0112, {{3, 1}}), kWidth, kHeight,
+                         Ramp(kWidth, kHeight));
+  const Bytes entry = {0x12, 0x01, 0x05, 0x00};
+  const auto found = std::search(tiff.begin(), tiff.end(), entry.begin(), entry.end());
+  ASSERT_NE(found, tiff.end());
+  // Its value lies where the header says where the directory is.
+  const Bytes offset = {4, 0, 0, 0};
+  std::copy(offset.begin(), offset.end(), found + 8);
+  ExpectRamp(test::ValueOf(DecodePhotoBytes(tiff, kWidth, kHeight, 1)), kWidth, kHeight, 1);
+}
+
 // Noise, so that every pixel that comes from elsewhere or is smoothed otherwise shows.
 Bytes Noise(int width_px, int height_px) {
   std::mt19937 random(7);
