@@ -320,7 +320,8 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
   EXPECT_EQ(world.sample.Get("/arcgis/rest/info", share).status, 200);  // which ArcGIS asks before a map
   EXPECT_NE(world.sample.Get("/api/v1/flights", share).body.find(world.ended_flight), std::string::npos);
   EXPECT_NE(world.sample.Get("/api/v1/jobs", share).body.find(world.ended_job), std::string::npos);
-  EXPECT_EQ(world.sample.Get("/api/v1/jobs?flight=" + world.flight, share).body, R"({"jobs":[]})");
+  EXPECT_EQ(world.sample.Get("/api/v1/jobs?flight=" + world.flight, share).body,
+            R"({"jobs":[],"next_cursor":null})");
   EXPECT_EQ(world.sample.Get("/api/v1/events?flight=" + world.flight, share).status, 404);
   EXPECT_EQ(world.sample.Get("/api/v1/events?job=" + world.job, share).status, 404);
   Response events = world.sample.Get("/api/v1/events?after=0", share);
