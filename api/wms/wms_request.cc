@@ -77,7 +77,8 @@ Result<WmsMap> ParseWindow(const Request& request) {
 
 bool IsNewerWms(const Request& request) {
   // Addresses that people write often name no version; 1.3.0 has no SRS.
-  const char* const usual = Parameter(request, "SRS") ? "1.1.1" : "1.3.0";
+  const bool names_srs = Parameter(request, "SRS") && !Parameter(request, "CRS");
+  const char* const usual = names_srs ? "1.1.1" : "1.3.0";
   const std::string version =
       Parameter(request, "VERSION").value_or(Parameter(request, "WMTVER").value_or(usual));
   return version >= "1.3";

@@ -120,7 +120,8 @@ TEST_F(AllMapsTest, WmsLaysLayersOverEachOther) {
   // Without a version, what names the system tells it.
   const std::string unsaid = "/wms?REQUEST=GetMap&BBOX=-80,10,-10,60&WIDTH=100&HEIGHT=90&FORMAT=image/png";
   EXPECT_EQ(PixelOf(unsaid + "&SRS=EPSG:4326&LAYERS=" + red_), (std::array{200, 10, 20, 255}));
-  EXPECT_EQ(PixelOf(unsaid + "&CRS=CRS:84&LAYERS=" + red_), (std::array{200, 10, 20, 255}));
+  for (const char* systems : {"&CRS=CRS:84", "&SRS=EPSG:4326&CRS=CRS:84", "&CRS=CRS:84&SRS=EPSG:1"})
+    EXPECT_EQ(PixelOf(unsaid + systems + "&LAYERS=" + red_), (std::array{200, 10, 20, 255})) << systems;
   const std::string wrong = "/wms?REQUEST=GetMap&VERSION=1.3.0&STYLES=&FORMAT=image/png&LAYERS=" + red_;
   for (const char* window :
        {"&CRS=EPSG:999999&BBOX=0,0,1,1&WIDTH=9&HEIGHT=9", "&CRS=CRS:84&BBOX=0,0,1,1&WIDTH=1e9&HEIGHT=1",
