@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "api/json/json_codec.h"
+#include "core/base/text/plain_text.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
 #include "storage/exports/custom/boundary.h"
@@ -48,7 +50,8 @@ void CheckServerAddress(const char* command, std::string& url) {
 std::string NameOfInput(const fs::path& input) {
   fs::path path = fs::absolute(input).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();
-  return fs::is_directory(path) ? path.filename().string() : path.stem().string();
+  const fs::path name = fs::is_directory(path) ? path.filename() : path.stem();
+  return CutToBytes(name.string(), api::kMaxFlightNameBytes);
 }
 
 UploadedFlight UploadAtTerminal(const char* command, const std::vector<flight::InputFile>& files,

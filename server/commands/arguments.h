@@ -22,7 +22,7 @@ geo::Boundary ReadBoundary(const char* command, const std::filesystem::path& fil
 // The address of a running server; slashes at its end go.
 void CheckServerAddress(const char* command, std::string& url);
 
-// What is made of a file or folder is called by its name.
+// What is made of a file or folder is called by its name, as far as a flight may have it.
 std::string NameOfInput(const std::filesystem::path& input);
 
 // Sends a flight, with its progress on the terminal. Where that ends half-way, it says how to go on.

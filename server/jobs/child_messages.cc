@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text/json_io.h"
+#include "core/base/text/plain_text.h"
 #include "core/pipeline/report/map_quality.h"
 #include "server/sandbox/sandboxed_child.h"
 #include "storage/db/ids.h"
@@ -220,7 +221,7 @@ std::string ToText(const JobMessage& message) {
   if (const auto* progress = std::get_if<StageProgress>(&message)) {
     const double fraction =
         std::isfinite(progress->fraction) ? std::clamp(progress->fraction, 0.0, 1.0) : 0.0;
-    return Dump({{"fraction", fraction}, {"message", Shortened(progress->message, kMaxMessageChars)}});
+    return Dump({{"fraction", fraction}, {"message", CutToBytes(progress->message, kMaxMessageChars)}});
   }
   if (const auto* outcome = std::get_if<StitchOutcome>(&message)) return Dump({{"done", JsonOf(*outcome)}});
   return Dump({{"error", ErrorJson(std::get<Error>(message))}});

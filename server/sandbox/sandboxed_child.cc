@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/base/text/json_io.h"
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/remark_json.h"
 #include "server/sandbox/sandbox.h"
@@ -108,8 +109,8 @@ std::optional<std::string> MessageReader::Read(std::chrono::milliseconds patienc
 
 Json ErrorJson(const Error& error) {
   Json json = {{"code", static_cast<int>(error.code)},
-               {"message", Shortened(error.message, kMaxErrorBytes)},
-               {"detail", Shortened(error.detail, kMaxErrorBytes)}};
+               {"message", CutToBytes(error.message, kMaxErrorBytes)},
+               {"detail", CutToBytes(error.detail, kMaxErrorBytes)}};
   if (error.reason != nullptr) {
     Json reason = flight::JsonOfRemark<Json>(*error.reason);
     if (JsonText(reason).size() <= kMaxReasonBytes) json["reason"] = std::move(reason);
@@ -135,13 +136,6 @@ std::optional<Error> ErrorOfJson(const Json& json) {
   } catch (const Json::exception&) {
     return std::nullopt;
   }
-}
-
-std::string Shortened(std::string text, std::size_t max_bytes) {
-  if (text.size() <= max_bytes) return text;
-  while (max_bytes > 0 && (static_cast<unsigned char>(text[max_bytes]) & 0xc0) == 0x80) --max_bytes;
-  text.resize(max_bytes);
-  return text;
 }
 
 bool IsShort(std::string_view text, std::size_t max_bytes) { return text.size() <= kMaxGrowth * max_bytes; }

@@ -65,8 +65,7 @@ nlohmann::json ErrorJson(const Error& error);
 // Nothing: it is none that ErrorJson makes.
 std::optional<Error> ErrorOfJson(const nlohmann::json& json);
 
-// A text within a message: cut at the border of a character; and whether one that came may have been cut so.
-std::string Shortened(std::string text, std::size_t max_bytes);
+// Whether a text within a message may have been cut to that (CutToBytes) before it came.
 bool IsShort(std::string_view text, std::size_t max_bytes);
 
 // What one message of a child may hold.

@@ -119,12 +119,12 @@ Result<SentNow> SendCardFlight(const CardFlight& flight, CardFiles& card, SentLe
   std::string key = before != nullptr ? before->key : "";
   if (before == nullptr) {
     key = NewKey(DigestsOf(files));
-    SKYQUILT_TRY(ledger.Begin(key, CutToBytes(options.name_prefix + flight.name, api::kMaxFlightNameBytes)));
+    SKYQUILT_TRY(ledger.Begin(key, options.name_prefix + flight.name));
   }
   SKYQUILT_TRY(ledger.WillSend(key, names));
   UploadOptions upload;
   upload.server = options.server;
-  upload.name = ledger.At(key).name;
+  upload.name = CutToBytes(ledger.At(key).name, api::kMaxFlightNameBytes);
   upload.flight_id = ledger.At(key).id;
   upload.makes_map = options.makes_map;
   upload.waits = false;

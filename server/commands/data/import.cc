@@ -8,9 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "api/json/json_codec.h"
 #include "core/base/text/json_io.h"
-#include "core/base/text/plain_text.h"
 #include "core/base/text/printable.h"
 #include "server/commands/arguments.h"
 #include "server/commands/commands.h"
@@ -95,8 +93,7 @@ void Run(ImportArguments& arguments) {
     Refuse(kImportCommand,
            "Say where the map goes: --server with the address of a running server, or --data "
            "with the data folder of one that does not run.");
-  if (arguments.options.title.empty())
-    arguments.options.title = CutToBytes(arguments.file.stem().string(), api::kMaxFlightNameBytes);
+  if (arguments.options.title.empty()) arguments.options.title = NameOfInput(arguments.file);
   auto tags = storage::CheckedTags(arguments.tags);
   if (!tags) Refuse(kImportCommand, "--tag: " + tags.error().message);
   arguments.tags = *std::move(tags);

@@ -6,8 +6,6 @@
 #include <memory>
 #include <vector>
 
-#include "api/json/json_codec.h"
-#include "core/base/text/plain_text.h"
 #include "core/base/text/printable.h"
 #include "server/commands/arguments.h"
 #include "server/commands/commands.h"
@@ -30,8 +28,7 @@ struct UploadArguments {
 void Run(UploadArguments& arguments) {
   UploadOptions& options = arguments.options;
   const auto files = OrFail(kCommandName, FilesOfFlight(arguments.inputs));
-  if (options.name.empty())
-    options.name = CutToBytes(NameOfInput(arguments.inputs.front()), api::kMaxFlightNameBytes);
+  if (options.name.empty()) options.name = NameOfInput(arguments.inputs.front());
   options.server.patience = std::chrono::seconds(arguments.patience_s);
   options.makes_map = !arguments.no_map;
   CheckServerAddress(kCommandName, options.server.url);
