@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <system_error>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "api/http/digest.h"
+#include "api/http/links.h"
 #include "core/base/text/file_names.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
@@ -173,14 +175,34 @@ nlohmann::json Wish(const UploadOptions& options, const std::string& import_file
   return wish;
 }
 
-// A file that is to become the map must not be taken for one that lies there under its name, or be kept under
-// a name that nobody knows: it has a name by its content, so that the same one is known again.
-Result<void> TellApart(const NamesAndSizes& there, flight::InputFile& file) {
+// Whether what the server has under the file's name is that file. Where it does not say, it is another.
+bool HasSameBytes(ServerClient& client, const std::string& flight_id, const Outgoing& one,
+                  Progress& progress) {
+  std::ifstream file(one.file.path, std::ios::binary);
+  ClientRequest ask;
+  ask.path = fmt::format("/api/v1/flights/{}/files/{}", flight_id, api::EncodedForQuery(one.file.name));
+  for (std::uint64_t at = 0; at < one.bytes; at += kPartBytes) {
+    progress.Report(static_cast<double>(at) / static_cast<double>(one.bytes), "compared with what is there");
+    std::string here(std::min(kPartBytes, one.bytes - at), '\0');
+    ask.headers = {{"Range", fmt::format("bytes={}-{}", at, at + here.size() - 1)}};
+    const Result<ClientAnswer> there = client.SendOnce(ask);
+    if (!there || !file.read(here.data(), static_cast<std::streamsize>(here.size())) || there->body != here)
+      return false;
+  }
+  return true;
+}
+
+// A file that is to become the map must not be taken for another that lies there under its name, or be kept
+// under a name that nobody knows: it has a name by its content, so that the same one is known again.
+Result<void> TellApart(ServerClient& client, const std::string& flight_id, const NamesAndSizes& there,
+                       Outgoing& one, Progress& progress) {
   constexpr std::size_t kMarkLetters = 8;
-  const auto of_name = there.lower_bound({file.name, 0});
-  if (of_name == there.end() || of_name->first != file.name) return {};
-  SKYQUILT_TRY_ASSIGN(const std::string sum, storage::Sha256OfFile(file.path));
-  file.name = NumberedName(file.name, sum.substr(0, kMarkLetters));
+  const auto of_name = there.lower_bound({one.file.name, 0});
+  if (of_name == there.end() || of_name->first != one.file.name) return {};
+  SKYQUILT_TRY_ASSIGN(const std::string sum, storage::Sha256OfFile(one.file.path));
+  std::string marked = NumberedName(one.file.name, sum.substr(0, kMarkLetters));
+  const bool may_be_it = !there.contains({marked, one.bytes}) && there.contains({one.file.name, one.bytes});
+  if (!may_be_it || !HasSameBytes(client, flight_id, one, progress)) one.file.name = std::move(marked);
   return {};
 }
 
@@ -249,8 +271,8 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   SKYQUILT_TRY_ASSIGN(const NamesAndSizes there, FilesThere(client, uploaded.flight_id));
   std::string import_file = options.import_file;
   for (Outgoing& one : outgoing) {
-    if (import_file.empty() || one.file.name != options.import_file) continue;
-    SKYQUILT_TRY(TellApart(there, one.file));
+    if (one.file.name != options.import_file) continue;
+    SKYQUILT_TRY(TellApart(client, uploaded.flight_id, there, one, progress));
     import_file = one.file.name;
   }
   const std::size_t all = outgoing.size();

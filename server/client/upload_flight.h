@@ -22,7 +22,7 @@ struct UploadOptions {
   std::string flight_id;          // of one that is there; empty: a new one
   // JSON, of the job and of a new flight; empty: those of the flight.
   std::string job_options = {};
-  // Of the files that which the job makes the map, by its name; sent under another where that is taken.
+  // Of the files that which the job makes the map, by its name; sent under another where that is another's.
   std::string import_file = {};
   bool makes_map = true;
   bool waits = true;

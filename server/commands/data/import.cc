@@ -77,7 +77,7 @@ void ImportByServer(ImportArguments& arguments) {
   upload.name = arguments.options.title;
   upload.tags = arguments.tags;
   upload.waits = !arguments.no_wait;
-  upload.job_options = JsonText(nlohmann::json({{"quality", arguments.options.quality}}));
+  upload.job_options = JsonText(nlohmann::json{{"quality", arguments.options.quality}});
   upload.import_file = name;
   std::vector<flight::InputFile> files = {{name, arguments.file}};
   const fs::path report = ReportBeside(arguments.file);
