@@ -214,6 +214,13 @@ class Watch(ServerTestCase):
         self.assertIn("2 new flights, 2 files sent", self.end(watch))
         self.assertEqual(sorted(self.flights(server).values()), [["1.JPG"], ["2.JPG"]])
 
+    def test_a_folder_whose_name_is_longer_than_a_flights_may_be_is_sent(self):
+        self.fill("Ж" * 120, self.photos[:1])
+        server = self.serve()
+        done = self.once(server)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(list(self.flights(server)), ["Ж" * 100])
+
     def test_maps_are_made_once(self):
         self.fill("job", self.photos)
         server = self.serve()
