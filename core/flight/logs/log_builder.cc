@@ -281,7 +281,7 @@ void LogBuilder::DropAnglesThatAreFillers() {
   std::size_t zeros = 0;
   for (const CameraEvent& event : log_.events) {
     if (!event.yaw_pitch_roll_rad) continue;
-    if (*event.yaw_pitch_roll_rad != Eigen::Vector3d::Zero() || !event.image_name) return;
+    if (!event.yaw_pitch_roll_rad->isZero(0.0) || !event.image_name) return;
     ++zeros;
   }
   if (zeros < kMinFlatRows) return;
