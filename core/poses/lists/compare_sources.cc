@@ -299,7 +299,7 @@ std::vector<flight::GcpSighting> MarksByPhoto(const flight::GcpList& list) {
 bool AreSame(const flight::GcpList& a, const flight::GcpList& b) {
   if (a.reference_system == b.reference_system && a.points == b.points && a.sightings == b.sightings)
     return true;
-  if (a.sightings.empty()) return false;
+  if (a.sightings.empty() || a.points.size() != b.points.size()) return false;
   const auto of_a = MarksByPhoto(a), of_b = MarksByPhoto(b);
   return std::equal(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
                     [&](const flight::GcpSighting& one, const flight::GcpSighting& other) {

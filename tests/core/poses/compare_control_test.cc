@@ -144,7 +144,7 @@ TEST(CompareControl, TakesOneOfTwoThatMarkTheSamePhotos) {
 }
 
 TEST(CompareControl, TakesOneOfTwoThatSayTheSameInOtherSystems) {
-  for (const char* name : {"p0", "p0_check"}) {
+  for (const char* name : {"p0", "p0_check", "p0_of_more"}) {
     flight::GcpList metres = Survey(), degrees = Survey(kDuluth, "EPSG:4326");
     degrees.file_name = "wgs84.txt";
     for (std::size_t k = 0; k < 5; ++k) {
@@ -157,6 +157,7 @@ TEST(CompareControl, TakesOneOfTwoThatSayTheSameInOtherSystems) {
       degrees.points[k].y = at.lat_deg;
     }
     degrees.points[0].name = name;
+    if (std::string(name) == "p0_of_more") degrees.points.push_back(degrees.points[4]);  // not marked yet
     std::reverse(degrees.sightings.begin(), degrees.sightings.end());
     Flight flown = FlightAt(kDuluth);
     flown.gcp_lists = {metres, degrees};
