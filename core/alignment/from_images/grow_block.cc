@@ -1,7 +1,6 @@
 #include "core/alignment/from_images/grow_block.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <iterator>
 
 #include "core/base/median.h"
@@ -253,9 +252,11 @@ std::optional<Tried> Try(const Registration& input, const std::vector<BundleLens
 }  // namespace
 
 std::optional<Block> BeginBlock(const Registration& input, const std::vector<BundleLens>& lenses,
-                                const PhotoSet& used, const PhotoSet& spent, int threads) {
+                                const PhotoSet& used, const PhotoSet& spent, int threads,
+                                std::set<std::size_t>& failed) {
   const std::vector<InitialPair> ranked = InitialPairs(input, used, spent);
-  // The best few against each other; the next where none of them begins a block.
+  // The best few against each other; the next where none of them begins a block. Beyond the first few each
+  // fails once for all blocks: by more used photos it would hardly do better.
   for (auto next = ranked.begin(); next != ranked.end();) {
     const auto first = next;
     while (next != ranked.end() &&
@@ -263,8 +264,10 @@ std::optional<Block> BeginBlock(const Registration& input, const std::vector<Bun
       ++next;
     const std::vector<InitialPair> initial_pairs(first, next);
     std::vector<std::optional<Tried>> tried(initial_pairs.size());
-    ParallelFor(initial_pairs.size(), threads,
-                [&](std::size_t b) { tried[b] = Try(input, lenses, used, initial_pairs[b], 1); });
+    ParallelFor(initial_pairs.size(), threads, [&](std::size_t b) {
+      if (first != ranked.begin() && failed.contains(initial_pairs[b].pair)) return;
+      tried[b] = Try(input, lenses, used, initial_pairs[b], 1);
+    });
     std::optional<Tried>* best = nullptr;
     for (std::size_t b = 0; b < tried.size(); ++b) {
       std::optional<Tried>& one = tried[b];
@@ -277,6 +280,7 @@ std::optional<Block> BeginBlock(const Registration& input, const std::vector<Bun
       if (best == nullptr || one->observations > (*best)->observations) best = &one;
     }
     if (best != nullptr) return std::move((*best)->block);
+    for (const InitialPair& one : initial_pairs) failed.insert(one.pair);
   }
   return std::nullopt;
 }

@@ -4,7 +4,9 @@
 // any number of threads.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/alignment/estimators/absolute_pose.h"
@@ -16,9 +18,10 @@
 namespace skyquilt::alignment {
 
 // Of photos that `used` leaves, by two that `spent` leaves as well; nothing when no two of those begin a
-// block of three or more.
+// block of three or more. `failed`: links that began none, which are remembered while the lenses stay.
 std::optional<Block> BeginBlock(const Registration& input, const std::vector<BundleLens>& lenses,
-                                const PhotoSet& used, const PhotoSet& spent, int threads);
+                                const PhotoSet& used, const PhotoSet& spent, int threads,
+                                std::set<std::size_t>& failed);
 
 // Takes in photos that `used` leaves until no more follow. The block is adjusted as a whole at the end. Where
 // no photo sees enough of the points, one that shows what placed ones show is taken in over the ground, and

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <set>
 
 #include "core/alignment/estimators/sampler.h"
 #include "core/alignment/estimators/similarity.h"
@@ -143,10 +145,11 @@ void JoinLinks(Registration& input) {
 
 std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& progress) {
   std::vector<BundleLens> lenses = input.lenses;
+  std::set<std::size_t> failed;
   bool is_first = true;
   const auto begin = [&](const PhotoSet& used, const PhotoSet& spent) -> std::optional<Block> {
     if (progress.IsCancelled()) return std::nullopt;
-    return BeginBlock(input, lenses, used, spent, threads);
+    return BeginBlock(input, lenses, used, spent, threads, failed);
   };
   const auto grow = [&](const PhotoSet& used, Block& block) {
     GrowBlock(used, threads, progress, block);
@@ -155,6 +158,7 @@ std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& 
     // The largest knows the lenses best: the others start from there.
     if (is_first && block.size() > 0) {
       lenses = block.lenses();
+      failed.clear();
       is_first = false;
     }
   };
