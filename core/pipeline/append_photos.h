@@ -4,8 +4,9 @@
 // placed too. One that no record places, or that is said to be far off, is looked for in the whole map. A map
 // that was moved since (by hand, to surveyed points) has the new ones where it shows the place. Nothing comes
 // back when that is not to be trusted (fewer than half of the new ones tie to the photos around them, or
-// several without a place share nothing with the map): then the flight is better aligned as a whole.
-// Blocking. Errors: those of EstimatePoses and of the alignment; kCancelled.
+// several without a place share nothing with the map), or where its ground would reach too far for its cells:
+// then the flight is better aligned as a whole. Blocking. Errors: those of EstimatePoses and of the
+// alignment; kCancelled.
 #pragma once
 
 #include <optional>
