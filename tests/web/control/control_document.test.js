@@ -78,6 +78,28 @@ test('what others changed meanwhile stays, and is told', async () => {
   assert.equal(server.kept.points[0].marks[0].x, 100);
 });
 
+test('what is marked in a dialog while a new panel reads the points stays, but for what others changed', async () => {
+  const control = controlOf('dialog');
+  await control.load();
+  const read = control.load();
+  control.mark('P1', 'A.JPG', { x: 1, y: 2 });
+  await read;
+  assert.equal(marked(control), 'P1 A.JPG');
+  await control.flush();
+  const late = control.load();
+  control.mark('P1', 'B.JPG', { x: 3, y: 4 });
+  await control.flush();
+  await late;
+  assert.equal(marked(control), 'P1 A.JPG,P1 B.JPG');
+  assert.equal(marked(server.kept), 'P1 A.JPG,P1 B.JPG');
+  server.keep({ points: [pointAt('P1'), pointAt('P2')] });
+  const refused = control.load();
+  control.mark('P1', 'C.JPG', { x: 5, y: 6 });
+  await refused;
+  assert.equal(control.state, 'failed');
+  assert.deepEqual(control.points.map(({ name, marks }) => `${name} ${marks.length}`), ['P1 0', 'P2 0']);
+});
+
 test('what a panel that was closed could not save is there in the next one, and is saved', async () => {
   const left = controlOf('left');
   await left.load();

@@ -75,10 +75,18 @@ export class ControlDocument extends SavedDocument {
   }
 
   async #read() {
-    this.#now = await this.get();
+    const before = this.#now;
+    const answer = this.get();
+    const turn = this.asked;
+    const there = await answer;
+    if (turn !== this.asked) return;  // saved or read again since then
+    // A dialog that was open when a new map came goes on marking.
+    const is_changed = this.#now !== before;
+    if (is_changed && isKept(before, there)) return;
+    this.#now = there;
     this.#before = [];
     this.#is_dirty = false;
-    this.tell('saved');
+    this.tell(is_changed ? 'failed' : 'saved', is_changed ? strings.control.changed_elsewhere : '');
     this.dispatchEvent(new Event('change'));
   }
 
