@@ -34,7 +34,7 @@ export function controlOf(id) {
 export class ControlDocument extends SavedDocument {
   /** @type {ControlPoints} */
   #now = { reference_system: '', points: [] };
-  /** @type {string[]} */
+  /** @type {ControlPoints[]} */
   #before = [];
   #is_dirty = false;
   /** What was sent and not answered, as JSON: the server may have it. @type {Set<string>} */
@@ -97,7 +97,7 @@ export class ControlDocument extends SavedDocument {
 
   /** @param {ControlPoints} next */
   change(next) {
-    this.#before.push(JSON.stringify(this.#now));
+    this.#before.push(this.#now);
     if (this.#before.length > kMaxUndo) this.#before.shift();
     this.#put(next);
   }
@@ -123,7 +123,7 @@ export class ControlDocument extends SavedDocument {
 
   undo() {
     const before = this.#before.pop();
-    if (before) this.#put(JSON.parse(before));
+    if (before) this.#put(before);
   }
 
   /** @param {ControlPoints} next */
