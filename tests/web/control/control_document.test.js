@@ -21,7 +21,8 @@ const server = {
   /** @param {Pick<ControlPoints, 'points'>} next */
   keep({ points }) {
     const kept = (/** @type {number} */ pixel) => Number((pixel + 0.5).toFixed(3)) - 0.5;
-    server.kept = { reference_system: 'EPSG:4326', points: points.map((point) => ({ ...point, lon: point.x, lat: point.y, marks: point.marks.map(({ photo, x, y }) => ({ photo, x: kept(x), y: kept(y) })) })) };
+    const heightOf = (/** @type {number|null} */ height) => (points.every((point) => point.height === 0) ? null : height);
+    server.kept = { reference_system: 'EPSG:4326', points: points.map((point) => ({ ...point, height: heightOf(point.height), lon: point.x, lat: point.y, marks: point.marks.map(({ photo, x, y }) => ({ photo, x: kept(x), y: kept(y) })) })) };
     server.edition += 1;
   },
 };
@@ -63,6 +64,17 @@ test('a mark whose answer is lost is no change by others: those after it are sav
   control.mark('P1', 'D.JPG', { x: 9, y: 9 });
   await control.flush();
   assert.equal(marked(server.kept), 'P1 A.JPG,P1 B.JPG,P1 C.JPG,P1 D.JPG', 'on top of what was saved');
+});
+
+test('an answer that is lost is known by its points also where the server takes their zeros for no heights', async () => {
+  const control = new ControlDocument('zeros');
+  await control.load();
+  control.change({ reference_system: 'EPSG:4326', points: [7, 8, 9].map((x) => ({ ...pointAt(`P${x}`), x, height: 0 })) });
+  server.line = ['lost'];
+  await assert.rejects(control.flush());
+  control.mark('P7', 'A.JPG', { x: 1, y: 2 });
+  await control.flush();
+  assert.equal(marked(server.kept), 'P7 A.JPG');
 });
 
 test('what others changed meanwhile stays, and is told', async () => {

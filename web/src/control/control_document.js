@@ -17,7 +17,8 @@ function isKept(sent, there) {
   const isSameMark = (/** @type {ControlMark} */ a, /** @type {ControlMark|undefined} */ b) => a.photo === b?.photo && Math.abs(a.x - b.x) < kKept_px && Math.abs(a.y - b.y) < kKept_px;
   return sent.points.every(({ name, x, y, height, marks }, i) => {
     const other = there.points[i];
-    return name === other.name && x === other.x && y === other.y && height === other.height && marks.length === other.marks.length && marks.every((mark, k) => isSameMark(mark, other.marks[k]));
+    // To the server, heights that are zeros alone are none.
+    return name === other.name && x === other.x && y === other.y && (height || null) === (other.height || null) && marks.length === other.marks.length && marks.every((mark, k) => isSameMark(mark, other.marks[k]));
   });
 }
 
