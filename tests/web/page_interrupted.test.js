@@ -182,6 +182,19 @@ test('a server that is away for long fails no file; that it is away is said at o
   });
 });
 
+test('nothing is sent, nor offered to be gone on with, before it is known what the server has', options, async () => {
+  const { page, mock } = await setUp({}, { errors: /status of 500/ });
+  let is_ill = true;
+  await page.route('**/files', (route) => (is_ill ? route.fulfill({ status: 500, body: '' }) : route.continue()));
+  await page.setInputFiles('#files-input', photoFiles(3));
+  await page.waitForSelector('#upload-trouble');
+  assert.ok(await page.isHidden('#upload-pause'));
+  assert.doesNotMatch((await page.textContent('#upload')) ?? '', /Paused/);
+  assert.equal(only(mock).files.size, 0);
+  is_ill = false;
+  await until(() => only(mock).files.size === 3, 'it goes on by itself');
+});
+
 test('pausing does not move the bar back', options, async () => {
   const { page, mock } = await setUp();
   const release = mock.holdUploads();

@@ -102,16 +102,17 @@ export function uploadView(session) {
     bar.value = fraction;
     percent.textContent = formatPercent(fraction);
     counts.textContent = words.of(picture.done, picture.files);
+    const is_paused = picture.state === 'paused' && session.trouble === '';  // else it waits to know what the server has
     pace.textContent = dotted(
-      picture.state === 'paused' ? words.paused : '',
+      is_paused ? words.paused : '',
       `${formatBytes(picture.sent_bytes)} / ${formatBytes(picture.bytes)}`,
       picture.bytes_per_s > 0 && picture.state === 'running' ? words.speed(formatBytes(picture.bytes_per_s)) : '',
       picture.left_s !== null ? words.left(formatDuration(picture.left_s)) : '',
       picture.was_there > 0 ? words.skipped(picture.was_there) : '',
     );
-    const label = picture.state === 'paused' ? words.resume : words.pause;
-    if (pause.textContent !== label) put(pause, icon(picture.state === 'paused' ? 'play' : 'pause'), label);
-    pause.hidden = picture.state === 'finished';
+    const label = is_paused ? words.resume : words.pause;
+    if (pause.textContent !== label) put(pause, icon(is_paused ? 'play' : 'pause'), label);
+    pause.hidden = !is_paused && picture.state !== 'running';
     if (session.verdict !== shown_verdict && session.verdict) put(verdict, verdictView(session.verdict));
     shown_verdict = session.verdict;
     if (session.server_verdict !== shown_server_verdict && session.server_verdict) {
