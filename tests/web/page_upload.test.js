@@ -194,7 +194,7 @@ test('a new revision of a map takes the place of the old one', options, async ()
   assert.match(await page.textContent('#report'), /20 \/ 21/);
 });
 
-test('photos that come while a map is being made wait for its end, and are in the next one', options, async () => {
+test('photos that come while a map is being made wait for its end, and are in the next one, as it is asked for until then', options, async () => {
   const { page, flight } = await setUpReady('Meadow', { job_ms: 600_000 }, { locale: 'en-GB', errors: /status of 409/ });
   await page.click('#processing-details summary');
   await page.click('#run-again');
@@ -207,8 +207,14 @@ test('photos that come while a map is being made wait for its end, and are in th
   await page.waitForFunction(() => /When it has ended, the next one is begun/.test(document.querySelector('#upload-trouble')?.textContent ?? ''));
   assert.doesNotMatch((await page.textContent('#upload-trouble')) ?? '', /server responds/);
   assert.equal(flight.job, first);
+  await page.click('#upload #options-open');
+  await page.click('#options-dialog .option-more summary');
+  await page.fill('#option-quality', '95');
+  await page.click('#options-submit');
+  await page.waitForSelector('#options-dialog', { state: 'detached' });
   flight.refuses_jobs = null;
   await until(() => flight.job !== first, 'a map is made with them');
+  assert.equal(flight.job.options.quality, 95);
 });
 
 test('files that are chosen again are judged, and told of, once', options, async () => {

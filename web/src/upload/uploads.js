@@ -7,7 +7,7 @@ import * as api from '../shared/api.js';
 import { announce, showError } from '../shared/announce.js';
 import { held, sessions } from './drop_zone.js';
 import { confirmCoarse } from '../flight/coarse_map.js';
-import { chosenOptions, forgetChosen } from '../flight/job_options.js';
+import { chooseOptions, chosenOptions, forgetChosen } from '../flight/job_options.js';
 import { isOver } from '../flight/job_watch.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/flight_strings.js';
@@ -147,14 +147,7 @@ export class UploadSession extends EventTarget {
     const { signal } = this.#abort;
     try {
       announce(strings.upload.done);
-      const meant = await confirmCoarse(this.flight_id, chosenOptions(this.flight_id), { photos_gsd_m: this.server_verdict?.gsd_m || undefined, signal });
-      if (signal.aborted) return;
-      // Where it is not, the flight waits with its options.
-      if (meant) {
-        this.job = await this.#untilReached(() => api.startJob(this.flight_id, meant), signal);
-        forgetChosen(this.flight_id, meant);
-        forgetUpload(this.flight_id);
-      }
+      this.job = await this.#untilReached(() => this.#beginMap(signal), signal);
     } catch (error) {
       if (signal.aborted) return;
       this.#starting = false;
@@ -162,6 +155,22 @@ export class UploadSession extends EventTarget {
     }
     sessions.delete(this.flight_id);
     this.dispatchEvent(new Event('job'));
+  }
+
+  /**
+   * With what is chosen now: others may have been while a server, or a map, was waited for.
+   * @param {AbortSignal} signal
+   * @returns {Promise<Job|null>} null: so coarse a map is not meant, the flight waits with its options
+   */
+  async #beginMap(signal) {
+    const meant = await confirmCoarse(this.flight_id, chosenOptions(this.flight_id), { photos_gsd_m: this.server_verdict?.gsd_m || undefined, signal });
+    signal.throwIfAborted();
+    if (!meant) return null;
+    if (meant.any_gsd) chooseOptions(this.flight_id, meant);  // asked once
+    const job = await api.startJob(this.flight_id, meant);
+    forgetChosen(this.flight_id, meant);
+    forgetUpload(this.flight_id);
+    return job;
   }
 
   /** Until `resume`. @param {{tells?: boolean}} [how] tells: who shows the flight is told by 'job' */
