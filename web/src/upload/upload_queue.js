@@ -197,7 +197,7 @@ export class UploadQueue extends EventTarget {
 
   #pump() {
     while (this.#state === 'running' && this.#aborts.size < this.parallel) {
-      // Of two of one name the server keeps what comes last.
+      // Of two of one name the server numbers what comes last.
       const item = this.items.find(({ name, state }) => state === 'waiting' && !this.#isSending(name));
       if (!item) break;
       void this.#sendOne(item);
