@@ -14,7 +14,9 @@ namespace skyquilt::surface {
 namespace {
 
 constexpr int kExactStep = 16;  // cells
-constexpr float kBorderPx = 4.0f;
+// A cell is seen where it lies so far within the picture at all of its heights. At the right one, amid them,
+// what lies around it does, too, as a rule; where not, the picture's last row stands for it.
+constexpr float kBorderPx = 1.0f;
 constexpr double kMinDepthM = 0.5;
 constexpr double kMaxHalfWay = 0.9;  // of the inverse depth; beyond, a camera looks up past the heights
 constexpr float kParts = 64.0f;      // of a pixel, in bilinear weights

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -89,6 +90,25 @@ TEST(MatchSurface, FindsASlope) {
   EXPECT_LT(off.median_m, 0.3 * kGsdM);
   EXPECT_LT(off.most_m, 1.0 * kGsdM);
   EXPECT_GT(off.share_known, 0.98);
+}
+
+// What three photos show so near their rims that parts of what lies around it is beyond them.
+TEST(MatchSurface, KnowsWhatPhotosShowNearTheirRims) {
+  const SyntheticScene scene = Scene(3, 3);
+  const auto surface = test::ValueOf(Match(scene, Around(-36, -32, 36, 32)));
+  const auto seen = [&](const Eigen::Vector2d& place, double within_px) {
+    const Eigen::Vector3d point(place.x(), place.y(), scene.HeightAt(place));
+    return std::count_if(scene.flight.photos.begin(), scene.flight.photos.end(), [&](const auto& photo) {
+      const auto pixel = photo.intrinsics.Project(photo.cam_from_enu * point);
+      return pixel && pixel->minCoeff() > within_px &&
+             pixel->x() < photo.intrinsics.width_px - 1 - within_px &&
+             pixel->y() < photo.intrinsics.height_px - 1 - within_px;
+    });
+  };
+  const Off rim = OffIn(surface, scene,
+                        [&](const auto& place) { return seen(place, 3.0) >= 3 && seen(place, 11.0) < 3; });
+  EXPECT_LT(rim.median_m, 0.5 * kGsdM);
+  EXPECT_GT(rim.share_known, 0.9);
 }
 
 TEST(MatchSurface, RaisesABoxAndKeepsTheGroundBesideIt) {
