@@ -22,7 +22,7 @@ def truth_on(grid, path, how, unknown=None):
 
 
 def numbers_on(grid, folder):
-    """Which object of the truth each cell shows, from 1; 0 is none."""
+    """Which object of the truth each cell shows, from 1; 0 is ground, -1 is water."""
     dataset = truth_on(grid, folder / "truth" / "surface.tif", "near")  # a band outlives its dataset by nothing
     return dataset.GetRasterBand(3).ReadAsArray().astype(int)
 
@@ -130,14 +130,15 @@ def measure_heights(dsm_path, folder, truth, gsd_m):
     east, north = axes @ numpy.stack([column + 0.5, row + 0.5]) + enu[0][:, None]
     z = surface - truth["origin"]["height_ellipsoid_m"]
     is_seen = seen_by(truth, east, north, z[row, column], numpy.where(is_true, z, UNKNOWN_M), place_of) >= 3
-    row, column = row[is_seen], column[is_seen]
+    is_asked = is_seen & (numbers[row, column] >= 0)  # of water nothing is to be answered
+    row, column = row[is_asked], column[is_asked]
 
     answered = is_answered[row, column]
     row, column = row[answered], column[answered]
     is_open = ~grown(numbers > 0, 2)
     on_ground = off[row, column][is_open[row, column]]
     kinds = numpy.array([0] + [1 if o["kind"].endswith("house") else 2 for o in truth.get("objects", [])])
-    is_roof = kinds[numbers] == 1
+    is_roof = kinds[numbers.clip(0)] == 1
     is_roof &= ~grown(~is_roof, 1)
     on_roofs = numpy.abs(off[is_roof & is_answered & is_true])
     median = numpy.median(on_ground)
@@ -154,7 +155,7 @@ def measure_heights(dsm_path, folder, truth, gsd_m):
         ground = gdal.Open(str(dtm_path))
         below = numpy.abs(ground.GetRasterBand(1).ReadAsArray().astype(float) - terrain - median)
         is_told = is_true & numpy.isfinite(below)
-        for name, where in (("below things", numbers > 0), ("beside", numbers == 0)):
+        for name, where in (("below things", numbers > 0), ("beside", numbers <= 0)):
             where = where & is_told
             if where.any():
                 out |= {name: numpy.median(below[where]) / gsd_m, f"{name} P90": numpy.percentile(below[where], 90) / gsd_m}

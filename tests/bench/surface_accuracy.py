@@ -11,7 +11,7 @@ level ground (GSD), except for CE90, which is in pixels of the map's tiles as ma
 - corners: how far each corner of a roof lies off in the map, against the median shift of the ground, in the median and at P90,
   and the share that was found: the roof of the true map within 32 pixels of the corner, sought in the map by normalised
   correlation, larger too, as a roof nearer to the camera is;
-- with a dsm.tif beside the map: the share of cells answered of those that three photos see (nothing that stands in the way),
+- with a dsm.tif beside the map: the share of cells answered of those that three photos see (nothing in the way, and no water),
   heights there on open ground (median, NMAD, RMSE) and on roofs but for the cell at their edge (median and P90 of the
   absolute), and the volumes of houses over the ground around each (median and worst error);
 - with a dtm.tif as well: how far off the ground is where something stands on it, and elsewhere (median and P90 of the absolute,

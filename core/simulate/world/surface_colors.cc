@@ -86,12 +86,16 @@ Color CropColor(const GroundPoint& p, const Parcel& parcel, TextureLevel texture
   return color;
 }
 
-Color PondColor(const GroundPoint& p, const Parcel& parcel) {
+// How far within the outline of a pond a point lies, about; negative on land.
+double MetresInPond(const GroundPoint& p, const Parcel& parcel) {
   const double du = (parcel.u - parcel.center_u) / (parcel.half_u * 0.72);
   const double dv = (parcel.v - parcel.center_v) / (parcel.half_v * 0.68);
   const double wobble = 0.12 * BandNoise(p.east, p.north, 18.0f, 2, p.footprint_m, p.seed ^ 0x77u);
-  const double inside =
-      (1.0 - std::sqrt(du * du + dv * dv) + wobble) * 0.7 * std::min(parcel.half_u, parcel.half_v);
+  return (1.0 - std::sqrt(du * du + dv * dv) + wobble) * 0.7 * std::min(parcel.half_u, parcel.half_v);
+}
+
+Color PondColor(const GroundPoint& p, const Parcel& parcel) {
+  const double inside = MetresInPond(p, parcel);
   const Color shore =
       Color(150.0f, 136.0f, 106.0f) + Color(26.0f, 24.0f, 20.0f) * GroundTexture(p, 1.0f, 0.8f);
   const Color grass = Color(92.0f, 118.0f, 62.0f) + Color(24.0f, 26.0f, 18.0f) * GroundTexture(p, 1.0f, 1.0f);
@@ -102,6 +106,10 @@ Color PondColor(const GroundPoint& p, const Parcel& parcel) {
 }
 
 }  // namespace
+
+bool IsWater(const GroundPoint& p, const Parcel& parcel) {
+  return parcel.kind == ParcelKind::kPond && MetresInPond(p, parcel) > 0.0;
+}
 
 Color ParcelColor(const GroundPoint& p, const Parcel& parcel, TextureLevel texture) {
   Color color;

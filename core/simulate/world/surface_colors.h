@@ -17,6 +17,7 @@ struct GroundPoint {
   std::uint32_t seed = 0;
 };
 
+bool IsWater(const GroundPoint& point, const Parcel& parcel);
 Eigen::Vector3f ParcelColor(const GroundPoint& point, const Parcel& parcel, TextureLevel texture);
 // Roads, tracks, grass strips over the parcel's colour.
 Eigen::Vector3f WithBorders(const GroundPoint& point, const Parcel& parcel, const Eigen::Vector3f& color);

@@ -96,6 +96,10 @@ double World::SurfaceHeightAt(double east, double north) const {
   return TerrainHeightAt(east, north);
 }
 
+bool World::IsWaterAt(double east, double north) const {
+  return IsWater({east, north, 0.01f, options_.seed}, parcels_.At(east, north));
+}
+
 Eigen::Vector3f World::ColorAt(double east, double north, float footprint_m) const {
   const std::optional<ObjectGrid::Top> top = ObjectTopAt(east, north);
   if (!top) return GroundColorAt(east, north, footprint_m);

@@ -55,6 +55,8 @@ class World {
   double SurfaceHeightAt(double east, double north) const;
   // Which of objects() one sees there; -1 = none.
   int ObjectAt(double east, double north) const;
+  // Whether the ground there is a pond.
+  bool IsWaterAt(double east, double north) const;
   // Colour (red, green, blue) of that surface.
   Eigen::Vector3f ColorAt(double east, double north, float footprint_m) const;
 

@@ -218,7 +218,8 @@ std::vector<float> SurfaceOf(const World& world, const geo::LocalFrame& frame,
     samples[3 * i] = static_cast<float>(place.plane_height_ellipsoid_m + world.SurfaceHeightAt(east, north));
     samples[3 * i + 1] =
         static_cast<float>(place.plane_height_ellipsoid_m + world.TerrainHeightAt(east, north));
-    samples[3 * i + 2] = static_cast<float>(world.ObjectAt(east, north) + 1);
+    const int object = world.ObjectAt(east, north);
+    samples[3 * i + 2] = static_cast<float>(object < 0 && world.IsWaterAt(east, north) ? -1 : object + 1);
   });
   return samples;
 }

@@ -25,7 +25,8 @@ geo::RasterFrame WorldRasterFrame(const geo::Bounds2& bounds_in_merc, int zoom);
 image::DecodedImage RenderWorld(const World& world, const geo::LocalFrame& frame,
                                 const geo::RasterFrame& raster);
 // Three samples a pixel, by rows: heights over the WGS84 ellipsoid of the surface that one sees from above
-// and of the terrain below it, in metres, and which of world.objects() that surface is, from 1; 0 = none.
+// and of the terrain below it, in metres, and which of world.objects() that surface is, from 1; 0 = ground,
+// -1 = water.
 std::vector<float> SurfaceOf(const World& world, const geo::LocalFrame& frame,
                              const geo::RasterFrame& raster);
 

@@ -133,5 +133,22 @@ TEST(World, RaysToTheSkyMeetNothing) {
   EXPECT_FALSE(world.CastRay({0.0, 0.0, 50.0}, {0.0, 0.0, 1.0}, 1e6).has_value());
 }
 
+TEST(World, SaysWhichGroundIsWater) {
+  const World world({.seed = 3});
+  int in_ponds = 0;
+  for (double east = -300.0; east < 300.0; east += 5.0) {
+    for (double north = -300.0; north < 300.0; north += 5.0) {
+      const bool is_amid = world.IsWaterAt(east, north) && world.IsWaterAt(east - 3.0, north) &&
+                           world.IsWaterAt(east + 3.0, north) && world.IsWaterAt(east, north - 3.0) &&
+                           world.IsWaterAt(east, north + 3.0);
+      if (!is_amid) continue;
+      ++in_ponds;
+      const Eigen::Vector3f color = world.ColorAt(east, north, 0.05f);
+      EXPECT_LT(color.x() + 10.0f, color.z()) << east << " " << north;  // bluer than any land
+    }
+  }
+  EXPECT_GT(in_ponds, 20);
+}
+
 }  // namespace
 }  // namespace skyquilt::simulate
