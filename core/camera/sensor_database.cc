@@ -85,7 +85,7 @@ constexpr std::array kSensors = {
     Entry{"S.O.D.A.", {5472, 3648, 12.75}},
     // Autel, Skydio, Yuneec
     Entry{"XT701", {8000, 6000, 6.4}},
-    Entry{"XT705", {8000, 6000, 6.4}},
+    Entry{"XT705", {5472, 3648, 13.2}},
     Entry{"XL714", {5472, 3648, 13.2}},
     Entry{"E90", {5472, 3648, 13.2}},
     Entry{"Skydio 2", {4056, 3040, 6.17}},

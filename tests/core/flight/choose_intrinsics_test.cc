@@ -209,6 +209,16 @@ TEST(ChooseIntrinsics, UsesTheFocalPlaneBeforeTheTable) {
   EXPECT_NEAR(table.intrinsics.focal_x_px, 8.8 / 13.2 * 5472, 1e-9);
 }
 
+TEST(ChooseIntrinsics, KnowsHowLargeASensorIs) {
+  ExifRecord exif;
+  exif.model = "XT705";  // Autel's EVO II Pro, whose calibration is of 4404 pixels
+  exif.focal_length_mm = 10.57;
+  exif.focal_length_35mm_mm = 28.0;
+  const auto chosen = Choose(5472, 3648, exif);
+  EXPECT_EQ(chosen.source, FocalSource::kSensorTable);
+  EXPECT_NEAR(chosen.intrinsics.focal_x_px, 4404.17, 30.0);
+}
+
 TEST(ChooseIntrinsics, ScalesTheTableToSmallTurnedAndCroppedImages) {
   ExifRecord exif;
   exif.model = "fc300s";

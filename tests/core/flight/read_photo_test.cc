@@ -54,6 +54,7 @@ TEST(ReadPhoto, KnowsHowLongItsRowsTookToRead) {
   EXPECT_NEAR(readout_s("FC330", 4000, 2250).value(), 0.75 * 0.033, 1e-9);  // three quarters of the rows
   EXPECT_NEAR(readout_s("FC330", 2000, 1500).value(), 0.033, 1e-9);         // made smaller afterwards
   EXPECT_FALSE(readout_s("FC330", 3000, 4000));                             // rows lie across
+  EXPECT_NEAR(readout_s("XT705", 5472, 3648).value(), 0.030, 1e-9);         // the widest that it takes
   EXPECT_FALSE(readout_s("FC6310", 5472, 3648));
   EXPECT_FALSE(readout_s("L2D-20c", 5280, 3956,
                          XmpPacket(std::string(kDjiNamespace) + "drone-dji:ShutterType=\"Mechanical\"")));
