@@ -117,7 +117,7 @@ constexpr std::array kSensors = {
     Entry{"ILCE-7RM3", {7952, 5304, 35.9}},
     Entry{"ILCE-7RM4", {9504, 6336, 35.7}},
     Entry{"DSC-RX1RM2", {7952, 5304, 35.9}},
-    Entry{"DSC-RX0M2", {4800, 3200, 13.2}},
+    Entry{"DSC-RX0M2", {4800, 3200, 11.6}},
     Entry{"DSC-RX100M2", {5472, 3648, 13.2}},
     Entry{"UMC-R10C", {5456, 3632, 23.2}},
     Entry{"GR II", {4928, 3264, 23.7}},

@@ -217,6 +217,10 @@ TEST(ChooseIntrinsics, KnowsHowLargeASensorIs) {
   const auto chosen = Choose(5472, 3648, exif);
   EXPECT_EQ(chosen.source, FocalSource::kSensorTable);
   EXPECT_NEAR(chosen.intrinsics.focal_x_px, 4404.17, 30.0);
+  exif.model = "DSC-RX0M2";  // a part of a sensor of 1 inch
+  exif.focal_length_mm = 7.9;
+  exif.focal_length_35mm_mm = 24.0;
+  EXPECT_NEAR(Choose(4800, 3200, exif).intrinsics.focal_x_px, 24.0 / 36.0 * 4800, 80.0);
 }
 
 TEST(ChooseIntrinsics, ScalesTheTableToSmallTurnedAndCroppedImages) {
