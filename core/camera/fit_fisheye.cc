@@ -16,7 +16,7 @@ constexpr int kSamples = 200;  // along the radius
 double RhoOf(const FisheyeLens& fisheye, double off_axis_rad) {
   const double theta = 2.0 / std::numbers::pi * off_axis_rad;
   const auto& p = fisheye.polynomial;
-  return p[0] + theta * (p[1] + theta * (p[2] + theta * p[3]));
+  return p[0] + theta * (p[1] + theta * (p[2] + theta * (p[3] + theta * p[4])));
 }
 
 // How far off the axis the picture's furthest corner looks.

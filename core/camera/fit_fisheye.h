@@ -14,7 +14,7 @@ namespace skyquilt::camera {
 struct FisheyeLens {
   double px_per_right_angle_x = 0.0;
   double px_per_right_angle_y = 0.0;
-  std::array<double, 4> polynomial{0.0, 1.0, 0.0, 0.0};  // of theta in right angles, constant first
+  std::array<double, 5> polynomial{0.0, 1.0, 0.0, 0.0, 0.0};  // of theta in right angles, constant first
   double center_x_px = 0.0;
   double center_y_px = 0.0;
 };

@@ -162,16 +162,18 @@ std::optional<ChosenIntrinsics> FromXmpCamera(int width_px, int height_px, const
   return ChosenIntrinsics{camera, source};
 }
 
-// Pix4D's fisheye: the affine matrix is in pixels a right angle, the principal point in mm.
+// Pix4D's fisheye: the affine matrix is in pixels a right angle, the principal point in mm, and the
+// polynomial of degree 3 (Sequoia) or 4 (ANAFI Ai).
 std::optional<Intrinsics> FromFisheye(int width_px, int height_px, const ExifRecord& exif,
                                       const SensorSource& sensor, const XmpTags& xmp,
                                       std::vector<Remark>& notes) {
-  constexpr std::size_t kAffineNumbers = 4, kPolynomialNumbers = 4;
+  constexpr std::size_t kAffineNumbers = 4, kFewestOfPolynomial = 4;
   const auto affine = AllXmpNumbers(xmp.Text("Camera:FisheyeAffineMatrix"), kAffineNumbers);
-  const auto bend = AllXmpNumbers(xmp.Text("Camera:FisheyePolynomial"), kPolynomialNumbers);
+  const auto bend = AllXmpNumbers(xmp.Text("Camera:FisheyePolynomial"));
   const auto middle_mm = AllXmpNumbers(xmp.Text("Camera:PrincipalPoint"), 2);
   if (!affine || !bend || !middle_mm || !exif.focal_plane_x_px_per_mm) return std::nullopt;
   camera::FisheyeLens fisheye;
+  if (bend->size() < kFewestOfPolynomial || bend->size() > fisheye.polynomial.size()) return std::nullopt;
   fisheye.px_per_right_angle_x = (*affine)[0];
   fisheye.px_per_right_angle_y = (*affine)[3];
   std::copy(bend->begin(), bend->end(), fisheye.polynomial.begin());

@@ -47,7 +47,7 @@ TEST(Intrinsics, RefusesRaysBehindTheCameraAndBeyondTheFold) {
 FisheyeLens Sequoia() {
   FisheyeLens lens;
   lens.px_per_right_angle_x = lens.px_per_right_angle_y = 1676.825547;
-  lens.polynomial = {0.0, 1.0, 0.00592627, -0.136981656};
+  lens.polynomial = {0.0, 1.0, 0.00592627, -0.136981656, 0.0};
   lens.center_x_px = 2.487934 * 266.6666559 - 0.5;
   lens.center_y_px = 1.754932 * 266.6666559 - 0.5;
   return lens;
@@ -71,6 +71,22 @@ TEST(FitFisheye, SeesTheSameOverTheWholePicture) {
   }
 }
 
+// As Parrot documents that of an ANAFI Ai.
+TEST(FitFisheye, CountsThePolynomialsFifthNumber) {
+  FisheyeLens fisheye;
+  fisheye.px_per_right_angle_x = fisheye.px_per_right_angle_y = 10858.1;
+  fisheye.polynomial = {0.0, 1.0, 0.1542, -0.7726, 0.2407};
+  fisheye.center_x_px = 3999.5;
+  fisheye.center_y_px = 2999.5;
+  const auto fitted = test::ValueOf(FitFisheye(fisheye, 8000, 6000));
+  for (const double angle : {0.2, 0.5, 0.7}) {
+    const double theta = 2.0 / std::numbers::pi * angle;
+    const double rho = theta * (1.0 + theta * (0.1542 + theta * (-0.7726 + theta * 0.2407)));
+    const auto pixel = test::ValueOf(fitted.lens.Project({std::sin(angle), 0.0, std::cos(angle)}));
+    EXPECT_NEAR(pixel.x(), 3999.5 + 10858.1 * rho, 6.0);
+  }
+}
+
 TEST(FitFisheye, RefusesWhatIsNoLens) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(FitFisheye(Sequoia(), 0, 960));
@@ -79,10 +95,11 @@ TEST(FitFisheye, RefusesWhatIsNoLens) {
     lens.px_per_right_angle_x = scale;
     EXPECT_FALSE(FitFisheye(lens, 1280, 960)) << scale;
   }
-  for (const std::array<double, 4>& polynomial : {std::array<double, 4>{0.0, 0.0, 0.0, 0.0},
-                                                  {0.0, 1.0, -5.0, 0.0},
-                                                  {0.0, nan, 0.0, 0.0},
-                                                  {1.0, 1.0, 0.0, 0.0}}) {
+  for (const std::array<double, 5>& polynomial : {std::array<double, 5>{0.0, 0.0, 0.0, 0.0, 0.0},
+                                                  {0.0, 1.0, -5.0, 0.0, 0.0},
+                                                  {0.0, 1.0, 0.0, 0.0, -50.0},
+                                                  {0.0, nan, 0.0, 0.0, 0.0},
+                                                  {1.0, 1.0, 0.0, 0.0, 0.0}}) {
     FisheyeLens lens = Sequoia();
     lens.polynomial = polynomial;
     EXPECT_FALSE(FitFisheye(lens, 1280, 960));

@@ -176,6 +176,18 @@ TEST(ChooseIntrinsics, ReadsThePix4dSchemesLensOfASensorThatNoTagMeasures) {
   EXPECT_EQ(Choose(5472, 3648, {}, lens).source, FocalSource::kAssumed) << "of unknown size";
 }
 
+TEST(ChooseIntrinsics, ReadsFisheyesOfFourNumbersAndOfFive) {
+  ExifRecord exif;
+  exif.focal_plane_x_px_per_mm = 1233.0;
+  const std::string scheme =
+      "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" Camera:PrincipalPoint=\"3.244,2.433\" "
+      "Camera:FisheyeAffineMatrix=\"10858.1,0,0,10858.1\" Camera:FisheyePolynomial=\"";
+  for (const char* known : {"0,1,0.1542,-0.7726", "0,1,0.1542,-0.7726,0.2407"})
+    EXPECT_EQ(Choose(8000, 6000, exif, scheme + known + "\"").source, FocalSource::kXmpCamera) << known;
+  for (const char* unknown : {"0,1,0.1542", "0,1,0.1542,-0.7726,0.2407,0.1"})
+    EXPECT_EQ(Choose(8000, 6000, exif, scheme + unknown + "\"").source, FocalSource::kAssumed) << unknown;
+}
+
 // As MicaSense's cameras did before they named the unit: the centre is in millimetres all the same.
 TEST(ChooseIntrinsics, ReadsAFocalLengthInPixelsThatNamesNoUnit) {
   ExifRecord exif;
