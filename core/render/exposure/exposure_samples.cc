@@ -22,7 +22,8 @@ double SpotsAcross(std::size_t photos) {
 constexpr float kDarkest = 12.0f;
 constexpr float kBrightest = 246.0f;
 
-// A photo that reaches further than so many times what one sees straight down looks towards the horizon.
+// A photo that reaches further than so many times what one sees straight down, from high above or towards the
+// horizon, is asked at every second spot, every fourth and so on: others are asked there too.
 constexpr double kMaxReach = 4.3;
 
 // Half the side of the patch whose mean is taken, as a share of the thumbnail's width.
@@ -62,7 +63,8 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
     return photo.height_above_ground_m / photo.intrinsics.MeanFocalPx() *
            std::max(photo.intrinsics.width_px, photo.intrinsics.height_px);
   });
-  const double step_m = std::max(0.1, size_m / SpotsAcross(flight.photos.size()));
+  const double spots_across = SpotsAcross(flight.photos.size());
+  const double step_m = std::max(0.1, size_m / spots_across);
 
   std::unordered_map<std::int64_t, std::uint32_t> spot_of_cell;
   for (std::uint32_t i = 0; i < flight.photos.size(); ++i) {
@@ -71,15 +73,17 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
         photo.intrinsics, photo.cam_from_enu, ground.MeanHeight(), 8, photo.max_look_rad));
     if (bounds.IsEmpty()) continue;
     const double reach_m = std::max(bounds.Width(), bounds.Height());
-    if (reach_m > kMaxReach * size_m) continue;
+    std::int64_t stride = 1;
+    while (reach_m > kMaxReach * spots_across * step_m * static_cast<double>(stride)) stride *= 2;
+    const double stride_m = step_m * static_cast<double>(stride);
     const image::DecodedImage thumbnail = Decode(thumbnails[i]);
     const double half_diagonal_px = 0.5 * std::hypot(photo.intrinsics.width_px, photo.intrinsics.height_px);
     const Eigen::Vector2d image_center_px{photo.intrinsics.center_x_px, photo.intrinsics.center_y_px};
     const Eigen::Vector3d camera_in_enu = photo.cam_from_enu.TargetOriginInSource();
-    for (auto row = static_cast<std::int64_t>(std::floor(bounds.min.y() / step_m));
-         row * step_m <= bounds.max.y(); ++row) {
-      for (auto column = static_cast<std::int64_t>(std::floor(bounds.min.x() / step_m));
-           column * step_m <= bounds.max.x(); ++column) {
+    for (auto row = static_cast<std::int64_t>(std::floor(bounds.min.y() / stride_m)) * stride;
+         row * step_m <= bounds.max.y(); row += stride) {
+      for (auto column = static_cast<std::int64_t>(std::floor(bounds.min.x() / stride_m)) * stride;
+           column * step_m <= bounds.max.x(); column += stride) {
         const Eigen::Vector2d spot{column * step_m, row * step_m};
         const double ground_z_m = ground.HeightAt(spot);
         const auto pixel = camera::ProjectRolling(photo.intrinsics, photo.cam_from_enu, photo.readout_motion,

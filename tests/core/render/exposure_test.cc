@@ -1,9 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <vector>
 
+#include "core/geo/rigid3.h"
 #include "core/render/exposure/estimate_exposure.h"
+#include "core/render/exposure/exposure_samples.h"
 #include "core/render/exposure/light_equations.h"
 #include "core/simulate/world/render_photo.h"
 #include "tests/support/simulated_map.h"
@@ -142,6 +147,20 @@ TEST(Exposure, KnowsNothingOfPhotosThatShareNoGround) {
     EXPECT_EQ(tone.gain, (std::array{1.0, 1.0, 1.0}));
     EXPECT_TRUE(tone.shade.IsEven());
   }
+}
+
+// Of one from so high above not more spots than of one that still is asked at all of them.
+TEST(Exposure, PhotosThatReachFarHaveSamplesToo) {
+  test::SimulatedMap map = test::MakeSimulatedMap(test::SmallPhotos(24));
+  constexpr std::uint32_t kHigh = 5;
+  geo::Rigid3& pose = map.flight.photos[kHigh].cam_from_enu;
+  const Eigen::Vector3d below = pose.TargetOriginInSource();
+  pose = geo::Rigid3::FromRotationAndTargetOrigin(pose.rotation, {below.x(), below.y(), 20.0 * below.z()});
+  const std::vector<ExposureSample> samples = SampleExposure(map.flight, map.ground, map.thumbnails);
+  const auto of_high = std::count_if(samples.begin(), samples.end(),
+                                     [](const ExposureSample& sample) { return sample.photo == kHigh; });
+  EXPECT_GT(of_high, 8);
+  EXPECT_LT(of_high, 122 * 122);
 }
 
 // A thousand photos of one place would be many gigabytes otherwise.
