@@ -10,6 +10,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/bands/band_cache.h"
 #include "core/render/blocks/block_geometry.h"
@@ -111,8 +112,9 @@ Result<std::vector<float>> BandOfBlock(const BandsContext& context, std::size_t 
   return sums;
 }
 
-// `places` become those in the raster.
-bands::BandRaster RasterOf(const BandsContext& context, std::vector<BlockPlace>& places) {
+// `places` become those in the raster. Error: kUnprocessable (fields far apart: files of all that lies
+// between them take hours and a disk).
+Result<bands::BandRaster> RasterOf(const BandsContext& context, std::vector<BlockPlace>& places) {
   bands::BandRaster raster;
   std::int64_t west = places.front().column, east = west, north = places.front().row, south = north;
   for (const BlockPlace& place : places) {
@@ -121,6 +123,11 @@ bands::BandRaster RasterOf(const BandsContext& context, std::vector<BlockPlace>&
   }
   for (BlockPlace& place : places) place.column -= west, place.row -= north;
   const MosaicPlan& plan = context.plan;
+  constexpr double kMaxSpannedPixels = 1e11, kMaxEmptyTimes = 16.0;
+  const double spanned = static_cast<double>(east - west + 1) * static_cast<double>(south - north + 1);
+  if (spanned > kMaxEmptyTimes * static_cast<double>(places.size()) &&
+      spanned * plan.BlockSizePx() * plan.BlockSizePx() > kMaxSpannedPixels)
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFieldsFarApart);
   const double block_m = geo::TileSizeInMercM(plan.base_zoom - plan.block_levels);
   raster.west_in_merc_m = static_cast<double>(west) * block_m - geo::kMercHalfWidthM;
   raster.north_in_merc_m = geo::kMercHalfWidthM - static_cast<double>(north) * block_m;
@@ -147,7 +154,7 @@ Result<void> RenderBands(const BandsContext& context, const flight::PhotoSource&
                          const RenderBandsOptions& options, bands::BandSink& sink, Progress& progress) {
   const MosaicPlan& plan = context.plan;
   std::vector<BlockPlace> places = PlacesOf(plan);
-  const bands::BandRaster raster = RasterOf(context, places);
+  SKYQUILT_TRY_ASSIGN(const bands::BandRaster raster, RasterOf(context, places));
   SKYQUILT_TRY(sink.Begin(raster));
   const std::size_t bands = context.captures.bands.size();
   std::vector<BandCache> caches(

@@ -3,7 +3,7 @@
 // bands of a pixel are of one place and one moment. Values are calibrated and never evened out; where
 // captures meet they blend over the seams' width. Memory: a block's values and the decoded pictures, within
 // the budget. The same values with any number of threads. Blocking. Errors: those of the sink and of decoding
-// what could be decoded while the bands were registered; kCancelled.
+// what could be decoded while the bands were registered; kUnprocessable (fields far apart); kCancelled.
 #pragma once
 
 #include <cstdint>

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/bands/radiometry.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/bands/band_cache.h"
@@ -423,6 +424,20 @@ TEST(RenderBandsTest, APictureThatIsGoneSinceIsSaid) {
   const Result<void> rendered = Render(Fly(2), source, 2, kept, &later);
   ASSERT_FALSE(rendered.ok());
   EXPECT_EQ(rendered.error().code, ErrorCode::kCorrupt);
+}
+
+// A raster of all between them would take hours, and a disk.
+TEST(RenderBandsTest, FieldsFarApartHaveNoRaster) {
+  RigFlight flown = Fly(2);
+  geo::Rigid3& pose = flown.references.photos.back().cam_from_enu;
+  pose = geo::Rigid3::FromRotationAndTargetOrigin(pose.rotation, {40'000.0, 40'000.0, kHeightM});
+  const RigSource source;
+  KeptBands kept;
+  const Result<void> rendered = Render(flown, source, 2, kept);
+  ASSERT_FALSE(rendered.ok());
+  EXPECT_EQ(rendered.error().code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(flight::WhyOf(rendered.error()).code, flight::RemarkCode::kFieldsFarApart);
+  EXPECT_TRUE(kept.raster.bands.empty());
 }
 
 TEST(RenderBandsTest, DoesNotDependOnThreads) {
