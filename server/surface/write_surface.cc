@@ -9,6 +9,7 @@
 
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/surface/match_surface.h"
 #include "core/surface/terrain/ground_sketch.h"
 #include "storage/exports/heights/contours.h"
@@ -48,6 +49,14 @@ Result<void> PutMatched(const surface::DenseSurface& matched, const surface::Sur
   return {};
 }
 
+// Of an earlier map: they would pass for this one's.
+void ForgetHeights(const std::filesystem::path& out_dir) {
+  std::error_code gone;  // what cannot be removed stays, as what cannot be written would
+  for (const char* name : {"dsm.tif", "dsm_photos.tif", "dsm_hillshade.tif", "dtm.tif", "dtm_ground.tif",
+                           "contours.gpkg", "contours.geojson", "contours.dxf"})
+    std::filesystem::remove(out_dir / name, gone);
+}
+
 }  // namespace
 
 Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
@@ -70,7 +79,13 @@ Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOp
     storage::SurfaceWriter writer(out_dir, built.flight.frame, built.report.bounds.Middle(), grid,
                                   built.ground.MeanHeight(), options.threads, below ? &*below : nullptr,
                                   progress, pipeline::RaisedM(built.report));
-    SKYQUILT_TRY(writer.Begin());
+    if (const Result<void> begun = writer.Begin(); !begun) {
+      if (begun.error().code != ErrorCode::kUnprocessable) return begun.error();
+      ForgetHeights(out_dir);
+      built.report.warnings.push_back(
+          {flight::RemarkCode::kNoHeightFiles, {{"why", flight::WhyOf(begun.error())}}});
+      return {};
+    }
     const Result<void> put =
         matched != nullptr ? PutMatched(*matched, grid, writer)
                            : surface::MatchSurfaceBlocks(

@@ -14,6 +14,7 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/exports/warp_geotiff.h"
 #include "storage/exports/warped/warp_tiles.h"
 #include "storage/files/publish_file.h"
@@ -161,6 +162,10 @@ Result<void> SurfaceWriter::Begin() {
   Work& work = *work_;
   const geo::Wgs84& origin = work.frame.origin();
   SKYQUILT_TRY(UtmEpsg(work.map_middle));
+  // A file of all that lies between fields far apart takes days, and a disk.
+  constexpr double kMaxSpannedCells = 1e11;
+  if (static_cast<double>(work.grid.columns) * work.grid.rows > kMaxSpannedCells)
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFieldsFarApart);
   // East and north of the frame are, but for what the height above the ellipsoid adds, those of the azimuthal
   // projection about its origin: 0.5 mm off at 5 km. The orthographic one, which has no such bend, knows half
   // of the Earth only, of which GDAL complains.

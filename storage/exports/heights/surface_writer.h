@@ -5,7 +5,8 @@
 // likewise, and dtm_ground.tif, 1 where that ground was seen and measured, 0 where it is bridged. Blocks go
 // to temporary files as they come, in the flight's own frame, and are resampled on Publish (bilinear; the
 // nearest); all files get their names when the last is finished. Memory: GDAL's block cache and warp buffer.
-// One thread. Errors: kUnprocessable (no UTM zone so far north or south), kIo, kOutOfSpace, kCancelled.
+// One thread. Errors: kUnprocessable (no UTM zone so far north or south, fields far apart), kIo, kOutOfSpace,
+// kCancelled.
 #pragma once
 
 #include <cstdint>

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/flight/remarks/because.h"
 #include "core/surface/terrain/ground_sketch.h"
 #include "tests/storage/rasters/raster_by_gdal.h"
 #include "tests/support/bytes_of.h"
@@ -194,6 +195,19 @@ TEST(SurfaceWriter, CountsInTheZoneOfTheMapsMiddle) {
     EXPECT_STREQ(test::OpenByGdal(folder / name)->GetSpatialRef()->GetAuthorityCode(nullptr), "32734")
         << name;
   }
+}
+
+// A file of all that lies between them would take days, and a disk.
+TEST(SurfaceWriter, FieldsFarApartHaveNoHeights) {
+  const test::TemporaryFolder folder;
+  SilentProgress progress;
+  const surface::SurfaceGrid grid{Eigen::Vector2d::Zero(), 0.05, 800'000, 800'000};
+  SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), kMiddle, grid, 6.0, 1, nullptr, progress);
+  const Result<void> begun = writer.Begin();
+  ASSERT_FALSE(begun.ok());
+  EXPECT_EQ(begun.error().code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(flight::WhyOf(begun.error()).code, flight::RemarkCode::kFieldsFarApart);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 TEST(SurfaceWriter, SaysThatThereIsNoUtmAtThePoles) {

@@ -338,6 +338,7 @@ export const remark_words = {
   finest_pixels: (v) => `Die Pixel der Karte zeigen ${fixed(v.pixel_mm, 1)}\u00a0mm statt ${fixed(v.wanted_mm, 1)}\u00a0mm: Feinere bräuchten Kacheln von mehr als ${number(v.side_px)} Pixeln Seitenlänge, wie sie keine Karte hat.`,
   heights_mostly_filled: (v) => `Nur ${fixed(v.measured_percent, 0)}\u00a0% der Höhen wurden gemessen; anderswo zeigen die Fotos nicht dasselbe (Wasser, Baumkronen im Wind, zu wenig Überlappung), und die Höhen wurden aus der Umgebung ergänzt.`,
   no_bands: (v) => `Es gibt keine Karte der Kanäle. ${v.why}`,
+  no_height_files: (v) => `Zur Karte gibt es keine Höhen. ${v.why}`,
   fields_far_apart: () => 'Die beflogenen Flächen liegen dafür zu weit auseinander. Erstellen Sie für jede eine eigene Karte.',
   band_laid_as_others: (v) => `In ${number(v.failed)} von ${number(v.captures)} Aufnahmen ließ sich der Kanal ${v.band} nicht auf den Bezugskanal legen; dort liegt er wie in den anderen.`,
   band_laid_as_reference: (v) => `In ${number(v.failed)} von ${number(v.captures)} Aufnahmen ließ sich der Kanal ${v.band} nicht auf den Bezugskanal legen; dort liegt er wie dieser.`,

@@ -337,6 +337,7 @@ export const remark_words = {
   finest_pixels: (v) => `The pixels of the map are ${fixed(v.pixel_mm, 1)}\u00a0mm instead of ${fixed(v.wanted_mm, 1)}\u00a0mm: finer ones would take tiles of more than ${number(v.side_px)} pixels a side, which no map has.`,
   heights_mostly_filled: (v) => `Only ${fixed(v.measured_percent, 0)} % of the heights were measured; elsewhere photos do not show the same thing (water, crowns in the wind, too little overlap) and heights were filled from around.`,
   no_bands: (v) => `There is no map of the bands. ${v.why}`,
+  no_height_files: (v) => `The map has no heights. ${v.why}`,
   fields_far_apart: () => 'The areas flown lie too far apart for it. Make a map of each.',
   band_laid_as_others: (v) => `In ${number(v.failed)} of ${number(v.captures)} captures the band ${v.band} could not be aligned with the reference; there it lies as in the others.`,
   band_laid_as_reference: (v) => `In ${number(v.failed)} of ${number(v.captures)} captures the band ${v.band} could not be aligned with the reference; there it lies as the reference does.`,
