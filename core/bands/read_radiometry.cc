@@ -279,7 +279,9 @@ bool ReadDji(const XmpTags& xmp, Radiometry& radiometry) {
   const auto adjustment = Positive(xmp.Number("drone-dji:SensorGainAdjustment"));
   auto sunlight = Positive(xmp.Number("drone-dji:Irradiance"));
   if (!sunlight) sunlight = Positive(xmp.Number("Camera:Irradiance"));
-  if (adjustment && sunlight) {
+  // 0: a dongle at the aircraft's port covers it.
+  const bool is_sensor_free = xmp.Number("drone-dji:LS_status") != 0.0;
+  if (adjustment && sunlight && is_sensor_free) {
     radiometry.per_level *= *adjustment / *sunlight;
     radiometry.sunlight = sunlight;
     radiometry.calibration = Calibration::kRelative;

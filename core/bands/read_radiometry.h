@@ -13,7 +13,8 @@
 //     L over the irradiance of the light sensor. Which firmwares wrote a wrong exposure time or a wrong
 //     irradiance of level ground is told by MicaSense's own library (micasense/imageprocessing, metadata.py).
 //   DJI P4 Multispectral, Mavic 3 Multispectral: their image processing guides: (level - black) / 65535 over
-//     gain and exposure, times a radial polynomial, times SensorGainAdjustment, over Irradiance.
+//     gain and exposure, times a radial polynomial, times SensorGainAdjustment, over Irradiance, unless
+//     LS_status is 0 (a dongle covers the sensor).
 //   Any other: black level, exposure and gain of EXIF.
 #pragma once
 

@@ -106,6 +106,19 @@ TEST(RadiometryOfDji, FollowsTheirGuide) {
   EXPECT_NEAR(ValueAt(radiometry, 32, 16) / ValueAt(radiometry, 16, 16), 1.0 + 0.0001 * 256.0, 1e-5);
 }
 
+TEST(RadiometryOfDji, ALightSensorThatIsCoveredIsNotBelieved) {
+  const auto radiometry = [](const char* status) {
+    return RadiometryOf(
+        "drone-dji:SensorGain=\"2\" drone-dji:ExposureTime=\"1000\" drone-dji:SensorGainAdjustment=\"0.5\" "
+        "drone-dji:Irradiance=\"4000\" drone-dji:LS_status=\"" +
+        std::string(status) + "\"");
+  };
+  EXPECT_EQ(radiometry("0").calibration, Calibration::kRadiance);
+  EXPECT_FALSE(radiometry("0").sunlight);
+  EXPECT_EQ(radiometry("1").calibration, Calibration::kRelative);
+  EXPECT_EQ(radiometry("2").calibration, Calibration::kRelative);
+}
+
 TEST(RadiometryOfDji, TheBlackLevelMayStandAmongTheMakersTags) {
   const Radiometry radiometry = RadiometryOf(
       "drone-dji:BlackCurrent=\"3200\" drone-dji:SensorGain=\"1\" drone-dji:ExposureTime=\"1000\"",
