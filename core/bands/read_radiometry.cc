@@ -82,7 +82,10 @@ using flight::XmpTags;
 
 constexpr std::uint16_t kBlackLevelTag = 0xC61A;
 constexpr std::uint16_t kModelTag = 0x0110, kSoftwareTag = 0x0131;
+constexpr std::uint16_t kBitsTag = 0x0102;
 constexpr double kLevels16 = 65536.0;
+// Samples of 8 bits are spread over 16 when they are decoded.
+constexpr double kLevelsOfEightBits = 256.0, kSixteenOfEightBits = 257.0;
 constexpr double kLevelsOfTenBits = 64.0;  // 16-bit levels in one of 10 bits
 constexpr double kIsoOfGainOne = 100.0;
 
@@ -109,8 +112,10 @@ void ReadBlackLevel(const ExifTable& exif, const XmpTags& xmp, Radiometry& radio
   if (!levels[0]) levels[0] = xmp.Number("drone-dji:BlackLevel");
   if (!levels[0]) levels[0] = xmp.Number("drone-dji:BlackCurrent");
   if (!levels[0]) levels[0] = xmp.Number("Camera:BlackCurrent");
+  const bool has_eight_bits = exif.Number(ExifIfd::kImage, kBitsTag) == 8.0;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    const double level = levels[i].value_or(levels[0].value_or(0.0));
+    double level = levels[i].value_or(levels[0].value_or(0.0));
+    if (has_eight_bits && level < kLevelsOfEightBits) level *= kSixteenOfEightBits;
     radiometry.black[i] = level >= 0.0 && level < kLevels16 ? level : 0.0;
   }
 }

@@ -126,6 +126,22 @@ TEST(RadiometryOfDji, TheBlackLevelMayStandAmongTheMakersTags) {
   EXPECT_NEAR(ValueAt(radiometry, 0, 0), (20'000 - 3200) / 65535.0 / 1e-3, 1e-2);
 }
 
+// As a Mavic 3 Multispectral writes it; one of 16 bits is left over from what the file was made of.
+TEST(RadiometryOfDji, TheBlackLevelOfEightBitsIsOneOfThem) {
+  const auto black = [](const std::string& level) {
+    const flight::Bytes bytes = flight::TiffImage(
+        flight::ExifWriter(), kWidth, kHeight, flight::Bytes(std::size_t{3} * kWidth * kHeight, 80),
+        flight::XmpPacket(std::string(kCameraXmp) + flight::kDjiNamespace +
+                          "Camera:BandName=\"Red\" drone-dji:BlackCurrent=\"" + level +
+                          "\" drone-dji:SensorGain=\"1\" drone-dji:ExposureTime=\"1000\""));
+    flight::MemoryBytes source(bytes);
+    const auto facts = ReadBandFacts(source);
+    return facts ? facts->radiometry.black[3] : -1.0;
+  };
+  EXPECT_DOUBLE_EQ(black("12"), 12.0 * 257.0);
+  EXPECT_DOUBLE_EQ(black("3200"), 3200.0);
+}
+
 TEST(RadiometryOfSequoia, ByTheFactorysMeasurement) {
   // 15 200 levels above black at ISO 200 and 1/500 s; the factory saw 345 levels of 10 bits at 1/200 s, and
   // ten times less light at the sunshine sensor.
