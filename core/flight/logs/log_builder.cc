@@ -259,21 +259,41 @@ void LogBuilder::KeepLongestSegment() {
 }
 
 // A column has to stand in lists of photos, and who has no heights fills it with zeros.
-void LogBuilder::DropHeightsThatAreFillers() {
+bool LogBuilder::DropHeightsThatAreFillers() {
   std::size_t zeros = 0;
   for (const CameraEvent& event : log_.events) {
     if (!event.height_ellipsoid_m && !event.height_amsl_m) continue;
     const bool is_zero =
         event.height_ellipsoid_m.value_or(0.0) == 0.0 && event.height_amsl_m.value_or(0.0) == 0.0;
-    if (!is_zero || !event.image_name) return;
+    if (!is_zero || !event.image_name) return false;
     ++zeros;
   }
-  if (zeros < kMinFlatRows) return;
+  if (zeros < kMinFlatRows) return false;
   for (CameraEvent& event : log_.events) {
     event.height_ellipsoid_m.reset();
     event.height_amsl_m.reset();
   }
-  Warn(RemarkCode::kHeightsNotSurveyed);
+  return true;
+}
+
+// So do recorders; what is above the ellipsoid may be worked out of that by the geoid.
+bool LogBuilder::DropTrackHeightsThatAreFillers() {
+  constexpr double kHighestGeoidM = 110.0;
+  std::size_t zeros = 0;
+  for (const GnssSample& sample : log_.gnss) {
+    if (!sample.height_ellipsoid_m && !sample.height_amsl_m) continue;
+    const double most_m = sample.height_amsl_m ? kHighestGeoidM : 0.0;
+    const bool is_zero = sample.height_amsl_m.value_or(0.0) == 0.0 &&
+                         std::abs(sample.height_ellipsoid_m.value_or(0.0)) <= most_m;
+    if (!is_zero) return false;
+    ++zeros;
+  }
+  if (zeros < kMinFlatRows) return false;
+  for (GnssSample& sample : log_.gnss) {
+    sample.height_ellipsoid_m.reset();
+    sample.height_amsl_m.reset();
+  }
+  return true;
 }
 
 // So do angles before accuracies; as measured they would turn all cameras to the north.
@@ -308,7 +328,8 @@ FlightLog LogBuilder::Finish() && {
   KeepLongestSegment();
   std::stable_sort(log_.events.begin(), log_.events.end(),
                    [](const CameraEvent& a, const CameraEvent& b) { return a.t_s < b.t_s; });
-  DropHeightsThatAreFillers();
+  const bool are_of_events = DropHeightsThatAreFillers(), are_of_track = DropTrackHeightsThatAreFillers();
+  if (are_of_events || are_of_track) Warn(RemarkCode::kHeightsNotSurveyed);
   DropAnglesThatAreFillers();
   if (heights_beyond_ > 0)
     Warn({RemarkCode::kHeightsBeyond, {{"rows", heights_beyond_}, {"height_m", first_height_beyond_m_}}});

@@ -77,7 +77,8 @@ class LogBuilder {
   void PushTimed(CappedSeries<T>& series, const T& sample, int which);
   void KeepLongestSegment();
   void DropHeightsBeyond(RecordedHeights& heights);
-  void DropHeightsThatAreFillers();
+  bool DropHeightsThatAreFillers();
+  bool DropTrackHeightsThatAreFillers();
   void DropAnglesThatAreFillers();
 
   FlightLog log_;

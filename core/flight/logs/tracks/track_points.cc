@@ -59,20 +59,14 @@ Error TrackPoints::WhyNone() const {
 Result<FlightLog> TrackPoints::Finish(std::vector<std::string> mapping) && {
   std::stable_sort(placed_.begin(), placed_.end(),
                    [](const Placed& a, const Placed& b) { return a.time < b.time; });
-  // Recorders that know no altitude write 0.
-  constexpr std::size_t kFewestZeros = 3;
-  const bool are_zero = placed_.size() >= kFewestZeros &&
-                        std::all_of(placed_.begin(), placed_.end(),
-                                    [](const Placed& placed) { return placed.point.height_amsl_m == 0.0; });
   LogBuilder builder(format_, file_name_);
-  if (are_zero) builder.Warn(RemarkCode::kHeightsNotSurveyed);
   for (const Placed& placed : placed_) {
     const double t_s = SecondsBetween(placed_.front().time, placed.time);
     GnssSample sample;
     sample.t_s = t_s;
     sample.position = {placed.point.lat_deg, placed.point.lon_deg};
-    if (!are_zero) sample.height_amsl_m = placed.point.height_amsl_m;
-    if (!are_zero) sample.height_ellipsoid_m = placed.point.height_ellipsoid_m;
+    sample.height_amsl_m = placed.point.height_amsl_m;
+    sample.height_ellipsoid_m = placed.point.height_ellipsoid_m;
     builder.Add(sample);
     if (placed.point.height_above_takeoff_m)
       builder.Add(BaroSample{t_s, *placed.point.height_above_takeoff_m});

@@ -244,6 +244,22 @@ TEST(ParseTolerantCsv, TakesNoHeightThatMayCountFromTheSeaForOneAboveTheTakeoff)
   EXPECT_EQ(both.baro.at(0).height_above_takeoff_m, 60.0);
 }
 
+TEST(ParseTolerantCsv, TakesHeightsThatAreAllZeroForUnknown) {
+  const auto track = [](const std::string& last) {
+    return ValueOf(ParseLog(
+        "track.csv", BytesOf("time_s,lat,lon,height_above_takeoff_m,altitude_amsl_m\n1,46.8,7.1,50,0.0\n"
+                             "2,46.8001,7.1,60,0\n3,46.8002,7.1,60," +
+                             last + "\n")));
+  };
+  const FlightLog none = track("0");
+  ASSERT_EQ(none.gnss.size(), 3u);
+  EXPECT_FALSE(none.gnss[0].height_amsl_m);
+  EXPECT_EQ(none.baro.size(), 3u);
+  ASSERT_EQ(none.warnings.size(), 1u);
+  EXPECT_EQ(none.warnings[0].code, RemarkCode::kHeightsNotSurveyed);
+  EXPECT_EQ(track("2.5").gnss.at(0).height_amsl_m, 0.0) << "by the sea";
+}
+
 TEST(ParseTolerantCsv, ReadsATableOfExposuresByName) {
   for (const char* header : {"time_s,photo", "Time_S,Photo", "time_s,image", "time_s,filename"}) {
     const std::string text = std::string(header) + "\n103.5,IMG_1.jpg\n106.5,IMG_2.jpg\n109.75,IMG_3.jpg\n";
