@@ -8,6 +8,7 @@
 
 #include "core/base/median.h"
 #include "core/base/try.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/geo/geodesic.h"
 
 namespace skyquilt::flight {
@@ -171,6 +172,30 @@ void CheckHeights(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview)
   }
 }
 
+// "altitude" alone that begins at 0 and climbs from there counts from the take-off, as Litchi writes it: a
+// sea as near would hardly lie lower. One that leaps from 0 was not known before.
+void SettleZeroOfAltitudes(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview,
+                           CsvFindings& findings) {
+  constexpr double kAtZeroM = 0.3, kLeapM = 10.0, kAloftM = 5.0;
+  CsvColumn* column = ColumnOf(columns, M::kHeightAmsl);
+  if (column == nullptr || !column->is_bare_height || HasColumn(columns, M::kHeightEllipsoid) ||
+      HasColumn(columns, M::kHeightAboveTakeoff))
+    return;
+  std::optional<double> last_m;
+  double highest_m = 0.0;
+  for (const CsvRow& row : preview) {
+    const auto place = PlaceOf(row);
+    const auto height_m = row[M::kHeightAmsl];
+    if (!place || *place == geo::LatLon{} || !height_m) continue;  // 0, 0: before the first fix
+    if (!(std::abs(*height_m - last_m.value_or(0.0)) <= (last_m ? kLeapM : kAtZeroM))) return;
+    highest_m = std::max(highest_m, *height_m);
+    last_m = height_m;
+  }
+  if (highest_m < kAloftM) return;
+  column->meaning = M::kHeightAboveTakeoff;
+  findings.warnings.push_back({RemarkCode::kAltitudesFromTakeoff, {{"column", Quoted(column->header)}}});
+}
+
 }  // namespace
 
 // Positions may be whole numbers of 1e-7 degrees. What else is no degrees is metres of a plane, degrees with
@@ -207,6 +232,7 @@ Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, std::vector
   SKYQUILT_TRY_ASSIGN(const double seconds_per_time, CheckTime(columns, preview, findings));
   CheckDate(columns, preview, findings);
   TellNumbersFromFlags(columns, preview);
+  SettleZeroOfAltitudes(columns, preview, findings);
   SettleAngleUnits(columns, preview);
   SettlePressureUnit(columns, preview);
   SKYQUILT_TRY_ASSIGN(findings.axes, SettleInertialUnits(columns, preview, seconds_per_time));

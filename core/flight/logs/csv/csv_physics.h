@@ -50,6 +50,7 @@ Result<void> SettlePositions(std::vector<CsvColumn>& columns, std::vector<CsvRow
 struct CsvFindings {
   CsvClockRule clock;
   SensorAxes axes;
+  std::vector<Remark> warnings;
 };
 
 // All of them. Corrects the scales in `columns` where the unit was not written, by the first rows of the

@@ -330,7 +330,9 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   sampler.Finish(header->columns, sampled);
   for (const auto* notes : {&std::as_const(settled.notes), &findings.axes.notes})
     builder.log().mapping.insert(builder.log().mapping.end(), notes->begin(), notes->end());
-  for (const Remark& warning : settled.warnings) builder.Warn(warning);
+  for (const auto* warnings : {&std::as_const(settled.warnings), &findings.warnings}) {
+    for (const Remark& warning : *warnings) builder.Warn(warning);
+  }
   sampled.Tell(header->columns, builder);
   return std::move(builder).Finish();
 }

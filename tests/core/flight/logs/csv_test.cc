@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/csv/csv_columns.h"
@@ -242,6 +244,37 @@ TEST(ParseTolerantCsv, TakesNoHeightThatMayCountFromTheSeaForOneAboveTheTakeoff)
   const auto both = track("altura,altitud", "60,650");
   EXPECT_EQ(both.gnss.at(0).height_amsl_m, 650.0);
   EXPECT_EQ(both.baro.at(0).height_above_takeoff_m, 60.0);
+}
+
+TEST(ParseTolerantCsv, CountsAltitudesThatBeginAtZeroFromTheTakeoff) {
+  const auto track = [](const std::string& altitude, std::initializer_list<const char*> heights) {
+    std::string text = "latitude,longitude," + altitude + ",time(millisecond),datetime(utc)\n0,0,0,0,\n";
+    int row = 0;
+    for (const char* const height : heights) {
+      const std::string second = std::to_string(++row);
+      text +=
+          "46.80000" + second + ",7.1," + height + "," + second + "000,2021-06-01 10:00:0" + second + "\n";
+    }
+    return ValueOf(ParseLog("litchi.csv", BytesOf(text)));
+  };
+  const auto is_told = [](const FlightLog& log) {
+    return std::any_of(log.warnings.begin(), log.warnings.end(),
+                       [](const Remark& said) { return said.code == RemarkCode::kAltitudesFromTakeoff; });
+  };
+  const FlightLog litchi = track("altitude(m)", {"0.0", "0.1", "4.0", "12.5", "20"});
+  ASSERT_EQ(litchi.gnss.size(), 5u);
+  EXPECT_FALSE(litchi.gnss[4].height_amsl_m);
+  ASSERT_EQ(litchi.baro.size(), 6u) << "also before the first fix";
+  EXPECT_DOUBLE_EQ(litchi.baro[5].height_above_takeoff_m, 20.0);
+  EXPECT_TRUE(is_told(litchi));
+  for (const FlightLog& log : {track("altitude(m)", {"0", "0", "450", "451", "455"}),
+                               track("altitude(m)", {"2", "4", "8", "12", "20"}),
+                               track("altitude_amsl(m)", {"0", "4", "8", "12", "20"}),
+                               track("altitude(m)", {"0", "0.5", "1", "1", "0"})}) {
+    EXPECT_TRUE(log.baro.empty());
+    EXPECT_TRUE(log.gnss.at(4).height_amsl_m);
+    EXPECT_FALSE(is_told(log));
+  }
 }
 
 TEST(ParseTolerantCsv, TakesHeightsThatAreAllZeroForUnknown) {

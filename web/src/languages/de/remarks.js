@@ -183,6 +183,7 @@ export const remark_words = {
   angles_without_header: () => 'die Winkel haben keine Kopfzeile und werden nicht verwendet: Schreiben Sie yaw,pitch,roll oder omega,phi,kappa darüber',
   angles_lack_others: (v) => `die Winkel der Spalte ${v.columns} werden nicht verwendet: yaw, pitch und roll oder omega, phi und kappa müssen alle da sein`,
   column_words_unknown: (v) => `die Spalte ${v.column} wird nicht verwendet: Was ${v.word} über ihre Einheit oder ihren Nullpunkt sagt, ist nicht bekannt`,
+  altitudes_from_takeoff: (v) => `die Höhen der Spalte ${v.column} beginnen bei 0 und steigen von dort: Sie gelten als über dem Startplatz gezählt, nicht über dem Meer`,
   heights_not_surveyed: () => 'alle Höhen sind 0; sie gelten als nicht vermessen',
   angles_not_measured: () => 'alle Winkel sind 0; sie gelten als nicht gemessen',
   heights_beyond: (v) => `${count(v.rows, { one: 'Zeile nennt eine Höhe', other: 'Zeilen nennen Höhen' })}, die kein Fluggerät erreicht, und ${plural(v.rows, { one: 'gilt', other: 'gelten' })} ohne sie (zuerst ${metresTold(v.height_m, 0)})`,

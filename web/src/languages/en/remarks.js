@@ -182,6 +182,7 @@ export const remark_words = {
   angles_without_header: () => 'the angles have no header and are not used: write yaw,pitch,roll or omega,phi,kappa above them',
   angles_lack_others: (v) => `the angles of column ${v.columns} are not used: yaw, pitch and roll, or omega, phi and kappa, must all be there`,
   column_words_unknown: (v) => `column ${v.column} is not used: what ${v.word} says of its unit or its zero is not known`,
+  altitudes_from_takeoff: (v) => `the heights of column ${v.column} begin at 0 and climb from there: they are taken as counted from the take-off, not from the sea`,
   heights_not_surveyed: () => 'all heights are 0; they are taken as not surveyed',
   angles_not_measured: () => 'all angles are 0; they are taken as not measured',
   heights_beyond: (v) => `${plural(v.rows, { one: '1 row gives a height', other: `${number(v.rows)} rows give heights` })} that no aircraft reaches and ${plural(v.rows, { one: 'is', other: 'are' })} used without (first ${metresTold(v.height_m, 0)})`,
