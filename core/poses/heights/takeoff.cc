@@ -99,8 +99,9 @@ class TakeoffSearch {
       const auto baro_m = BaroAt(fix.t_s);
       if (height_m && baro_m) zeros.push_back(*height_m - *baro_m);
     }
+    const bool are_of_log = !zeros.empty();
     for (const PhotoAtTime& p : photos_) {
-      if (!log_.gnss.empty() || !p.photo->position) continue;
+      if (are_of_log || !p.photo->position) continue;
       const auto height_m = EllipsoidHeightM(*p.photo->position);
       const auto baro_m = BaroAt(p.t_s);
       if (height_m && baro_m) zeros.push_back(*height_m - *baro_m);

@@ -55,6 +55,19 @@ TEST_F(FindTakeoffTest, TrustsTheBarometerFirst) {
   EXPECT_NEAR(takeoff.middle->lat_deg, 50.8 + 1e-5 * 176, 2e-5);
 }
 
+TEST_F(FindTakeoffTest, HangsFixesWithoutHeightsOnThePhotosOwn) {
+  AddBarometer();
+  for (flight::GnssSample& fix : log_.gnss) fix.height_ellipsoid_m.reset();
+  for (flight::Photo& photo : photos_) {
+    photo.position.emplace();
+    photo.position->height_ellipsoid_m = 512.0;
+  }
+  const Takeoff takeoff = Find();
+  EXPECT_NEAR(takeoff.height_ellipsoid_m, 452.0, 1e-6);
+  EXPECT_TRUE(takeoff.is_above_ellipsoid);
+  EXPECT_TRUE(takeoff.hangs_on_cameras);
+}
+
 TEST_F(FindTakeoffTest, ReadsTablesOfARowEveryFiveSeconds) {
   const std::vector<flight::GnssSample> all = std::move(log_.gnss);
   log_.gnss.clear();
