@@ -47,6 +47,21 @@ test('tables are read with commas, semicolons, tabs or blanks, with and without 
   assert.deepEqual(parseControlList('1 7.1 46.8\n2 7.2 46.9').points, [point('1', 7.1, 46.8), point('2', 7.2, 46.9)]);
 });
 
+test('northing stands before easting without a header too, where the system leaves no other reading', () => {
+  const of = (/** @type {string} */ text, system = '') => parseControlList(text, system).points;
+  const surveyed = [point('1', 576691.665, 5188169.628, 158.5), point('2', 576700, 5188200.5, 160)];
+  const rows = '1,5188169.628,576691.665,158.5,CP\n2,5188200.5,576700,160,nail in road';
+  for (const system of ['EPSG:32615', 'EPSG:26915', 'WGS84 UTM 15N', '+proj=utm +zone=15']) {
+    assert.deepEqual(of(rows, system), surveyed, system);
+    assert.deepEqual(of(`${system}\n1 576691.665 5188169.628 158.5\n2 576700 5188200.5 160`), surveyed, system);
+  }
+  assert.deepEqual(of('5188169.628\t576691.665\t158.5', 'EPSG:32615')[0].x, 576691.665);
+  for (const system of ['', 'EPSG:2193', 'EPSG:3857', '+proj=utm +zone=15 +units=us-ft']) assert.equal(of(rows, system)[0].x, 5188169.628, system);
+  assert.equal(of('1,32576691.5,5188169.5,158.5', 'EPSG:25832')[0].x, 32576691.5, 'with its zone before it');
+  assert.deepEqual(of('1,46.84265,-91.99456,198\n2,46.8427,-91.9945,198', 'EPSG:4326').map(({ x, y }) => [x, y]), [[-91.99456, 46.84265], [-91.9945, 46.8427]]);
+  assert.equal(of('1,46.84265,8.5,198', 'EPSG:4326')[0].x, 46.84265);
+});
+
 test('of two heights those above the ellipsoid count, unless the system says what heights count from', () => {
   const height = (/** @type {string} */ text, /** @type {string} */ system) => parseControlList(text, system).points[0].height;
   const row = 'Name,Easting,Northing,Elevation,Ellipsoidal height\nA,1,2,100,147';

@@ -33,6 +33,9 @@ const kSystem = /^\s*(EPSG:\d{3,6}\b.*|WGS ?84\b[^,;]*|\+proj=.*)\s*$/i;
 const kSystemOfHeights = /^(EPSG\D*\d+\s*\+|COMPD_CS|COMPOUNDCRS)/i;
 // Systems whose heights are in metres, whatever a list's are in.
 const kMetric = /^\s*(EPSG:(4258|4269|4326|4979|6318|258\d\d|32[67]\d\d)(\+(3855|5703|5773))?(?![\d+])|WGS ?84\b[^+]*$|\+proj=(longlat|utm)\b(?!.*(units=(?!m\b)|to_meter=)))/i;
+// Systems whose numbers say which of two is the easting: UTM's keep within its zone, and no latitude is beyond 90.
+const kUtm = /^\s*(EPSG:(258\d\d|269([01]\d|2[0-3])|32[67]\d\d)(?!\d)|WGS ?84\b.*\bUTM\b|\+proj=utm\b(?!.*(units=(?!m\b)|to_meter=)))/i;
+const kDegrees = /^\s*(EPSG:(4258|4269|4326|4979|6318)(?!\d)|WGS ?84\s*$|\+proj=longlat\b)/i;
 const kFeet = /^(ft|feet|foot|ift|sft|usft|ftus)$/;
 const kFoot_m = 0.3048;  // the survey foot differs by two millionths
 
@@ -89,10 +92,25 @@ function columnsOf(fields) {
   return columns.x !== undefined && columns.y !== undefined ? columns : null;
 }
 
-/** Without a header: a name first, but for three numbers alone. @param {string[][]} rows @returns {Columns} */
-function guessedColumns(rows) {
+/**
+ * As surveyors write it, "point, northing, easting, elevation", where no row can be meant otherwise.
+ * @param {string[][]} rows
+ * @param {number} x the two columns, as they stand
+ * @param {number} y
+ * @param {string} system
+ */
+function isNorthFirst(rows, x, y, system) {
+  const pairs = rows.map((fields) => [parseNumber(fields[x] ?? ''), parseNumber(fields[y] ?? '')]).filter((pair) => !pair.some(Number.isNaN));
+  if (kUtm.test(system)) return pairs.length > 0 && pairs.every(([first, second]) => first > 1e6 && first < 1e7 && second > 1e5 && second < 9e5);
+  return kDegrees.test(system) && pairs.some(([, second]) => Math.abs(second) > 90) && pairs.every(([first]) => Math.abs(first) <= 90);
+}
+
+/** Without a header: a name first, but for three numbers alone. @param {string[][]} rows @param {string} system @returns {Columns} */
+function guessedColumns(rows, system) {
   const is_nameless = rows.every((fields) => fields.length === 3 && fields.every((field) => /\d[.,]\d/.test(field)));
-  return is_nameless ? { x: 0, y: 1, height: 2 } : { name: 0, x: 1, y: 2, height: 3 };
+  const [x, y] = is_nameless ? [0, 1] : [1, 2];
+  const order = isNorthFirst(rows, x, y, system) ? { x: y, y: x } : { x, y };
+  return is_nameless ? { ...order, height: 2 } : { name: 0, ...order, height: 3 };
 }
 
 /** @param {Columns} columns @param {string} system */
@@ -155,7 +173,7 @@ export function parseControlList(text, system = '') {
   });
   const named = /** @type {Columns|null} */ (columns);
   if (rows.some(({ fields }) => isMarkRow(fields) && (named === null || kPicture.test(fields[5])))) readMarks(rows, named ?? { x: 0, y: 1 }, list);
-  else readTable(rows, named ?? guessedColumns(rows.map(({ fields }) => fields)), system, list);
+  else readTable(rows, named ?? guessedColumns(rows.map(({ fields }) => fields), list.reference_system || system), system, list);
   if (named) convertHeights(list, list.reference_system || system, named, headings);
   return list;
 }
