@@ -260,11 +260,10 @@ void SettleDates(const TableCounts& table, LineReader lines, char separator, std
   settled.warnings.push_back({assumed, {{"column", Quoted(date->header)}}});
 }
 
-bool RowsArePhotos(const TableCounts& table, std::vector<CsvColumn>& columns) {
+bool RowsNamePhotos(const TableCounts& table, const std::vector<CsvColumn>& columns) {
   const CsvColumn* image = ColumnOf(columns, M::kImage);
   if (image == nullptr) image = ColumnOf(columns, M::kIsPhoto);
-  if (image == nullptr || HasColumn(columns, M::kTime) || !(HasDegrees(columns) || HasPlane(columns)))
-    return false;
+  if (image == nullptr || !(HasDegrees(columns) || HasPlane(columns))) return false;
   const CellCounts& cells = table.columns[static_cast<std::size_t>(image - columns.data())];
   return table.rows > 0 && 10 * cells.changes >= 9 * table.rows && 10 * cells.names >= 9 * table.rows;
 }
@@ -290,7 +289,8 @@ Result<SettledColumns> SettleColumns(std::string_view name, LineReader lines, ch
   ChooseAmongRepeated(table, columns);
   SettleMarks(table, separator, columns);
   SettleDates(table, lines, separator, columns, settled);
-  settled.rows_are_photos = RowsArePhotos(table, columns);
+  settled.rows_name_photos = RowsNamePhotos(table, columns);
+  settled.rows_are_photos = settled.rows_name_photos && !HasColumn(columns, M::kTime);
   return settled;
 }
 

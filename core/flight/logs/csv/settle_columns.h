@@ -17,8 +17,8 @@
 namespace skyquilt::flight {
 
 struct SettledColumns {
-  // Each row names a photo of its own and says where it was taken; times, if any, are dates.
-  bool rows_are_photos = false;
+  bool rows_name_photos = false;   // each one of its own, and say where it was taken
+  bool rows_are_photos = false;    // and times, if any, are dates: no counter
   bool pitch_is_level = false;     // most lie near zero; for who reads other programs' rows to set
   std::vector<std::string> notes;  // for FlightLog::mapping
   std::vector<Remark> warnings;    // what was assumed

@@ -129,7 +129,7 @@ Result<SettledColumns> SettleHeader(std::string_view name, const LineReader& lin
   if (header.list) {
     ListHeading& list = *header.list;
     SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, list.separator, list.columns));
-    if (settled.rows_are_photos) {
+    if (settled.rows_name_photos) {
       header.columns = std::move(list.columns);
       header.separator = list.separator;
       return settled;

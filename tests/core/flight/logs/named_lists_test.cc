@@ -149,6 +149,29 @@ TEST(NamedLists, ReadsAllOfAListBesideAColumnOfTimes) {
   EXPECT_DOUBLE_EQ(event.sigma_in_ned_m->z(), 0.03);
 }
 
+TEST(NamedLists, ReadsAllOfAListBesideACounter) {
+  struct Counter {
+    std::string name, first, second;
+  };
+  for (const auto& [name, first, second] :
+       {Counter{"Timestamp", "1466717469", "1466717472.5"}, Counter{"Time (s)", "423069", "423072.5"}}) {
+    const FlightLog log = ReadList(
+        "#Image," + name + ",Latitude,Longitude,H-Ell (m),Omega,Phi,Kappa,XY accuracy,Z accuracy\na.jpg," +
+        first + ",47.4,8.5,500,0,0,-30,0.02,0.03\nb.jpg," + second + ",47.4001,8.5,500,0,0,-30,0.02,0.03\n");
+    ASSERT_EQ(log.events.size(), 2u) << first;
+    const CameraEvent& event = log.events[1];
+    EXPECT_EQ(event.image_name, "b.jpg");
+    EXPECT_DOUBLE_EQ(event.t_s, 3.5);
+    EXPECT_EQ(event.height_ellipsoid_m, 500.0);
+    ASSERT_TRUE(event.yaw_pitch_roll_rad);
+    EXPECT_NEAR(event.yaw_pitch_roll_rad->x(), DegToRad(30.0), 1e-9);
+    ASSERT_EQ(log.gnss.size(), 2u) << first;
+    EXPECT_EQ(log.gnss[1].height_ellipsoid_m, 500.0);
+    EXPECT_EQ(log.gnss[1].sigma_horizontal_m, 0.02);
+    EXPECT_EQ(log.gnss[1].sigma_vertical_m, 0.03);
+  }
+}
+
 TEST(NamedLists, ReadsDegreesAsXAndY) {
   const FlightLog log = ReadList("#name,x,y,alt,yaw,pitch,roll\na.jpg,8.5,47.4,500,90,1,2\n");
   ASSERT_EQ(log.events.size(), 1u);
