@@ -158,15 +158,25 @@ bool PitchIsLevel(const std::vector<CsvRow>& preview) {
   return 2 * level > pitches;
 }
 
+constexpr double kHighestFlightM = 150.0;
+
+// "height" whose name does not say above what; null where the columns have none, or another one that does.
+CsvColumn* FindOpenHeight(std::vector<CsvColumn>& columns) {
+  CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
+  if (column == nullptr || HasColumn(columns, M::kHeightEllipsoid)) return nullptr;
+  const std::string name = LowerCase(column->header);
+  const bool is_open =
+      StartsWithOneOf(name, {"height", "hauteur", "altura"}) && !HoldsOneOf(name, {"take", "rel"});
+  return is_open ? column : nullptr;
+}
+
 // "height" alone: of drones' own programs above take-off, of surveys above the ellipsoid, of Mission Planner
 // above take-off or the sea. Nobody maps from as high above the take-off as much land lies above the sea, and
 // no drone's program writes metres of a plane.
 void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview, bool is_survey) {
-  constexpr double kHighestFlightM = 150.0, kMaxGeoidM = 120.0;
-  CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
-  if (column == nullptr || HasColumn(columns, M::kHeightEllipsoid)) return;
-  const std::string name = LowerCase(column->header);
-  if (!StartsWithOneOf(name, {"height", "hauteur", "altura"}) || HoldsOneOf(name, {"take", "rel"})) return;
+  constexpr double kMaxGeoidM = 120.0;
+  CsvColumn* column = FindOpenHeight(columns);
+  if (column == nullptr) return;
   std::vector<double> heights_m;
   for (const CsvRow& row : preview) {
     const auto height_m = row[M::kHeightAboveTakeoff], amsl_m = row[M::kHeightAmsl];
@@ -175,10 +185,20 @@ void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>
   }
   const auto typical_m = MedianIfAny(std::move(heights_m));
   if (is_survey || (typical_m && *typical_m > kHighestFlightM)) {
-    const bool is_mission_planners = name == "height/z";
+    const bool is_mission_planners = LowerCase(column->header) == "height/z";
     column->meaning = is_mission_planners ? M::kHeightAmsl : M::kHeightEllipsoid;
     column->is_bare_height = !is_mission_planners;
   }
+}
+
+// In logs too: receivers write "height" above the ellipsoid. Those above the take-off begin low.
+void SettleLogHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview) {
+  CsvColumn* column = FindOpenHeight(columns);
+  if (column == nullptr || HasColumn(columns, M::kHeightAmsl)) return;
+  const auto is_low = [](const CsvRow& row) {
+    return row[M::kHeightAboveTakeoff] && *row[M::kHeightAboveTakeoff] <= kHighestFlightM;
+  };
+  if (std::none_of(preview.begin(), preview.end(), is_low)) column->meaning = M::kHeightEllipsoid;
 }
 
 // "altura" and "hauteur" by themselves: tables of receivers write heights above the sea so, which taken for
@@ -315,6 +335,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
                    {RemarkCode::kTableNotUsed, {{"file", name}, {"why", WhyOf(found.error())}}});
   }
   const CsvFindings& findings = *found;
+  SettleLogHeight(header->columns, preview);
   preview = std::vector<CsvRow>();
   for (Remark& said : SayUnknownWords(header->columns)) builder.Warn(std::move(said));
 

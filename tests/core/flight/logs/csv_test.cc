@@ -246,6 +246,20 @@ TEST(ParseTolerantCsv, TakesNoHeightThatMayCountFromTheSeaForOneAboveTheTakeoff)
   EXPECT_EQ(both.baro.at(0).height_above_takeoff_m, 60.0);
 }
 
+TEST(ParseTolerantCsv, TakesHeightsThatNeverComeDownForThoseOfAReceiver) {
+  const auto track = [](const std::string& name, const std::string& first) {
+    return ValueOf(ParseLog("track.csv", BytesOf("time_s,lat,lon," + name + "\n1,46.8,7.1," + first +
+                                                 "\n2,46.8001,7.1,547.5\n3,46.8002,7.1,548.5\n")));
+  };
+  const FlightLog receiver = track("height_m", "487.5");
+  EXPECT_TRUE(receiver.baro.empty());
+  EXPECT_EQ(receiver.gnss.at(1).height_ellipsoid_m, 547.5);
+  for (const FlightLog& flown : {track("height_m", "0.5"), track("height_above_takeoff_m", "487.5")}) {
+    ASSERT_EQ(flown.baro.size(), 3u);
+    EXPECT_EQ(flown.baro[1].height_above_takeoff_m, 547.5);
+  }
+}
+
 TEST(ParseTolerantCsv, CountsAltitudesThatBeginAtZeroFromTheTakeoff) {
   const auto track = [](const std::string& altitude, std::initializer_list<const char*> heights) {
     std::string text = "latitude,longitude," + altitude + ",time(millisecond),datetime(utc)\n0,0,0,0,\n";
