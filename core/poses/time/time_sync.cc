@@ -140,17 +140,21 @@ class Synchroniser {
 
   bool ByNames() {
     const std::vector<NamedPhotos::Found> found = NamedPhotos(photos_).FindAll(log_);
-    std::size_t matched = 0;
+    std::size_t matched = 0, rows = 0;
     for (std::size_t i = 0; i < log_.events.size(); ++i) {
       const CameraEvent& event = log_.events[i];
       if (!event.has_time || !event.image_name) continue;
+      ++rows;
       for (const std::size_t photo : found[i].photos) {
         if (sync_.photos[photo]) continue;
         Place(photo, i, jitter_s_);
         ++matched;
       }
     }
-    if (matched == 0 || 2 * matched < photos_.size()) {
+    // Rows that say where, and were held against the photos, count also where they name few of these.
+    const bool are_of_list = HasPlacedEvents() && 2 * rows > event_s_.size();
+    const std::size_t wanted = are_of_list ? std::min(rows, photos_.size()) : photos_.size();
+    if (matched == 0 || 2 * matched < wanted) {
       sync_.photos.assign(photos_.size(), std::nullopt);
       return false;
     }

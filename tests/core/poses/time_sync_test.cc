@@ -183,6 +183,21 @@ TEST(MatchPhotosToLog, UsesNamesThatEventsCarry) {
   for (std::size_t i = 0; i < photos.size(); ++i) EXPECT_EQ(sync.photos.at(i)->event, photos.size() - 1 - i);
 }
 
+TEST(MatchPhotosToLog, UsesNamesOfRowsThatPlaceFewOfThePhotos) {
+  const Survey survey = Fly(4, true, 16.0);
+  auto photos = PhotosOf(survey.exposures_s, 0.0, 1.0);
+  for (Photo& photo : photos) photo.captured_at.reset();
+  FlightLog log = LogOf(survey, {survey.exposures_s[2], survey.exposures_s[3]}, 1.0, 4);
+  log.gnss.clear();
+  for (std::size_t i = 0; i < 2; ++i) log.events[i].image_name = photos[i + 2].name;
+  EXPECT_FALSE(MatchPhotosToLog(photos, log).ok()) << "names of another flight, as likely";
+  for (std::size_t i = 0; i < 2; ++i) log.events[i].position = At(survey.exposures_m[i + 2]);
+  const auto sync = ValueOf(MatchPhotosToLog(photos, log));
+  EXPECT_EQ(sync.method, TimeSyncMethod::kEventNames);
+  EXPECT_EQ(sync.photos.at(3)->event, 1u);
+  EXPECT_FALSE(sync.photos.at(0));
+}
+
 TEST(MatchPhotosToLog, LaysPhotoPositionsOnTheTrackWithoutEvents) {
   double square = 0.0, worst_sigma = 0.0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
