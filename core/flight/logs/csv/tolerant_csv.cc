@@ -208,7 +208,9 @@ void LeaveOpenHeight(std::vector<CsvColumn>& columns) {
   if (column == nullptr || HasColumn(columns, M::kHeightAmsl) || HasColumn(columns, M::kHeightEllipsoid))
     return;
   const std::string name = LowerCase(column->header);
-  if (name.starts_with("altura") || name.starts_with("hauteur")) column->meaning = M::kIgnored;
+  if (!name.starts_with("altura") && !name.starts_with("hauteur")) return;
+  column->meant = std::exchange(column->meaning, M::kIgnored);
+  column->unknown_words = column->header;
 }
 
 // Heights whose name does not say above what count, in lists of photos, as in those without names: from the

@@ -240,6 +240,8 @@ TEST(ParseTolerantCsv, TakesNoHeightThatMayCountFromTheSeaForOneAboveTheTakeoff)
     const auto log = track(name, "650");
     EXPECT_EQ(log.gnss.size(), 5u) << name;
     EXPECT_TRUE(log.baro.empty()) << name;
+    ASSERT_EQ(log.warnings.size(), 1u) << name;
+    EXPECT_EQ(log.warnings[0].code, RemarkCode::kColumnWordsUnknown) << name;
   }
   const auto both = track("altura,altitud", "60,650");
   EXPECT_EQ(both.gnss.at(0).height_amsl_m, 650.0);
