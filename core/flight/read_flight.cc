@@ -218,12 +218,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool IsDenied(const fs::path& folder) {
-  std::error_code error;
-  const fs::directory_iterator opened(folder, error);
-  return error == std::errc::permission_denied;
-}
-
 Result<std::vector<fs::path>> WalkFolder(const fs::path& folder, const TellsDenied& tells_denied) {
   std::error_code error;
   if (tells_denied && IsDenied(folder)) tells_denied(folder);
@@ -249,6 +243,12 @@ Result<std::vector<fs::path>> WalkFolder(const fs::path& folder, const TellsDeni
 }
 
 }  // namespace
+
+bool IsDenied(const fs::path& folder) {
+  std::error_code error;
+  const fs::directory_iterator opened(folder, error);
+  return error == std::errc::permission_denied;
+}
 
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths,
                                               const PassesOver& passes_over,

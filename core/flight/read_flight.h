@@ -22,6 +22,9 @@ using PassesOver = std::function<bool(const std::filesystem::path& file, const s
 // Is told of each folder that may not be looked into, and is passed over.
 using TellsDenied = std::function<void(const std::filesystem::path& folder)>;
 
+// Whether a folder may not be looked into.
+bool IsDenied(const std::filesystem::path& folder);
+
 // Folders are walked (sorted, hidden files skipped); files are taken as they are.
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem::path>& paths,
                                               const PassesOver& passes_over = {},

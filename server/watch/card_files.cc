@@ -126,14 +126,18 @@ void CardFiles::Walk(const fs::path& root) {
     away_.push_back(root);
     return;
   }
-  folders_.push_back(root);
+  const auto add_folder = [this](const fs::path& folder) {
+    folders_.push_back(folder);
+    if (flight::IsDenied(folder)) denied_.push_back(folder);
+  };
+  add_folder(root);
   while (it != fs::recursive_directory_iterator()) {
     std::error_code gone;
     const bool is_folder = it->is_directory(gone) && !it->is_symlink(gone);
     if (IsPassedOver(it->path()) || (is_folder && it.depth() >= kMaxDepth)) {
       if (is_folder) it.disable_recursion_pending();
     } else if (is_folder) {
-      folders_.push_back(it->path());
+      add_folder(it->path());
     } else if (passes_over_ && passes_over_(it->path(), root)) {
       passed_over_.push_back(it->path());
     } else {
@@ -148,6 +152,7 @@ void CardFiles::Look(const std::function<bool()>& go_on) {
   folders_.clear();
   away_.clear();
   passed_over_.clear();
+  denied_.clear();
   has_too_many_ = false;
   for (auto& [path, file] : files_) file.is_seen = false;
   for (const fs::path& root : roots_) Walk(root);

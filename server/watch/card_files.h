@@ -63,6 +63,8 @@ class CardFiles {
   bool has_too_many() const { return has_too_many_; }
   // By the caller's word, in the last look.
   const std::vector<std::filesystem::path>& passed_over() const { return passed_over_; }
+  // Folders that may not be looked into, in the last look.
+  const std::vector<std::filesystem::path>& denied() const { return denied_; }
 
  private:
   void Walk(const std::filesystem::path& root);
@@ -72,7 +74,7 @@ class CardFiles {
   const std::chrono::milliseconds settle_;
   const flight::PassesOver passes_over_;
   std::map<std::filesystem::path, CardFile> files_;
-  std::vector<std::filesystem::path> folders_, away_, passed_over_;
+  std::vector<std::filesystem::path> folders_, away_, passed_over_, denied_;
   bool has_too_many_ = false;
 };
 

@@ -93,6 +93,10 @@ class Watch {
     if (card_.has_too_many())
       talk_.SayOnce("many", fmt::format("There are more than {} files; the others are not looked at.",
                                         CardFiles::kMaxFiles));
+    if (!card_.denied().empty())
+      talk_.SayOnce("denied",
+                    fmt::format("Not read, for want of permission: {} ({} first).",
+                                Counted(card_.denied().size(), "folder"), card_.denied().front().string()));
     if (!card_.passed_over().empty())
       talk_.SayOnce("maps", fmt::format("Not sent, as parts of a map that was made there: {} ({} first).",
                                         Counted(card_.passed_over().size(), "file"),

@@ -215,6 +215,23 @@ class PythonClient(ServerTestCase):
         (folder / "map" / "geo.txt").write_bytes(own)
         self.assertIn(folder / "map" / "geo.txt", [file.path for file in listed(folder)])
 
+    def test_folders_that_cannot_be_read_are_told(self):
+        folder, look = pathlib.Path(tempfile.mkdtemp(dir=self.scratch)), os.scandir
+        (folder / "a.jpg").write_bytes(b"x")
+        (folder / "closed").mkdir()
+
+        def look_refused(code):
+            def scandir(path):
+                if pathlib.Path(path).name == "closed":
+                    raise OSError(code, os.strerror(code), str(path))
+                return look(path)
+            return unittest.mock.patch("os.scandir", scandir)
+
+        with look_refused(errno.EACCES), self.assertWarnsRegex(UserWarning, "want of permission: 1 folder .*closed first"):
+            self.assertEqual([file.name for file in self.skyquilt.listing.list_files(folder)], ["a.jpg"])
+        with look_refused(errno.EIO), self.assertRaisesRegex(self.skyquilt.InputError, "closed cannot be read"):
+            self.skyquilt.listing.list_files(folder)
+
     def test_a_flight_has_a_name_that_the_server_takes(self):
         called = self.skyquilt.listing.name_of
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))

@@ -1,9 +1,12 @@
 #include "server/watch/card_files.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include "tests/support/temporary_folder.h"
 
@@ -24,6 +27,23 @@ TEST(CardFilesTest, ALookThatIsBrokenOffLeavesTheRestToTheNext) {
   EXPECT_EQ(unread(), 2);
   files.Look();
   EXPECT_EQ(unread(), 0);
+}
+
+TEST(CardFilesTest, FoldersThatMayNotBeReadAreNamed) {
+  if (geteuid() == 0) GTEST_SKIP() << "who may read everything";
+  const test::TemporaryFolder card;
+  const std::filesystem::path closed = card.path() / "closed";
+  std::filesystem::create_directory(closed);
+  std::filesystem::permissions(closed, std::filesystem::perms::none);
+  CardFiles files({card.path()}, std::chrono::milliseconds(0));
+  files.Look();
+  CardFiles of_it({closed}, std::chrono::milliseconds(0));
+  of_it.Look();
+  std::filesystem::permissions(closed, std::filesystem::perms::owner_all);
+  EXPECT_EQ(files.denied(), std::vector<std::filesystem::path>{closed});
+  EXPECT_EQ(of_it.denied(), std::vector<std::filesystem::path>{closed});
+  files.Look();
+  EXPECT_TRUE(files.denied().empty());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@ import dataclasses
 import os
 import pathlib
 import re
+import warnings
 from typing import Dict, Iterable, List, Sequence, Set, Union
 
 from .errors import InputError
@@ -38,7 +39,8 @@ class LocalFile:
 
 def list_files(paths: Union[Path, Iterable[Path]]) -> List[LocalFile]:
     """The files named and those below the folders named, without hidden and empty ones and what a map made there consists of,
-    in the order of their paths. Names that come twice have as many folders in front as it takes. Raises `InputError` where there is nothing to send."""
+    in the order of their paths. Names that come twice have as many folders in front as it takes. Warns of folders that may not be
+    read. Raises `InputError` where there is nothing to send, or a disk fails."""
     named = [pathlib.Path(paths)] if isinstance(paths, (str, os.PathLike)) else [pathlib.Path(path) for path in paths]
     files: List[LocalFile] = []
     seen: Set[str] = set()
@@ -93,12 +95,21 @@ def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
             yield path
             continue
         found = []
-        for folder, below, names in os.walk(path):
+        denied: List[str] = []
+
+        def is_not_read(error: OSError) -> None:
+            if not isinstance(error, PermissionError):
+                raise InputError(f"The folder {error.filename} cannot be read: {error.strerror}.") from error
+            denied.append(str(error.filename))
+
+        for folder, below, names in os.walk(path, onerror=is_not_read):
             here, has_map = pathlib.Path(folder), "mosaic.state" in names
             below[:] = sorted(name for name in below if not _is_of_programs(name))
             if here.name == "frames" and "frames.json" in names and here != path:
                 continue  # what became of films; the folder that is given itself counts
             found += [here / name for name in names if not (_is_of_programs(name) or has_map and _is_of_map(here / name))]
+        if denied:
+            warnings.warn(f"Not read, for want of permission: {len(denied)} folder{'s' * (len(denied) > 1)} ({denied[0]} first).")
         yield from (one for one in sorted(found) if one.is_file())
 
 
