@@ -70,7 +70,6 @@ Result<Response> GetJob(Service& service, const Request& request) {
 
 Result<Response> ListJobs(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const int limit, PageSizeOf(request, kUsualJobsAPage, kMaxJobsAPage));
-  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
   nlohmann::ordered_json list = nlohmann::ordered_json::array(), next_cursor;
   std::optional<std::string> flight;
   if (const auto given = request.Query("flight")) flight = *given;
@@ -79,13 +78,9 @@ Result<Response> ListJobs(Service& service, const Request& request) {
       return JsonOf(200, {{"jobs", list}, {"next_cursor", next_cursor}});
     flight = request.only_flight;
   }
-  // One more shows whether another page follows.
-  SKYQUILT_TRY_ASSIGN(std::vector<storage::Job> jobs, service.queue.List(flight, limit + 1, cursor));
-  if (jobs.size() > static_cast<std::size_t>(limit)) {
-    jobs.pop_back();
-    next_cursor = jobs.back().id;
-  }
-  for (const storage::Job& job : jobs) list.push_back(JobJson(job, storage::Now()));
+  SKYQUILT_TRY_ASSIGN(const JobPage page, PageOfJobs(service, request, flight, limit));
+  if (page.next_cursor) next_cursor = *page.next_cursor;
+  for (const storage::Job& job : page.jobs) list.push_back(JobJson(job, storage::Now()));
   return JsonOf(200, {{"jobs", list}, {"next_cursor", next_cursor}});
 }
 
@@ -120,6 +115,19 @@ Result<Response> Retry(Service& service, const Request& request) {
 }
 
 }  // namespace
+
+Result<JobPage> PageOfJobs(Service& service, const Request& request, const std::optional<std::string>& flight,
+                           int limit) {
+  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
+  JobPage page;
+  // One more shows whether another page follows.
+  SKYQUILT_TRY_ASSIGN(page.jobs, service.queue.List(flight, limit + 1, cursor));
+  if (page.jobs.size() > static_cast<std::size_t>(limit)) {
+    page.jobs.pop_back();
+    page.next_cursor = page.jobs.back().id;
+  }
+  return page;
+}
 
 Result<storage::Job> QueueJob(Service& service, const Request& request, const std::string& flight_id,
                               const std::string& body) {

@@ -2,9 +2,12 @@
 // "stitch": a flight's photos in, its map out; always asynchronous.
 // https://docs.ogc.org/is/18-062r2/18-062r2.html
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "api/common/feature_query.h"
 #include "api/http/links.h"
 #include "api/http/once.h"
 #include "api/http/responses.h"
@@ -145,14 +148,17 @@ Result<Response> NoJob(const Error& error, const Request& request) {
 }
 
 Result<Response> Jobs(Service& service, const Request& request) {
-  constexpr int kMaxJobsListed = 200;
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Job> jobs, service.queue.List(std::nullopt, kMaxJobsListed));
+  constexpr int kUsualJobs = 200, kMaxJobs = 500;
+  SKYQUILT_TRY_ASSIGN(const int limit, ParseLimit(request.Query("limit").value_or(""), kUsualJobs, kMaxJobs));
+  SKYQUILT_TRY_ASSIGN(const JobPage page, PageOfJobs(service, request, std::nullopt, limit));
   Value list = Value::array();
-  for (const storage::Job& job : jobs) list.push_back(StatusInfo(request, job));
-  return Document(
-      200, {{"jobs", list},
-            {"links",
-             Value::array({OgcLink(request, "/ogc/jobs", "self", "application/json", "This document")})}});
+  for (const storage::Job& job : page.jobs) list.push_back(StatusInfo(request, job));
+  Value links = Value::array({OgcLink(request, "/ogc/jobs", "self", "application/json", "This document")});
+  if (page.next_cursor) {
+    links.push_back(OgcLink(request, fmt::format("/ogc/jobs?limit={}&cursor={}", limit, *page.next_cursor),
+                            "next", "application/json", "The jobs before these"));
+  }
+  return Document(200, {{"jobs", list}, {"links", links}});
 }
 
 Result<Response> Status(Service& service, const Request& request) {

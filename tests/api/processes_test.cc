@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 
 #include "api/auth/access.h"
 #include "api/auth/limits.h"
@@ -38,6 +40,25 @@ TEST(Processes, AJobIsExecutedLookedAtDismissedAndForgotten) {
   const Response gone = sample.Get("/ogc/jobs/" + job);
   EXPECT_EQ(gone.status, 404);
   EXPECT_TRUE(json::parse(gone.body)["type"].get<std::string>().ends_with("no-such-job"));
+}
+
+TEST(Processes, JobsHavePages) {
+  SampleService sample;
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(sample.queue.Add(sample.NewFlight(), "{}", storage::Now()));
+  const json first = json::parse(sample.Get("/ogc/jobs?limit=2").body);
+  ASSERT_EQ(first["links"].size(), 2u);
+  EXPECT_EQ(first["links"][1]["rel"], "next");
+  const std::string next = first["links"][1]["href"];
+  const json last = json::parse(sample.Get(next.substr(next.find("/ogc/"))).body);
+  EXPECT_EQ(last["links"].size(), 1u);
+  std::set<std::string> seen;
+  for (const json& page : {first, last}) {
+    for (const json& job : page["jobs"]) seen.insert(job["jobID"].get<std::string>());
+  }
+  EXPECT_EQ(first["jobs"].size(), 2u);
+  EXPECT_EQ(seen.size(), 3u);
+  EXPECT_EQ(sample.Get("/ogc/jobs?limit=0").status, 400);
+  EXPECT_EQ(sample.Get("/ogc/jobs?cursor=0").status, 400);
 }
 
 TEST(Processes, DescribesItselfAndRefusesWhatItDoesNotKnow) {
