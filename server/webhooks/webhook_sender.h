@@ -1,5 +1,6 @@
 // WebhookSender: delivers signed webhook messages, and what clients of the NodeODM-compatible node want to
-// hear of their tasks, and retries until they are received. A thread of its own, for as long as it lives.
+// hear of their tasks, and retries until they are received; a receiver that does not answer holds up no
+// other. A thread of its own, for as long as it lives.
 #pragma once
 
 #include "api/service.h"
@@ -17,8 +18,9 @@ class WebhookSender {
  private:
   void Run();
   void TellAllDue();
-  void Tell(const storage::Delivery& delivery);
-  void Tell(const storage::NodeDelivery& delivery);
+  // Whether it was heard.
+  bool Tell(const storage::Delivery& delivery);
+  bool Tell(const storage::NodeDelivery& delivery);
 
   api::Service& service_;
   storage::Webhooks webhooks_;

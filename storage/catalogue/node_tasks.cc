@@ -81,9 +81,11 @@ Result<void> NodeTasks::Restart(const std::string& uuid, const std::string& opti
 Result<std::vector<NodeDelivery>> NodeDeliveries::Due(Time now, int limit) const {
   const auto db = db_.Read();
   return db->All(RowOf<NodeDelivery, std::string, std::string, std::string, int>,
-                 "SELECT d.uuid, d.job_id, t.webhook, d.attempts FROM node_delivery d"
-                 " JOIN node_task t ON t.uuid=d.uuid WHERE d.not_before_us<=?"
-                 " ORDER BY d.not_before_us LIMIT ?",
+                 "SELECT uuid, job_id, webhook, attempts FROM"
+                 " (SELECT d.uuid, d.job_id, t.webhook, d.attempts, d.not_before_us, row_number()"
+                 "  OVER (PARTITION BY t.webhook ORDER BY d.not_before_us, d.job_id) AS nth"
+                 "  FROM node_delivery d JOIN node_task t ON t.uuid=d.uuid WHERE d.not_before_us<=?) AS due"
+                 " WHERE nth<=? ORDER BY not_before_us, job_id",
                  ToUs(now), limit);
 }
 

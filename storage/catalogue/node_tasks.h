@@ -56,6 +56,7 @@ class NodeDeliveries {
  public:
   explicit NodeDeliveries(CatalogueDb& db) : db_(db) {}
 
+  // Of each address up to `limit`.
   Result<std::vector<NodeDelivery>> Due(Time now, int limit) const;
   // Before it is told. False: another server of the same catalogue has taken it, or it was heard.
   Result<bool> Take(const NodeDelivery& delivery, Time now);

@@ -40,8 +40,11 @@ Result<std::vector<Delivery>> Webhooks::Due(Time now, int limit) const {
       [](const Statement& row) {
         return Delivery{WebhookFrom(row), row.Get<std::int64_t>(4), row.Get<std::string>(5), row.Get<int>(6)};
       },
-      "SELECT w.id, w.url, w.secret, w.created_us, d.event_seq, d.body, d.attempts FROM webhook_delivery d"
-      " JOIN webhook w ON w.id=d.webhook_id WHERE d.not_before_us<=? ORDER BY d.event_seq LIMIT ?",
+      "SELECT id, url, secret, created_us, event_seq, body, attempts FROM"
+      " (SELECT w.id, w.url, w.secret, w.created_us, d.event_seq, d.body, d.attempts,"
+      "  row_number() OVER (PARTITION BY w.id ORDER BY d.event_seq) AS nth FROM webhook_delivery d"
+      "  JOIN webhook w ON w.id=d.webhook_id WHERE d.not_before_us<=?) AS due"
+      " WHERE nth<=? ORDER BY event_seq",
       ToUs(now), limit);
 }
 

@@ -41,7 +41,7 @@ class Webhooks {
   Result<std::vector<Webhook>> List() const;
   Result<void> Remove(const std::string& id);
 
-  // Oldest first.
+  // Oldest first, of each webhook up to `limit`.
   Result<std::vector<Delivery>> Due(Time now, int limit) const;
   // Before it is sent. False: another server of the same catalogue has taken it, or it was heard.
   Result<bool> Take(const Delivery& delivery, Time now);

@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import shutil
+import socket
 import ssl
 import subprocess
 import threading
@@ -132,6 +133,19 @@ class Sharing(ServerTestCase):
         self.assertEqual(set(told), {"job", "map"})
         self.assertEqual(told["job"]["job"]["state"], "successful")
         self.assertEqual(server.request("DELETE", f"/api/v1/webhooks/{hook['id']}")[0], 204)
+        receiver.shutdown()
+
+    def test_a_receiver_that_does_not_answer_keeps_no_other_waiting(self):
+        receiver = Receiver()
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            server = self.serve("--workers", "0", "--webhooks", "any")
+            for port, path in ((silent.getsockname()[1], "/a"), (silent.getsockname()[1], "/b"), (receiver.server_port, "/")):
+                server.json("POST", "/api/v1/webhooks", {"url": f"http://127.0.0.1:{port}{path}"}, code=201)
+            begun = time.monotonic()
+            for _ in range(2):
+                server.json("DELETE", f"/api/v1/jobs/{server.begun([('notes.jpg', b'no picture')])[1]}")
+            wait_until(lambda: len({json.loads(body)["seq"] for _, _, body in receiver.heard}) == 2, "the other was not told")
+            self.assertLess(time.monotonic() - begun, 15)  # each of the silent ones takes ten seconds a message
         receiver.shutdown()
 
     def test_over_tls_only_those_are_told_whose_certificate_is_good(self):

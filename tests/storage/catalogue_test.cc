@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "storage/catalogue/trash.h"
+#include "storage/catalogue/webhooks.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/catalogue_fixture.h"
@@ -171,6 +172,23 @@ TEST_F(CatalogueTest, SaysWhatDoesNotExist) {
   EXPECT_EQ(catalogue_.AddFile("x", {"a", NewId(), 1}, Now()).error().code, ErrorCode::kNotFound);
   const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
   EXPECT_EQ(catalogue_.RemoveFile(id, "a.jpg").error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(CatalogueTest, AReceiverWithManyMessagesHidesNoOthers) {
+  constexpr int kFew = 2;
+  Webhooks webhooks(*db_);
+  const auto end_job = [&] {
+    const std::string flight = test::ValueOf(catalogue_.AddFlight("field", "{}", now_)).id;
+    ASSERT_TRUE(queue_.Cancel(test::ValueOf(queue_.Add(flight, "{}", now_)).id, now_));
+  };
+  ASSERT_TRUE(webhooks.Add("https://silent.example.org/", "secret", now_));
+  for (int i = 0; i <= kFew; ++i) end_job();
+  const std::string heard = test::ValueOf(webhooks.Add("https://receiver.example.org/", "secret", now_)).id;
+  end_job();
+  const std::vector<Delivery> due = test::ValueOf(webhooks.Due(db_->ages().Now(), kFew));
+  ASSERT_EQ(due.size(), 3u);
+  EXPECT_LT(due[0].event_seq, due[1].event_seq);
+  EXPECT_EQ(due[2].webhook.id, heard);
 }
 
 }  // namespace
