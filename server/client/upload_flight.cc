@@ -167,6 +167,21 @@ Result<void> SendFile(ServerClient& client, const std::string& flight_id, const 
   return {};
 }
 
+std::string PathOfFile(const std::string& flight_id, const std::string& name) {
+  return fmt::format("/api/v1/flights/{}/files/{}", flight_id, api::EncodedForQuery(name));
+}
+
+Result<void> PutInItsPlace(ServerClient& client, const std::string& flight_id, const Outgoing& one) {
+  ClientRequest put;
+  put.method = "PUT";
+  put.path = PathOfFile(flight_id, one.file.name);
+  put.headers = {{"If-Match", "*"}};
+  put.file = one.file.path;
+  put.length = one.bytes;
+  SKYQUILT_TRY(client.Send(put));
+  return {};
+}
+
 // The member "options" of a flight or a job, where any are given.
 nlohmann::json Wish(const UploadOptions& options, const std::string& import_file) {
   nlohmann::json wish = nlohmann::json::object();
@@ -180,7 +195,7 @@ bool HasSameBytes(ServerClient& client, const std::string& flight_id, const Outg
                   Progress& progress) {
   std::ifstream file(one.file.path, std::ios::binary);
   ClientRequest ask;
-  ask.path = fmt::format("/api/v1/flights/{}/files/{}", flight_id, api::EncodedForQuery(one.file.name));
+  ask.path = PathOfFile(flight_id, one.file.name);
   for (std::uint64_t at = 0; at < one.bytes; at += kPartBytes) {
     progress.Report(static_cast<double>(at) / static_cast<double>(one.bytes), "compared with what is there");
     std::string here(std::min(kPartBytes, one.bytes - at), '\0');
@@ -276,14 +291,19 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
     import_file = one.file.name;
   }
   const std::size_t all = outgoing.size();
-  std::erase_if(outgoing, [&](const Outgoing& one) { return there.contains({one.file.name, one.bytes}); });
+  const auto is_replaced = [&](const Outgoing& one) { return one.file.name == options.replaced_file; };
+  std::erase_if(outgoing, [&](const Outgoing& one) {
+    return there.contains({one.file.name, one.bytes}) &&
+           (!is_replaced(one) || HasSameBytes(client, uploaded.flight_id, one, progress));
+  });
   uploaded.skipped = static_cast<int>(all - outgoing.size());
   std::uint64_t bytes = 0;
   for (const Outgoing& one : outgoing) bytes += one.bytes;
   Tally tally(outgoing.size(), bytes, progress);
   counting = &tally;
   for (const Outgoing& one : outgoing) {
-    SKYQUILT_TRY(SendFile(client, uploaded.flight_id, one, tally));
+    SKYQUILT_TRY(is_replaced(one) ? PutInItsPlace(client, uploaded.flight_id, one)
+                                  : SendFile(client, uploaded.flight_id, one, tally));
     tally.Done(one.bytes);
     ++uploaded.sent;
   }

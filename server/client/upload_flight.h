@@ -24,6 +24,8 @@ struct UploadOptions {
   std::string job_options = {};
   // Of the files that which the job makes the map, by its name; sent under another where that is another's.
   std::string import_file = {};
+  // Of the files that which takes the place of another of its name there, by its name; empty: none does.
+  std::string replaced_file = {};
   bool makes_map = true;
   bool waits = true;
   // By which a flight or a job that another call asks for is known to be the same; empty: it is another.

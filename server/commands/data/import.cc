@@ -83,6 +83,7 @@ void ImportByServer(ImportArguments& arguments) {
   const fs::path report = ReportBeside(arguments.file);
   // A file of that name may be anybody's: what is none of a map is not sent.
   if (!ReportText(report).empty()) files.push_back({report.filename().string(), report});
+  upload.replaced_file = report.filename().string();  // a job knows it by that name alone
   const UploadedFlight uploaded = UploadAtTerminal(kImportCommand, files, upload);
   fmt::print("flight {}\nTo see it: {}/#/flights/{}\n", uploaded.flight_id, upload.server.url,
              uploaded.flight_id);

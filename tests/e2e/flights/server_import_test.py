@@ -1,5 +1,6 @@
 """A map of others sent to a running server becomes a flight's map; what cannot be one, costs too much or comes from somebody
 who may not is refused in words, and the server goes on."""
+import json
 import pathlib
 import shutil
 import sqlite3
@@ -95,6 +96,20 @@ class ServerImport(ServerTestCase):
             self.assertEqual(about["gsd_m"] > 1.5 * before["gsd_m"], file is coarser)
         files = server.json("GET", f"/api/v1/flights/{flight}/files")[1]["files"]
         self.assertEqual((about["revision"], len(files), "north field.tif" in [file["name"] for file in files]), (4, 2, True))
+
+    def test_a_newer_report_beside_the_file_takes_the_place_of_the_one_there(self):
+        server = self.serve("--workers", "1")
+        folder, again = self.folder / "reported", ()
+        folder.mkdir()
+        file = pathlib.Path(shutil.copy(self.mbtiles, folder))
+        for sigma_m in (0.25, 0.75, 0.125):  # the second as long as the first
+            quality = {**self.report["quality"], "absolute": {**self.report["quality"]["absolute"], "sigma_m": sigma_m}}
+            (folder / "report.json").write_text(json.dumps({**self.report, "quality": quality}))
+            flight = self.imported(server, file, *again)
+            again = ("--flight", flight)
+            self.assertEqual(server.json("GET", f"/api/v1/flights/{flight}")[1]["quality"], quality)
+        files = server.json("GET", f"/api/v1/flights/{flight}/files")[1]["files"]
+        self.assertEqual(sorted(file["name"] for file in files), ["mosaic.mbtiles", "report.json"])
 
     def test_a_file_whose_name_is_longer_than_a_flights_may_be_is_taken(self):
         server = self.serve("--workers", "0")
