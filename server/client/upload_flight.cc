@@ -190,9 +190,9 @@ nlohmann::json Wish(const UploadOptions& options, const std::string& import_file
   return wish;
 }
 
-// Whether what the server has under the file's name is that file. Where it does not say, it is another.
-bool HasSameBytes(ServerClient& client, const std::string& flight_id, const Outgoing& one,
-                  Progress& progress) {
+// Whether what the server has under the file's name is that file. One that is lost there is another.
+Result<bool> HasSameBytes(ServerClient& client, const std::string& flight_id, const Outgoing& one,
+                          Progress& progress) {
   std::ifstream file(one.file.path, std::ios::binary);
   ClientRequest ask;
   ask.path = PathOfFile(flight_id, one.file.name);
@@ -200,15 +200,16 @@ bool HasSameBytes(ServerClient& client, const std::string& flight_id, const Outg
     progress.Report(static_cast<double>(at) / static_cast<double>(one.bytes), "compared with what is there");
     std::string here(std::min(kPartBytes, one.bytes - at), '\0');
     ask.headers = {{"Range", fmt::format("bytes={}-{}", at, at + here.size() - 1)}};
-    const Result<ClientAnswer> there = client.SendOnce(ask);
+    const Result<ClientAnswer> there = client.Send(ask);
+    if (!there && there.error().code != ErrorCode::kNotFound) return there.error();
     if (!there || !file.read(here.data(), static_cast<std::streamsize>(here.size())) || there->body != here)
       return false;
   }
   return true;
 }
 
-// A file that is to become the map must not be taken for another that lies there under its name, or be kept
-// under a name that nobody knows: it has a name by its content, so that the same one is known again.
+// A file that counts by what is in it must not be taken for another that lies there under its name, or be
+// kept under a name that nobody knows: it has a name by its content, so that the same one is known again.
 Result<void> TellApart(ServerClient& client, const std::string& flight_id, const NamesAndSizes& there,
                        Outgoing& one, Progress& progress) {
   constexpr std::size_t kMarkLetters = 8;
@@ -217,9 +218,16 @@ Result<void> TellApart(ServerClient& client, const std::string& flight_id, const
   SKYQUILT_TRY_ASSIGN(const std::string sum, storage::Sha256OfFile(one.file.path));
   std::string marked = NumberedName(one.file.name, sum.substr(0, kMarkLetters));
   const bool may_be_it = !there.contains({marked, one.bytes}) && there.contains({one.file.name, one.bytes});
-  if (!may_be_it || !HasSameBytes(client, flight_id, one, progress)) one.file.name = std::move(marked);
+  if (may_be_it) {
+    SKYQUILT_TRY_ASSIGN(const bool is_it, HasSameBytes(client, flight_id, one, progress));
+    if (is_it) return {};
+  }
+  one.file.name = std::move(marked);
   return {};
 }
+
+// A list, a log, a sidecar: small, and somebody may have edited it since it was sent.
+bool MayBeEdited(const Outgoing& one) { return !IsNamedAsPicture(one.file.name) && one.bytes <= kPartBytes; }
 
 Result<void> WaitForJob(ServerClient& client, const std::string& job_id, Progress& progress) {
   std::string stage_before;
@@ -286,15 +294,17 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   SKYQUILT_TRY_ASSIGN(const NamesAndSizes there, FilesThere(client, uploaded.flight_id));
   std::string import_file = options.import_file;
   for (Outgoing& one : outgoing) {
-    if (one.file.name != options.import_file) continue;
+    const std::string own = one.file.name;
+    const bool is_map = own == options.import_file;
+    if (!is_map && (own == options.replaced_file || !MayBeEdited(one))) continue;
     SKYQUILT_TRY(TellApart(client, uploaded.flight_id, there, one, progress));
-    import_file = one.file.name;
+    if (is_map) import_file = one.file.name;
+    if (!is_map && own != one.file.name) uploaded.beside.emplace_back(own, one.file.name);
   }
   const std::size_t all = outgoing.size();
   const auto is_replaced = [&](const Outgoing& one) { return one.file.name == options.replaced_file; };
   std::erase_if(outgoing, [&](const Outgoing& one) {
-    return there.contains({one.file.name, one.bytes}) &&
-           (!is_replaced(one) || HasSameBytes(client, uploaded.flight_id, one, progress));
+    return !is_replaced(one) && there.contains({one.file.name, one.bytes});
   });
   uploaded.skipped = static_cast<int>(all - outgoing.size());
   std::uint64_t bytes = 0;

@@ -1,10 +1,11 @@
 // UploadFlight: files to a flight on a running server, by tus 1.0, so that a connection that breaks goes on
-// where it was, and the map made of them, waited for. What is there already under the same name and size is
-// not sent again: the same call again goes on. Blocking. Errors: those of ServerClient; kUnprocessable (no
-// files; the job failed, with its reason).
+// where it was, and the map made of them, waited for. What is there already under the same name and size, of
+// lists and the like with the same bytes, is not sent again: the same call again goes on. Blocking. Errors:
+// those of ServerClient; kUnprocessable (no files; the job failed, with its reason).
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -36,6 +37,8 @@ struct UploadedFlight {
   std::string flight_id;
   std::string job_id;  // empty: none was begun
   int sent = 0, skipped = 0;
+  // Lists and the like of which another lies there under their name: that, and what they are called there.
+  std::vector<std::pair<std::string, std::string>> beside;
 };
 
 // `on_flight` is told the flight's id as soon as there is one: with it a broken upload is continued.

@@ -39,6 +39,12 @@ void Run(UploadArguments& arguments) {
   fmt::print("{} sent", Counted(uploaded.sent, "file"));
   if (uploaded.skipped > 0) fmt::print(", {} there", Counted(uploaded.skipped, "was", "were"));
   fmt::print("\n{}/#/flights/{}\n", options.server.url, uploaded.flight_id);
+  for (const auto& [own, there] : uploaded.beside) {
+    fmt::print(stderr,
+               "Another {0} is there, and both count: this one is {1}. If it corrects the other, delete that "
+               "(DELETE /api/v1/flights/{2}/files/{0}) and have the map made again.\n",
+               Printable(own), Printable(there), uploaded.flight_id);
+  }
 }
 
 }  // namespace

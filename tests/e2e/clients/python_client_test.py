@@ -16,6 +16,7 @@ import threading
 import time
 import unittest
 import unittest.mock
+import warnings
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from server_support import ServerTestCase, add_token, photos_of  # noqa: E402
@@ -231,6 +232,25 @@ class PythonClient(ServerTestCase):
             self.assertEqual([file.name for file in self.skyquilt.listing.list_files(folder)], ["a.jpg"])
         with look_refused(errno.EIO), self.assertRaisesRegex(self.skyquilt.InputError, "closed cannot be read"):
             self.skyquilt.listing.list_files(folder)
+
+    def test_a_list_that_was_edited_is_sent_beside_the_one_there(self):
+        client = self.client(self.start("--workers", "0"))
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
+        (folder / "geo.txt").write_text("EPSG:4326\na.jpg 7.1 46.1\n")
+        flight = client.upload(folder, makes_map=False).id
+
+        def sent_again():
+            return [file["name"] for file in client.upload(folder, flight=flight, makes_map=False).files()]
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            self.assertEqual(sent_again(), ["geo.txt"])
+        (folder / "geo.txt").write_text("EPSG:4326\na.jpg 7.2 46.2\n")  # as long as before
+        with self.assertWarnsRegex(UserWarning, "Another geo.txt is in the flight"):
+            both = sent_again()
+        with self.assertWarnsRegex(UserWarning, "Another geo.txt is in the flight"):
+            self.assertEqual(sent_again(), both)
+        self.assertEqual(len(both), 2)
+        self.assertEqual(client.flight(flight).photo(both[0]), (folder / "geo.txt").read_bytes())
 
     def test_a_flight_has_a_name_that_the_server_takes(self):
         called = self.skyquilt.listing.name_of

@@ -89,6 +89,24 @@ class Upload(ServerTestCase):
         (self.card / "log.txt").write_text("nothing of interest")
         self.assertIn("1 file sent, 6 were there", self.upload(server, "--flight", flight["id"], "--no-map").stdout)
 
+    def test_a_list_that_was_edited_is_sent_beside_the_one_there(self):
+        server = self.serve("--workers", "0")
+        list_here = self.card / "geo.txt"
+        list_here.write_text("EPSG:4326\na.jpg 7.1 46.1\n")
+        self.upload(server, "--no-map")
+        flight = server.json("GET", "/api/v1/flights")[1]["flights"][0]["id"]
+
+        def sent_again():
+            done = self.upload(server, "--no-map", "--flight", flight)
+            names = [file["name"] for file in server.json("GET", f"/api/v1/flights/{flight}/files")[1]["files"] if file["name"].startswith("geo")]
+            return done.stdout.splitlines()[0], "Another geo.txt is there" in done.stderr, names
+        self.assertEqual(sent_again(), ("0 files sent, 7 were there", False, ["geo.txt"]))
+        list_here.write_text("EPSG:4326\na.jpg 7.2 46.2\n")  # as long as before
+        first, is_told, names = sent_again()
+        self.assertEqual((first, is_told, len(names)), ("1 file sent, 6 were there", True, 2))
+        self.assertEqual(sent_again(), ("0 files sent, 7 were there", True, names))
+        self.assertEqual(server.request("GET", f"/api/v1/flights/{flight}/files/{names[0]}")[2], list_here.read_bytes())
+
     def test_a_folder_whose_name_is_longer_than_a_flights_may_be_is_sent(self):
         server = self.serve("--workers", "0")
         self.card = self.card.rename(self.card.with_name("Ж" * 120))

@@ -13,7 +13,7 @@ from .errors import InputError
 
 Path = Union[str, "os.PathLike[str]"]
 
-_PICTURES = {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}
+PICTURES = {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}
 _MAX_FOLDERS = 8  # in front of a name
 _MOST_BYTES_OF_NAME = 200  # of a flight
 # What systems and network drives keep for themselves: a Mac's attributes, previews of each photo, deleted files.
@@ -122,8 +122,8 @@ def _names_apart(paths: Sequence[pathlib.Path]) -> List[str]:
     doubled = {path.name.lower() for path in whole if first_folder.setdefault(path.name.lower(), path.parent) != path.parent}
     labels = _labels({path.parent for path in whole if path.name.lower() in doubled})
     company = [(path.parent, path.name.lower().split(".")[0]) for path in whole]
-    pictures = {own for path, own in zip(whole, company) if path.suffix.lower() in _PICTURES}
-    doubled_pictures = {own for path, own in zip(whole, company) if path.suffix.lower() in _PICTURES and path.name.lower() in doubled}
+    pictures = {own for path, own in zip(whole, company) if path.suffix.lower() in PICTURES}
+    doubled_pictures = {own for path, own in zip(whole, company) if path.suffix.lower() in PICTURES and path.name.lower() in doubled}
     names: List[str] = []
     taken: Set[str] = set()
     for path, own_company in zip(whole, company):

@@ -2,14 +2,18 @@
 from __future__ import annotations
 
 import base64
+import dataclasses
+import hashlib
 import io
+import pathlib
 import time
 import urllib.parse
+import warnings
 from typing import BinaryIO, Callable, List, Set, Tuple
 
 from .contract import Operations
 from .errors import Conflict, InputError, NotASkyquilt, NotFound, Refused, ServerAway
-from .listing import LocalFile
+from .listing import PICTURES, LocalFile
 from .progress import OnProgress, Progress, megabytes
 from .transport import BLOCK_BYTES, RETRIED, Patience, Transport
 
@@ -55,6 +59,8 @@ class Sender:
     def send(self, files: List[LocalFile]) -> Tuple[int, int]:
         """(how many were sent, how many the server had). Raises what `Transport.request` does, and `InputError`."""
         there = self._there()
+        names = {name for name, _ in there}
+        files = [self._told_apart(file, there) if file.name in names else file for file in files]
         lacking = [file for file in files if (file.name, file.bytes) not in there]
         self._files, self._total_bytes = len(lacking), sum(file.bytes for file in lacking)
         for file in lacking:
@@ -70,6 +76,28 @@ class Sender:
 
     def _there(self) -> Set[Tuple[str, int]]:
         return {(file["name"], file["bytes"]) for file in self._api.list_files(self._flight_id)["files"]}
+
+    def _told_apart(self, file: LocalFile, there: Set[Tuple[str, int]]) -> LocalFile:
+        """A list, log or sidecar whose name is another's there, as where it was edited since, has one by its content, so that it is
+        known again."""
+        if file.path.suffix.lower() in PICTURES or file.bytes > PART_BYTES:
+            return file
+        with _opened(file) as content:
+            here = content.read()
+        own = pathlib.PurePath(file.name)
+        marked = f"{own.stem}({hashlib.sha256(here).hexdigest()[:8]}){own.suffix}"
+        if (marked, file.bytes) not in there and (file.name, file.bytes) in there and here == self._content(file.name):
+            return file
+        warnings.warn(f"Another {file.name} is in the flight, and both count: this one is {marked}. If it corrects the other, "
+                      f"delete that (client.api.delete_file) and have the map made again.")
+        return dataclasses.replace(file, name=marked)
+
+    def _content(self, name: str) -> bytes:
+        try:
+            with self._api.get_file(self._flight_id, name) as answer:
+                return answer.read_all()
+        except NotFound:
+            return b""  # its bytes are lost there
 
     def _waits(self, why: str) -> None:
         self._on_progress(Progress("waiting", self._last.fraction, why, self._last.done_bytes, self._total_bytes, self._flight_id))
