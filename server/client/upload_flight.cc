@@ -16,6 +16,7 @@
 #include "api/http/links.h"
 #include "core/base/text/file_names.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/printable.h"
 #include "core/base/try.h"
 #include "storage/blobs/sha256.h"
 #include "storage/db/ids.h"
@@ -182,6 +183,13 @@ Result<void> PutInItsPlace(ServerClient& client, const std::string& flight_id, c
   return {};
 }
 
+// What the server says of a file does not name it.
+Error About(const Outgoing& one, Error refusal) {
+  if (refusal.code == ErrorCode::kUnprocessable)
+    refusal.message = Printable(one.file.name) + ": " + refusal.message;
+  return refusal;
+}
+
 // The member "options" of a flight or a job, where any are given.
 nlohmann::json Wish(const UploadOptions& options, const std::string& import_file) {
   nlohmann::json wish = nlohmann::json::object();
@@ -312,8 +320,9 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   Tally tally(outgoing.size(), bytes, progress);
   counting = &tally;
   for (const Outgoing& one : outgoing) {
-    SKYQUILT_TRY(is_replaced(one) ? PutInItsPlace(client, uploaded.flight_id, one)
-                                  : SendFile(client, uploaded.flight_id, one, tally));
+    const Result<void> taken = is_replaced(one) ? PutInItsPlace(client, uploaded.flight_id, one)
+                                                : SendFile(client, uploaded.flight_id, one, tally);
+    if (!taken) return About(one, taken.error());
     tally.Done(one.bytes);
     ++uploaded.sent;
   }

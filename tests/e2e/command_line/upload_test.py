@@ -157,6 +157,8 @@ class Upload(ServerTestCase):
         self.upload(server, "--no-map", env={"SKYQUILT_TOKEN": token})
         for address, words in (("nonsense", "is no address"), ("http://127.0.0.1:9", "does not answer")):
             self.assertIn(words, run("upload", self.card, "--server", address, "--patience", "1", code=1).stderr)
+        (self.card / "a\\b.jpg").write_bytes(b"x")
+        self.assertIn("a\\b.jpg: This file name cannot be used", self.upload(server, "--no-map", env={"SKYQUILT_TOKEN": token}, code=1).stderr)
 
 
 if __name__ == "__main__":
