@@ -85,6 +85,11 @@ std::string NewNodeUuid() {
   return uuid;
 }
 
+// Clients send names in their file systems' encodings, which PostgreSQL does not take.
+std::string InUtf8(const std::string& text) {
+  return ParseJson(JsonText(nlohmann::json(text))).get<std::string>();
+}
+
 // A webhook that cannot be told is no reason to refuse the task.
 void SetWebhook(const Service& service, const std::string& url, NewTask& task) {
   if (url.empty()) return;
@@ -100,7 +105,8 @@ void SetWebhook(const Service& service, const std::string& url, NewTask& task) {
 }
 
 // Clients take longer names than a flight may have, which is no reason to refuse their photos.
-void SetName(std::string name, NewTask& task) {
+void SetName(const std::string& sent, NewTask& task) {
+  std::string name = InUtf8(sent);
   if (name.size() > kMaxFlightNameBytes) {
     name = CutToBytes(name, kMaxFlightNameBytes);
     task.notes.push_back(NodeNote(fmt::format("The name was cut to {} bytes: here it has at most {}.",
@@ -142,8 +148,8 @@ std::string NodeNote(std::string text) {
   constexpr std::size_t kMaxBytes = 500;
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
-  if (text.size() > kMaxBytes) text = text.substr(0, kMaxBytes) + "...";
-  return text;
+  text = InUtf8(text);
+  return text.size() > kMaxBytes ? CutToBytes(text, kMaxBytes) + "..." : text;
 }
 
 std::vector<std::string> NodeNotes(const std::vector<std::string>& unknown_options) {

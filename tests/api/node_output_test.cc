@@ -74,5 +74,24 @@ TEST(NodeNewTask, CutsANameThatIsLongerThanAFlightMayHave) {
   EXPECT_NE(task->notes.find("cut to 199 bytes"), std::string::npos) << task->notes;
 }
 
+TEST(NodeNewTask, KeepsTextsThatAreNotInUtf8AsWhatEveryCatalogueTakes) {
+  SampleService sample;
+  const Headers as_form = {{"Content-Type", "multipart/form-data; boundary=x"}};
+  const Response made = sample.Send(
+      Method::kPost, "/task/new/init",
+      "--x\r\nContent-Disposition: form-data; name=\"name\"\r\n\r\nM\xFCller\r\n--x--\r\n", as_form);
+  const nlohmann::json answer = nlohmann::json::parse(made.body, nullptr, false);
+  ASSERT_TRUE(answer.contains("uuid")) << made.body;
+  const std::string uuid = answer["uuid"];
+  const Response sent = sample.Send(
+      Method::kPost, "/task/new/upload/" + uuid,
+      "--x\r\nContent-Disposition: form-data; name=\"images\"; filename=\"\xFC.jpg\"\r\n\r\nbytes\r\n--x--\r\n",
+      as_form);
+  EXPECT_EQ(sent.body, R"({"success":true})");
+  const storage::NodeTask task = test::ValueOf(sample.service().node_tasks.Find(uuid));
+  EXPECT_EQ(test::ValueOf(sample.catalogue.GetFlight(task.flight_id)).name, "M\xEF\xBF\xBDller");
+  EXPECT_TRUE(task.notes.starts_with("\xEF\xBF\xBD.jpg was left out")) << task.notes;
+}
+
 }  // namespace
 }  // namespace skyquilt::api
