@@ -3,10 +3,13 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
+#include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"
 #include "storage/db/postgres/postgres_db.h"
 #include "storage/db/schema.h"
@@ -51,12 +54,22 @@ void KeepRoom(const std::filesystem::path& path) {
   if (!reserve.IsNeeded()) reserve.Fill();
 }
 
+// What is newest goes by ids, also after a start with a clock that was set back.
+Result<void> GoOnWithIds(SqlConnection& db) {
+  SKYQUILT_TRY_ASSIGN(
+      const std::vector<std::string> newest,
+      db.AllText("SELECT coalesce(max(id),'') FROM flight UNION ALL SELECT coalesce(max(id),'') FROM job"));
+  for (const std::string& id : newest) MakeIdsAfter(id);
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<CatalogueDb>> CatalogueDb::Prepare(SqliteDb db, const std::filesystem::path& path,
                                                           int readers) {
   SKYQUILT_TRY(db.Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"));
   SKYQUILT_TRY(PrepareSchema(db));
+  SKYQUILT_TRY(GoOnWithIds(db));
   SKYQUILT_TRY_ASSIGN(const AgeClock ages, AgeClock::Open(db));
   std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::make_unique<SqliteDb>(std::move(db)), ages));
   catalogue->reserve_.emplace(path);
@@ -104,6 +117,7 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenPostgres(const CataloguePl
                  " WHERE machine.boot_id<>?2 OR machine.seen_us<now_us()-86400000000",
                  MachineBoot::HostName(), MachineBoot::Id()));
   SKYQUILT_TRY(db->Change("DELETE FROM machine WHERE seen_us<now_us()-30*86400000000"));
+  SKYQUILT_TRY(GoOnWithIds(*db));
   SKYQUILT_TRY_ASSIGN(const AgeClock ages, AgeClock::Open(*db));
   std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(db), ages));
   catalogue->place_ = place;

@@ -17,6 +17,16 @@ constexpr std::size_t kTimeChars = 10;
 constexpr std::size_t kRandomChars = 16;
 constexpr std::size_t kOrderedChars = 18;  // that put ids of one millisecond in order
 
+struct LastId {
+  std::mutex mutex;
+  std::string id;
+};
+
+LastId& LastMade() {
+  static LastId last;
+  return last;
+}
+
 }  // namespace
 
 void FillWithRandom(std::span<std::uint8_t> bytes) {
@@ -34,20 +44,26 @@ std::string NewId() {
   for (std::size_t i = kTimeChars; i-- > 0; ms >>= 5) id[i] = kAlphabet[ms & 31];
   for (std::size_t i = 0; i < kRandomChars; ++i) id[kTimeChars + i] = kAlphabet[random[i] & 31];
 
-  static std::mutex mutex;
-  static std::string last;
-  const std::lock_guard lock(mutex);
-  if (id.compare(0, kTimeChars, last, 0, kTimeChars) <= 0) {
+  LastId& last = LastMade();
+  const std::lock_guard lock(last.mutex);
+  if (id.compare(0, kTimeChars, last.id, 0, kTimeChars) <= 0) {
     // The same millisecond, or the clock was set back: the next number after the last one, its end random.
-    std::copy_n(last.begin(), kOrderedChars, id.begin());
+    std::copy_n(last.id.begin(), kOrderedChars, id.begin());
     for (std::size_t i = kOrderedChars; i-- > 0;) {
       const std::size_t digit = kAlphabet.find(id[i]);
       id[i] = kAlphabet[(digit + 1) % kAlphabet.size()];
       if (digit + 1 < kAlphabet.size()) break;
     }
   }
-  last = id;
+  last.id = id;
   return id;
+}
+
+void MakeIdsAfter(const std::string& id) {
+  if (!IsId(id)) return;
+  LastId& last = LastMade();
+  const std::lock_guard lock(last.mutex);
+  last.id = std::max(last.id, id);
 }
 
 bool IsId(std::string_view text) {

@@ -13,6 +13,8 @@ namespace skyquilt::storage {
 // The kernel's randomness.
 void FillWithRandom(std::span<std::uint8_t> bytes);
 std::string NewId();
+// What NewId makes from here on comes after this one, whatever the clock says; what is no id changes nothing.
+void MakeIdsAfter(const std::string& id);
 // True for what NewId could have made; everything else from outside is refused before it comes near a path.
 bool IsId(std::string_view text);
 

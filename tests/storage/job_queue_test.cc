@@ -385,5 +385,18 @@ TEST(JobQueueConcurrency, GivesEachJobToExactlyOneOfManyConnections) {
   EXPECT_EQ(std::set<std::string>(claimed.begin(), claimed.end()).size(), static_cast<std::size_t>(kJobs));
 }
 
+TEST(JobQueue, ANewJobIsTheLatestAlsoWhereTheClockWasSetBackBeforeAStart) {
+  const test::TemporaryFolder dir;
+  const auto earlier = OpenTestCatalogue(dir.path() / "catalogue.db");
+  const std::string flight = test::ValueOf(Catalogue(**earlier).AddFlight("field", "{}", Now())).id;
+  JobQueue before(**earlier);
+  ASSERT_TRUE(before.Cancel(test::ValueOf(before.Add(flight, "{}", Now())).id, Now()));
+  ASSERT_TRUE((*earlier)->Lock()->Change("UPDATE job SET id='1'||substr(id,2)"));  // centuries ahead
+  const auto later = OpenTestCatalogue(dir.path() / "catalogue.db");
+  JobQueue queue(**later);
+  const Job next = test::ValueOf(queue.Add(flight, "{}", Now()));
+  EXPECT_EQ(test::ValueOf(test::ValueOf(queue.LatestOf(flight))).id, next.id);
+}
+
 }  // namespace
 }  // namespace skyquilt::storage
