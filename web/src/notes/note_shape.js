@@ -4,6 +4,7 @@
 import { goingOn } from '../map/coordinates.js';
 import { boundsOf } from '../map/geodesy.js';
 import { measurementOf, polygonOf, rounded } from '../map/measurement_files.js';
+import { newId } from '../shared/api.js';
 
 /** @typedef {GeoJSON.Feature<GeoJSON.Point|GeoJSON.LineString|GeoJSON.Polygon, {name: string, text?: string}> & {id: string}} Note */
 
@@ -37,12 +38,6 @@ export function labelPlace(note) {
   const places = placesOf(note);
   if (note.geometry.type !== 'Polygon') return places[Math.floor((places.length - 1) / 2)];
   return [places.reduce((sum, [lon]) => sum + lon, 0) / places.length, places.reduce((sum, [, lat]) => sum + lat, 0) / places.length];
-}
-
-/** @returns {string} that no other note has */
-function newId() {
-  // crypto.randomUUID is there on secure origins only; in a field network the page often comes over plain HTTP.
-  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 }
 
 /**

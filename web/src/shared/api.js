@@ -120,22 +120,28 @@ export function parsed({ status }, text) {
  * @param {object} [body]
  * @param {AbortSignal} [signal]
  * @param {RequestPriority} [priority] of what the first view can wait for
- * @param {string} [type] of the body
+ * @param {Record<string, string>} [headers] besides, or in place of what is usual with a body
  * @returns {Promise<any>} the JSON, or null for an empty answer
  */
-async function request(method, path, body, signal, priority = 'auto', type = 'application/json') {
+async function request(method, path, body, signal, priority = 'auto', headers = {}) {
   const early = method === 'GET' ? takeEarly(path) : null;
   const { response, text } = await answerOf(early ?? fetch(at(path), {
     method,
     signal,
     priority,
-    headers: { ...authorization(), ...(body ? { 'Content-Type': type } : {}) },
+    headers: { ...authorization(), ...(body ? { 'Content-Type': 'application/json' } : {}), ...headers },
     body: body ? JSON.stringify(body) : undefined,
   })).catch((error) => {
     if (error.status === 401) import('./access.js').then(({ askForToken }) => askForToken()).catch(() => undefined);  // the answer says it too
     throw error;
   });
   return text === '' ? null : parsed(response, text);
+}
+
+/** @returns {string} that nothing else has */
+export function newId() {
+  // crypto.randomUUID is there on secure origins only; in a field network the page often comes over plain HTTP.
+  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 }
 
 const flight_path = (/** @type {string} */ id) => `/api/v1/flights/${encodeURIComponent(id)}`;
@@ -226,7 +232,7 @@ export const getSurfaceHeights = (id, lon, lat, signal) => request('GET', `${fli
  * @returns {Promise<VolumeFigures>}
  */
 export const getVolume = (id, base, outline, signal) =>
-  request('POST', `${flight_path(id)}/volume?of=dsm&${base}`, outline, signal, 'auto', 'application/geo+json');
+  request('POST', `${flight_path(id)}/volume?of=dsm&${base}`, outline, signal, 'auto', { 'Content-Type': 'application/geo+json' });
 
 /** How heights differ from another flight's. @param {string} id @param {string} since @returns {Promise<ChangeTileJson>} */
 export const getChange = (id, since) => request('GET', `/tiles/${encodeURIComponent(id)}/change.json?of=dsm&since=${encodeURIComponent(since)}`);
@@ -249,8 +255,13 @@ export const listFiles = async (id) => (await request('GET', `${flight_path(id)}
 /** The layers that the map page offers. */
 export const kLayers = ['photo', 'error', 'height'];
 
-/** @param {string} id @param {Record<string, any>} options JobOptions of the contract @returns {Promise<Job>} */
-export const startJob = (id, options) => request('POST', `${flight_path(id)}/jobs`, { options });
+/**
+ * @param {string} id
+ * @param {Record<string, any>} options JobOptions of the contract
+ * @param {string} [key] asked again with the same, as where the answer was lost, the server begins none but the first
+ * @returns {Promise<Job>}
+ */
+export const startJob = (id, options, key = newId()) => request('POST', `${flight_path(id)}/jobs`, { options }, undefined, 'auto', { 'Idempotency-Key': key });
 
 /**
  * Moves the finished map to where what it shows really is; its layers come along.

@@ -145,9 +145,11 @@ export class UploadSession extends EventTarget {
     if (this.#starting) return;
     this.#starting = true;
     const { signal } = this.#abort;
+    /** @type {Map<string, string>} by options */
+    const keys = new Map();
     try {
       announce(strings.upload.done);
-      this.job = await this.#untilReached(() => this.#beginMap(signal), signal);
+      this.job = await this.#untilReached(() => this.#beginMap(keys, signal), signal);
     } catch (error) {
       if (signal.aborted) return;
       this.#starting = false;
@@ -159,15 +161,18 @@ export class UploadSession extends EventTarget {
 
   /**
    * With what is chosen now: others may have been while a server, or a map, was waited for.
+   * @param {Map<string, string>} keys of what was asked for already: the answer alone may be lost
    * @param {AbortSignal} signal
    * @returns {Promise<Job|null>} null: so coarse a map is not meant, the flight waits with its options
    */
-  async #beginMap(signal) {
+  async #beginMap(keys, signal) {
     const meant = await confirmCoarse(this.flight_id, chosenOptions(this.flight_id), { photos_gsd_m: this.server_verdict?.gsd_m || undefined, signal });
     signal.throwIfAborted();
     if (!meant) return null;
     if (meant.any_gsd) chooseOptions(this.flight_id, meant);  // asked once
-    const job = await api.startJob(this.flight_id, meant);
+    const wish = JSON.stringify(meant);
+    if (!keys.has(wish)) keys.set(wish, api.newId());
+    const job = await api.startJob(this.flight_id, meant, keys.get(wish));
     forgetChosen(this.flight_id, meant);
     forgetUpload(this.flight_id);
     return job;
