@@ -72,6 +72,26 @@ test('arrow keys move a cross and save nothing; Enter marks, Escape leaves', opt
   assert.equal(sent.length, 2);
 });
 
+test('a mark that is dragged is put where it is let go: until then nothing is saved, nor asked of the server', options, async () => {
+  const { page, marks, sent } = await openDialog();
+  const box = await page.locator('#marking-view').boundingBox();
+  const middle = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.click(middle[0], middle[1]);
+  const [before] = await marks();
+  await page.mouse.down();
+  await page.mouse.move(middle[0] + 20, middle[1]);
+  const [dragged] = await marks();
+  assert.deepEqual([sent.length, dragged], [1, before]);
+  const shown = await page.locator('#marking-mark').boundingBox();
+  assert.ok(Math.abs(shown.x + shown.width / 2 - middle[0] - 20) < 1, 'it is seen where the pointer is');
+  await page.mouse.move(middle[0] + 30, middle[1]);
+  await page.mouse.up();
+  const [after] = await marks();
+  assert.ok(sent.length === 2 && after.x > before.x, JSON.stringify([sent.length, before, after]));
+  await page.keyboard.press('Control+z');
+  assert.deepEqual(await marks(), [before], 'one step to undo');
+});
+
 test('a removed point comes back by its own Undo, and what was changed after it stays', options, async () => {
   const { page } = await setUpReady('Meadow');
   let kept = { reference_system: 'EPSG:4326', points: ['P1', 'P2', 'P3'].map((name, i) => ({ name, x: 7 + i / 1000, y: 46, height: null, marks: [] })) };

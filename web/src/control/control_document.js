@@ -107,9 +107,8 @@ export class ControlDocument extends SavedDocument {
    * @param {string} name
    * @param {string} photo
    * @param {{x: number, y: number}|null} pixel null: none there any more
-   * @param {boolean} [is_going_on] the same movement as the change before: one step to undo
    */
-  mark(name, photo, pixel, is_going_on = false) {
+  mark(name, photo, pixel) {
     const points = this.points.map((point) => {
       if (point.name !== name) return point;
       const at = point.marks.findIndex((mark) => mark.photo === photo);
@@ -117,9 +116,7 @@ export class ControlDocument extends SavedDocument {
       const others = point.marks.filter((_, i) => i !== at);
       return { ...point, marks: pixel ? [...others.slice(0, at < 0 ? others.length : at), { photo, ...pixel }, ...others.slice(at < 0 ? others.length : at)] : others };
     });
-    const next = { ...this.#now, points };
-    if (is_going_on) this.#put(next);
-    else this.change(next);
+    this.change({ ...this.#now, points });
   }
 
   undo() {

@@ -59,12 +59,15 @@ export function openMarking(control, name, photos, listener) {
   let is_loaded = false;
   /** @type {Spot|null} where the keys have moved to */
   let aim = null;
+  /** @type {Spot|null} where the mark is being dragged to: it is put there when it is let go */
+  let dragged = null;
   const photo = () => photos[shown].record.name;
   const markIn = (/** @type {string} */ of) => control.point(name)?.marks.find((one) => photoKey(one.photo) === photoKey(of)) ?? null;
+  const shownMark = () => dragged ?? markIn(photo());
   const plane = photoPlane(view, {
     on_draw: () => {
       place(expected, photos[shown].pixel, kExpected_px);
-      place(mark, markIn(photo()), kMark_px);
+      place(mark, shownMark(), kMark_px);
       place(cross, aim, kCross_px);
     },
     on_load: () => {
@@ -86,12 +89,12 @@ export function openMarking(control, name, photos, listener) {
   };
   const isWithin = (/** @type {Spot} */ { x, y }) => x >= -0.5 && y >= -0.5 && x < plane.image.naturalWidth - 0.5 && y < plane.image.naturalHeight - 0.5;
 
-  /** @param {Spot|null} pixel @param {boolean} [is_going_on] */
-  const put = (pixel, is_going_on = false) => {
+  /** @param {Spot|null} pixel */
+  const put = (pixel) => {
     if (!is_loaded || (pixel ? !isWithin(pixel) : !markIn(photo()))) return;
     aim = null;
-    control.mark(name, markIn(photo())?.photo ?? photo(), pixel, is_going_on);
-    if (!is_going_on) announce(pixel ? words.marked(photo()) : words.mark_removed);
+    control.mark(name, markIn(photo())?.photo ?? photo(), pixel);
+    announce(pixel ? words.marked(photo()) : words.mark_removed);
   };
   /** The cross goes on from where it is, from the mark, or from where the point is expected. @param {[number, number]} by pixels */
   const move = ([x, y]) => {
@@ -104,7 +107,7 @@ export function openMarking(control, name, photos, listener) {
     draw();
   };
   const draw = () => {
-    const own = markIn(photo());
+    const own = shownMark();
     facts.textContent = dotted(
       photo(),
       strings.photo.of(shown + 1, photos.length),
@@ -128,6 +131,7 @@ export function openMarking(control, name, photos, listener) {
     shown = (index + photos.length) % photos.length;
     is_loaded = false;
     aim = null;
+    endDrag();
     plane.open(photos[shown].url, photo());
     strip.show(shown);
     draw();
@@ -148,18 +152,31 @@ export function openMarking(control, name, photos, listener) {
     const at = plane.pixelAt(event);
     grip = { x: own.x - at.x, y: own.y - at.y };
     is_dragging = true;
-    has_moved = false;
     mark.setPointerCapture(event.pointerId);
   });
-  let has_moved = false;
   mark.addEventListener('pointermove', (event) => {
     if (!is_dragging) return;
     event.stopPropagation();
     const at = plane.pixelAt(event);
-    put({ x: at.x + grip.x, y: at.y + grip.y }, has_moved);
-    has_moved = true;
+    const next = { x: at.x + grip.x, y: at.y + grip.y };
+    if (!isWithin(next)) return;
+    aim = null;
+    dragged = next;
+    draw();
   });
-  for (const end of ['pointerup', 'pointercancel']) mark.addEventListener(end, () => (is_dragging = false));
+  const endDrag = () => {
+    is_dragging = false;
+    dragged = null;
+  };
+  mark.addEventListener('pointerup', () => {
+    const to = dragged;
+    endDrag();
+    if (to) put(to);
+  });
+  mark.addEventListener('pointercancel', () => {
+    endDrag();
+    draw();
+  });
 
   /** @type {Record<string, () => void>} */
   const keys = {
