@@ -1,4 +1,4 @@
-// An upload on a poor line, without a browser: what becomes of its map.
+// An upload on a poor line, without a browser: what becomes of its files and of its map.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
@@ -6,7 +6,43 @@ import { holdToken } from '../../web/src/shared/token.js';
 
 await loadFlightStrings();
 holdToken('');
-Object.assign(globalThis, { addEventListener: () => {}, document: { getElementById: () => ({ textContent: '' }) } });
+/** @type {Map<string, string>} */
+const kept = new Map();
+const localStorage = { get length() { return kept.size; }, key: (/** @type {number} */ i) => [...kept.keys()][i], getItem: (/** @type {string} */ key) => kept.get(key) ?? null, setItem: (/** @type {string} */ key, /** @type {string} */ text) => void kept.set(key, text), removeItem: (/** @type {string} */ key) => void kept.delete(key) };
+Object.defineProperty(globalThis, 'localStorage', { value: localStorage, configurable: true });
+
+/** @typedef {{status: number, headers?: Record<string, string>}} Answer */
+/** What the server says to the parts of files that it is sent; 0: the line breaks. */
+const line = { /** @type {Answer[]} */ answers: [], /** @type {string[]} */ asked: [] };
+class FakeRequest {
+  upload = {};
+  /** @type {Answer} */
+  #answer = { status: 0 };
+  open(/** @type {string} */ method, /** @type {string} */ address) {
+    line.asked.push(`${method} ${address.split('/').pop()}`);
+  }
+  setRequestHeader() {}
+  abort() {}
+  get status() {
+    return this.#answer.status;
+  }
+  responseText = '';
+  getResponseHeader(/** @type {string} */ name) {
+    return this.#answer.headers?.[name] ?? null;
+  }
+  send() {
+    this.#answer = line.answers.shift() ?? { status: 0 };
+    setImmediate(() => /** @type {any} */ (this)[this.status ? 'onload' : 'onerror']({}));
+  }
+}
+Object.assign(globalThis, {
+  addEventListener: () => {},
+  document: { getElementById: () => ({ textContent: '' }) },
+  location: { pathname: '/', href: 'http://localhost/' },
+  XMLHttpRequest: FakeRequest,
+  window: { setTimeout, localStorage, XMLHttpRequest: FakeRequest, Blob },
+});
+const { sendFile } = await import('../../web/src/upload/send_file.js');
 const { UploadSession } = await import('../../web/src/upload/uploads.js');
 
 test('where the answer to the beginning of a map is lost, asking again begins none but that; the next one is another', async (t) => {
@@ -36,4 +72,23 @@ test('where the answer to the beginning of a map is lost, asking again begins no
   await sent('b.csv');
   await is_done;
   assert.deepEqual([session.job?.id, begun.size], ['j2', 2]);
+});
+
+test('what was sent of a file stays where the server does not say how much that is, as with a token that has ended', async () => {
+  const file = new File([new Uint8Array(600_000)], 'a.jpg');
+  const send = () => sendFile('f', 'a.jpg', file, () => {}, new AbortController().signal).then(() => 204, (error) => error.status);
+  line.answers = [{ status: 201, headers: { Location: '/api/v1/uploads/u1' } }, { status: 0 }];
+  assert.equal(await send(), 0);
+  for (const status of [401, 429, 502, 503]) {
+    line.answers = [{ status }];
+    assert.equal(await send(), status);
+  }
+  line.answers = [{ status: 200, headers: { 'Upload-Offset': '590000', 'Upload-Length': '600000' } }, { status: 204, headers: { 'Upload-Offset': '600000' } }];
+  assert.equal(await send(), 204);
+  assert.deepEqual(line.asked, ['POST uploads', 'PATCH u1', ...Array(5).fill('HEAD u1'), 'PATCH u1']);
+  // Of one that is gone all is sent.
+  line.answers = [{ status: 201, headers: { Location: '/api/v1/uploads/u2' } }, { status: 0 }];
+  await send();
+  line.answers = [{ status: 404 }, { status: 201, headers: { Location: '/api/v1/uploads/u3' } }, { status: 204, headers: { 'Upload-Offset': '600000' } }];
+  assert.equal(await send(), 204);
 });

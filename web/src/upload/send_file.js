@@ -58,7 +58,11 @@ export async function sendFile(flight_id, name, file, on_progress, signal) {
       retryDelays: null,  // the queue knows best when to try again
       onAfterResponse: (request, response) => {
         heard(0);
-        if (request.getMethod() === 'HEAD') from_bytes = Number(response.getHeader('Upload-Offset') ?? 0) || 0;
+        if (request.getMethod() !== 'HEAD') return;
+        // Whoever does not say what there is of the file takes nothing of it: tus by itself would begin it anew.
+        const refusal = problem(response.getStatus(), response.getBody());
+        if (refusal.is_away || refusal.status === 401) throw refusal;
+        from_bytes = Number(response.getHeader('Upload-Offset') ?? 0) || 0;
       },
       onProgress: (sent_bytes) => {
         heard(sent_bytes);
@@ -100,6 +104,7 @@ async function loadTus() {
 /** @param {Error} error @param {Awaited<ReturnType<typeof loadTus>>} tus @returns {Error} */
 function asApiError(error, tus) {
   if (!(error instanceof tus.DetailedError)) return error;
+  if (error.causingError instanceof ApiError) return error.causingError;
   const answer = error.originalResponse;
   return answer ? problem(answer.getStatus(), answer.getBody()) : new ApiError(0, strings.errors.unreachable);
 }
