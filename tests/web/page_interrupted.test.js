@@ -195,6 +195,27 @@ test('nothing is sent, nor offered to be gone on with, before it is known what t
   await until(() => only(mock).files.size === 3, 'it goes on by itself');
 });
 
+test('a token that ends during an upload is asked for, and the upload goes on with the next one', options, async () => {
+  const { page, mock } = await setUp({}, { errors: /status of 401/ });
+  let has_ended = false;
+  await page.route('**/api/v1/**', (route) => {
+    const is_good = !has_ended || route.request().headers().authorization === 'Bearer sq_next' || new URL(route.request().url()).searchParams.get('token') === 'sq_next';
+    return is_good ? route.fallback() : route.fulfill({ status: 401, contentType: 'application/problem+json', json: { title: 'Unauthorized', status: 401, code: 'unauthorized' } });
+  });
+  const release = mock.holdUploads();
+  await page.setInputFiles('#files-input', photoFiles(8));
+  await page.waitForSelector('#upload-progress');
+  await page.evaluate(() => document.body.setAttribute('data-stays', ''));
+  await until(() => mock.heldUploads() === 4);
+  has_ended = true;
+  release();
+  await page.fill('#token-input', 'sq_next');
+  await page.press('#token-input', 'Enter');
+  await mapIdle(page);
+  assert.equal(only(mock).files.size, 8);
+  assert.equal(await page.locator('body[data-stays]').count(), 1, 'the page is not loaded anew, which would lose the files');
+});
+
 test('pausing does not move the bar back', options, async () => {
   const { page, mock } = await setUp();
   const release = mock.holdUploads();

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
-import { holdToken } from '../../web/src/shared/token.js';
+import { holdToken, token_kept } from '../../web/src/shared/token.js';
 
 await loadFlightStrings();
 holdToken('');
@@ -45,6 +45,9 @@ Object.assign(globalThis, {
 const { sendFile } = await import('../../web/src/upload/send_file.js');
 const { UploadSession } = await import('../../web/src/upload/uploads.js');
 
+const chosen = (/** @type {string} */ name) => ({ chosen: [{ name, file: new File(['x'], name) }], ignored: [], folder: '' });
+const isBegun = (/** @type {InstanceType<typeof UploadSession>} */ session) => new Promise((resolve) => session.addEventListener('job', resolve, { once: true }));
+
 test('where the answer to the beginning of a map is lost, asking again begins none but that; the next one is another', async (t) => {
   t.mock.timers.enable({ apis: ['setTimeout'] });
   /** @type {Map<string, string>} jobs that were begun, by key */
@@ -59,17 +62,15 @@ test('where the answer to the beginning of a map is lost, asking again begins no
   };
   const session = new UploadSession('f');
   session.queue.send = async () => {};
-  const sent = (/** @type {string} */ name) => session.add({ chosen: [{ name, file: new File(['x'], name) }], ignored: [], folder: '' });
-  const isBegun = () => new Promise((resolve) => session.addEventListener('job', resolve, { once: true }));
-  let is_done = isBegun();
-  await sent('a.csv');
+  let is_done = isBegun(session);
+  await session.add(chosen('a.csv'));
   while (session.trouble === '') await new Promise(setImmediate);
   is_lost = false;
   t.mock.timers.tick(1000);
   await is_done;
   assert.deepEqual([session.job?.id, begun.size], ['j1', 1]);
-  is_done = isBegun();
-  await sent('b.csv');
+  is_done = isBegun(session);
+  await session.add(chosen('b.csv'));
   await is_done;
   assert.deepEqual([session.job?.id, begun.size], ['j2', 2]);
 });
@@ -91,4 +92,23 @@ test('what was sent of a file stays where the server does not say how much that 
   await send();
   line.answers = [{ status: 404 }, { status: 201, headers: { Location: '/api/v1/uploads/u3' } }, { status: 204, headers: { 'Upload-Offset': '600000' } }];
   assert.equal(await send(), 204);
+});
+
+test('a token that ends during an upload fails no file: with the next one it goes on', async () => {
+  let is_refused = false;
+  globalThis.fetch = async (_, { method = 'GET' } = {}) => new Response(method === 'GET' ? '{"files":[]}' : '{"id":"j"}', { status: is_refused ? 401 : 200 });
+  line.answers = [{ status: 401 }];
+  const session = new UploadSession('f');
+  const is_done = isBegun(session);
+  await session.add(chosen('a.csv'));
+  while (!session.queue.picture.retry) await new Promise(setImmediate);
+  assert.match(session.queue.picture.retry.reason, /401/);
+  line.answers = [{ status: 201, headers: { Location: '/api/v1/uploads/u4', 'Upload-Offset': '1' } }];
+  is_refused = true;
+  token_kept.dispatchEvent(new Event('change', { cancelable: true }));
+  while (session.trouble === '') await new Promise(setImmediate);
+  assert.deepEqual([session.queue.picture.done, session.queue.picture.failed], [1, 0]);
+  is_refused = false;
+  await is_done;
+  assert.equal(session.job?.id, 'j');
 });

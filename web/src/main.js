@@ -5,7 +5,7 @@
 /** @import { Route } from './shared/router.js' */
 /** @import { Selection } from './upload/drop_files.js' */
 /** @import { Wish } from './upload/drop_zone.js' */
-import { reloadWithToken, takeSharedToken } from './shared/token.js';
+import { reloadWithToken, takeSharedToken, token_kept } from './shared/token.js';
 import { announce, showError, showNote } from './shared/announce.js';
 import { changeFlight, createFlight, getFlight, getTrash, listFiles, listFlights, mayUpload, messageOf } from './shared/api.js';
 import { byId, h, linkSettled, loadStyle, put } from './shared/dom.js';
@@ -23,6 +23,13 @@ takeSharedToken();
 // A share link that is opened while the page is open: everything is loaded again, with its token.
 addEventListener('hashchange', () => {
   if (takeSharedToken()) reloadWithToken();
+});
+// An upload goes on with the next token: a page that is loaded anew would have to be given its files again.
+token_kept.addEventListener('change', (event) => {
+  if (!holdsUploads()) return;
+  event.preventDefault();
+  void refreshList();
+  void open_view?.refresh();
 });
 function languageChoice() {
   const label = strings.page.language;

@@ -3,12 +3,12 @@
 import { ask } from './dialogs.js';
 import { h } from './dom.js';
 import { strings } from './strings.js';
-import { isFromLink, isTokenHeld, keepToken, pageToken, reloadWithToken } from './token.js';
+import { isFromLink, isTokenHeld, keepToken, pageToken, reloadWithToken, token_kept } from './token.js';
 
 let is_asking = false;
 
-/** Prompts for a token and stores it. Once at a time. @param {() => void} [go_on] with it; else the page is loaded anew */
-export function askForToken(go_on = reloadWithToken) {
+/** Prompts for a token and stores it. Once at a time. @param {() => void} [go_on] with it; else the page is loaded anew, unless something would be lost with it */
+export function askForToken(go_on) {
   if (is_asking || isTokenHeld()) return;
   is_asking = true;
   const words = strings.access;
@@ -32,6 +32,8 @@ export function askForToken(go_on = reloadWithToken) {
     is_asking = false;
     if (choice !== 'go') return;
     keepToken(input.value.trim());
-    go_on();
+    const may_reload = token_kept.dispatchEvent(new Event('change', { cancelable: true }));
+    if (go_on) go_on();
+    else if (may_reload) reloadWithToken();
   });
 }

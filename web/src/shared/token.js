@@ -55,6 +55,9 @@ function keptIn(where) {
   }
 }
 
+/** Emits 'change' when one was typed; who has what would be lost with the page prevents that this is loaded anew. */
+export const token_kept = new EventTarget();
+
 const linkToken = () => of_link ?? keptIn('sessionStorage');
 const token = () => held ?? linkToken() ?? keptIn('localStorage') ?? '';
 

@@ -11,6 +11,7 @@ import { chooseOptions, chosenOptions, forgetChosen } from '../flight/job_option
 import { isOver } from '../flight/job_watch.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/flight_strings.js';
+import { token_kept } from '../shared/token.js';
 import { forgetUpload, rememberUpload } from './upload_memory.js';
 import { UploadQueue, wait } from './upload_queue.js';
 import { judge } from './verdict.js';
@@ -18,6 +19,20 @@ import { judge } from './verdict.js';
 const kLongestDelay_ms = 15_000;
 // The server is asked for its verdict after so many files, and again when four times as many are there.
 const kFirstVerdict_files = 3;
+
+/** No file fails by it: the next token is waited for as a server that is away is. */
+class TokenEnded extends api.ApiError {
+  get is_away() {
+    return true;
+  }
+}
+
+/** @param {unknown} error @returns {never} */
+function askForNextToken(error) {
+  if (!(error instanceof api.ApiError) || error.status !== 401) throw error;
+  import('../shared/access.js').then(({ askForToken }) => askForToken()).catch(() => undefined);  // the upload says it too
+  throw new TokenEnded(error.status, error.message);
+}
 
 /** One flight's upload. Emits 'change', and 'job' when the map's job is queued or the upload was stopped. */
 export class UploadSession extends EventTarget {
@@ -45,7 +60,7 @@ export class UploadSession extends EventTarget {
     super();
     this.flight_id = flight_id;
     this.queue = new UploadQueue([], (item, on_progress, signal) =>
-      sendFile(flight_id, item.name, item.file, on_progress, signal),
+      sendFile(flight_id, item.name, item.file, on_progress, signal).catch(askForNextToken),
     );
     this.queue.addEventListener('change', () => {
       this.#changed();
@@ -123,7 +138,7 @@ export class UploadSession extends EventTarget {
         if (!(error instanceof api.ApiError)) throw error;
         this.waits_for_map = error.status === 409 && (await this.#isMapBeingMade(signal));
         signal.throwIfAborted();
-        if (!passes(error) && !this.waits_for_map) {
+        if (!passes(error) && !this.waits_for_map && error.status !== 401) {
           this.trouble = '';
           throw error;
         }
@@ -209,10 +224,12 @@ function logsFirst(files) {
   return [...files.filter((file) => !isPicture(file)), ...files.filter(isPicture)];
 }
 
-// The line is back: nobody waits for the next try.
-addEventListener('online', () => {
+// The line is back, or there is a token again: nobody waits for the next try.
+const retryNow = () => {
   for (const { queue } of sessions.values()) queue.retryNow();
-});
+};
+addEventListener('online', retryNow);
+token_kept.addEventListener('change', retryNow);
 
 /**
  * @param {string} flight_id
