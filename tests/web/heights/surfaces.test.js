@@ -7,7 +7,7 @@ import { contourStep, drawnContours } from '../../../web/src/heights/contour_lin
 import { readoutWords } from '../../../web/src/heights/height_readout.js';
 import { drawnProfile, figuresOf } from '../../../web/src/heights/surface_profile.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
-import { formatVolume, parseNumber, typedNumber } from '../../../web/src/shared/format.js';
+import { formatVolume, parseNumber, typedNumber, typedText } from '../../../web/src/shared/format.js';
 import { speak } from '../../../web/src/shared/language.js';
 import { heightIn, volumeIn } from '../../../web/src/shared/units.js';
 
@@ -113,7 +113,8 @@ test('volumes are cubic metres or cubic yards, and numbers are read with a comma
   // In English it may be a thousand and more that is typed.
   assert.deepEqual(['1,250', ' -12,500', '0,125', '1250,125', '1,25', '1.250'].map((text) => typedNumber(text)), [NaN, NaN, 0.125, 1250.125, 1.25, 1.25]);
   speak('de');
-  assert.equal(typedNumber('1,250'), 1.25);
+  assert.deepEqual(['1,250', '1.250', ' -12.500', '0.125', '1250.125', '1.25'].map((text) => typedNumber(text)), [1.25, NaN, NaN, 0.125, 1250.125, 1.25]);
+  assert.deepEqual([412.345, -0.5, 20].map((value) => typedNumber(typedText(value))), [412.345, -0.5, 20], 'what a form is filled with it takes');
   speak('en');
 });
 

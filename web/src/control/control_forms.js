@@ -5,7 +5,7 @@
 import { messageOf } from '../shared/api.js';
 import { ask, closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
-import { typedNumber } from '../shared/format.js';
+import { typedNumber, typedText } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
 import { parseControlList, withPoints } from './control_lists.js';
 
@@ -113,7 +113,7 @@ export function openImport(control, photos) {
  */
 export function openPointForm(control, point) {
   const words = strings.control;
-  const value = (/** @type {number|null|undefined} */ number) => (typeof number === 'number' ? String(number) : '');
+  const value = (/** @type {number|null|undefined} */ number) => (typeof number === 'number' ? typedText(number) : '');
   // All keys: those for numbers have no minus on iPhones.
   const field = (/** @type {string} */ text) => h('input', { type: 'text', class: 'field', maxlength: 100, value: text });
   const name = field(point?.name ?? '');

@@ -1,7 +1,7 @@
 // How a map is made, as the form has it and as the server takes it (JobOptions of the contract); what was chosen for
 // each flight, until its map is begun, and presets, both of which this browser keeps. Pure but for these.
 import { kLayers } from '../shared/api.js';
-import { typedNumber } from '../shared/format.js';
+import { typedNumber, typedText } from '../shared/format.js';
 import { dropChoice, keepChoice, keptChoice } from '../shared/language.js';
 import { parsePlace } from '../map/parse_place.js';
 import { movesMap } from './job_watch.js';
@@ -127,8 +127,8 @@ function areaOf(boundary) {
 export function formOf(options) {
   return {
     .../** @type {Record<Choice, string>} */ (Object.fromEntries(kChoiceNames.map((field) => [field, kChoices[field].includes(options[field]) ? options[field] : kChoices[field][0]]))),
-    .../** @type {Record<NumberField, string>} */ (Object.fromEntries(kNumbers.map((field) => [field, typeof options[field] === 'number' ? String(options[field]) : '']))),
-    resolution_cm: typeof options.gsd_m === 'number' ? String(Number((options.gsd_m * 100).toPrecision(6))) : '',
+    .../** @type {Record<NumberField, string>} */ (Object.fromEntries(kNumbers.map((field) => [field, typeof options[field] === 'number' ? typedText(options[field]) : '']))),
+    resolution_cm: typeof options.gsd_m === 'number' ? typedText(Number((options.gsd_m * 100).toPrecision(6))) : '',
     not_finer: typeof options.gsd_m !== 'number' || options.not_finer_than_photos === true,
     layers: Array.isArray(options.layers) ? kLayers.filter((layer) => options.layers.includes(layer)) : [],
     origin: Array.isArray(options.origin) ? options.origin.join(', ') : '',

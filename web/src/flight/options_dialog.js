@@ -6,7 +6,7 @@
 import { kLayers, messageOf } from '../shared/api.js';
 import { ask, closeButton, refusalBox, titledDialog } from '../shared/dialogs.js';
 import { checkRow, h, put } from '../shared/dom.js';
-import { dotted } from '../shared/format.js';
+import { dotted, parseNumber } from '../shared/format.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
 import { button } from '../shared/icons.js';
@@ -192,7 +192,7 @@ const choiceWords = (name, value) => /** @type {Record<string, string>} */ (stri
 export function optionWords(options) {
   const words = strings.options;
   const form = formOf(options);
-  const said = (/** @type {string} */ figure) => number(Number(figure), { maximumFractionDigits: 6, useGrouping: false });
+  const said = (/** @type {string} */ figure) => number(parseNumber(figure), { maximumFractionDigits: 6, useGrouping: false });
   const chosen = Object.fromEntries(chosenIn(form).map(([name, value]) => [name, choiceWords(name, value)]));
   return dotted(
     form.resolution_cm && `${said(form.resolution_cm)} cm`,

@@ -171,8 +171,21 @@ export function parseNumber(text) {
   return Number.isFinite(value) ? value : NaN;
 }
 
-/** The same of what somebody types: in English "1,250" may be a thousand and more, and counts as none. @param {string} text */
-export const typedNumber = (text) => (language === 'en' && /^\s*[+-]?[1-9]\d{0,2},\d{3}\s*$/.test(text) ? NaN : parseNumber(text));
+/** What is typed in the middle of a number that is not whole; English has readers (South Africa) whose browsers write a comma there. */
+const decimalSign = () => (language === 'en' ? '.' : number(1.5).charAt(1));
+
+/**
+ * The same of what somebody types: "1,250", in German "1.250", may be a thousand and more, and counts as none.
+ * @param {string} text
+ */
+export function typedNumber(text) {
+  const other = decimalSign() === ',' ? '.' : ',';
+  const [whole, rest = ''] = text.trim().split(other);
+  return /^[+-]?[1-9]\d{0,2}$/.test(whole) && /^\d{3}$/.test(rest) ? NaN : parseNumber(text);
+}
+
+/** As it would be typed, with all its digits. @param {number} value */
+export const typedText = (value) => String(value).replace('.', decimalSign());
 
 /**
  * @param {number} fraction 0..1

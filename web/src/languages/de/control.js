@@ -68,5 +68,5 @@ export const control_words = {
   height: 'Höhe (optional)',
   no_name: 'Geben Sie einen Namen an.',
   name_taken: (name) => `Einen Punkt namens ${name} gibt es schon.`,
-  no_number: 'Ost, Nord und Höhe müssen Zahlen sein.',
+  no_number: 'Ost, Nord und Höhe müssen Zahlen sein, mit Dezimalkomma und ohne Tausenderpunkte.',
 };

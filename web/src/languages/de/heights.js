@@ -40,7 +40,7 @@ export const volume_words = {
   bases: { lowest: 'Tiefster Punkt des Randes', plane: 'Ebene durch den Rand', given: 'Gegebene Höhe' },
   since: (flight) => `Höhen von ${flight}`,
   given: 'Höhe der Bezugsfläche',
-  no_number: 'Geben Sie die Höhe als Zahl ein.',
+  no_number: 'Geben Sie die Höhe als Zahl ein, mit Dezimalkomma und ohne Tausenderpunkte.',
   above: 'Oberhalb (Abtrag)',
   below: 'Unterhalb (Auftrag)',
   added: 'Seitdem hinzugekommen',
