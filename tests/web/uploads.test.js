@@ -1,8 +1,9 @@
-// An upload on a poor line, without a browser: what becomes of its files and of its map.
+// An upload without a browser: what is dropped, and what becomes of files and map on a poor line.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { holdToken, token_kept } from '../../web/src/shared/token.js';
+import { selectFiles } from '../../web/src/upload/drop_files.js';
 
 await loadFlightStrings();
 holdToken('');
@@ -47,6 +48,12 @@ const { UploadSession } = await import('../../web/src/upload/uploads.js');
 
 const chosen = (/** @type {string} */ name) => ({ chosen: [{ name, file: new File(['x'], name) }], ignored: [], folder: '' });
 const isBegun = (/** @type {InstanceType<typeof UploadSession>} */ session) => new Promise((resolve) => session.addEventListener('job', resolve, { once: true }));
+
+test('photos of phones and raw files are called so, with what to do', async () => {
+  const { chosen, ignored } = await selectFiles(['IMG_0001.HEIC', 'DSC_0001.nef', 'letter.pdf'].map((path) => ({ path, file: new File(['x'], path) })));
+  assert.deepEqual(chosen, []);
+  assert.deepEqual(ignored.map(({ name, reason }) => [name, /as JPEG/.test(reason)]), [['DSC_0001.nef', true], ['IMG_0001.HEIC', true], ['letter.pdf', false]]);
+});
 
 test('where the answer to the beginning of a map is lost, asking again begins none but that; the next one is another', async (t) => {
   t.mock.timers.enable({ apis: ['setTimeout'] });

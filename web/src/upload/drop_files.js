@@ -8,6 +8,8 @@ import { strings } from '../shared/strings.js';
 /** @typedef {{chosen: ChosenFile[], ignored: IgnoredFile[], folder: string}} Selection */
 
 const kPhotos = new Set(['jpg', 'jpeg', 'tif', 'tiff', 'png', 'dng']);
+// As phones and cameras write them too; the server opens none of these.
+const kOtherPhotos = new Set(['heic', 'heif', 'hif', 'avif', 'webp', 'jxl', 'raw', 'arw', 'cr2', 'cr3', 'nef', 'nrw', 'orf', 'raf', 'rw2', 'pef', 'srw', 'iiq', 'gpr']);
 const kLogs = new Set(['csv', 'tsv', 'txt', 'log', 'bin', 'ulg', 'tlog', 'srt', 'ass', 'mrk', 'pos', 'json', 'gpx', 'kml', 'geojson', 'nmea', 'xmp']);
 const kFilms = new Set(['mp4', 'mov']);
 // What cameras write beside a film for their own screens, and films in other containers.
@@ -83,6 +85,7 @@ export async function selectFiles(found) {
     const kind = extension(name);
     let reason = '';
     if (kOtherFilms.has(kind)) reason = reasons.film;
+    else if (kOtherPhotos.has(kind)) reason = reasons.photo;
     else if (kOtherArchives.has(kind) && !isArchive(name)) reason = reasons.archive;
     else if (kOffice.has(kind)) reason = reasons.office;
     else if (!kPhotos.has(kind) && !isFilm(name) && !kLogs.has(kind) && !isArchive(name)) reason = reasons.kind;

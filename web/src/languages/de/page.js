@@ -140,6 +140,7 @@ export const page_words = {
     reasons: {
       empty: 'Die Datei ist leer.',
       film: 'Nur Videos als MP4 oder MOV werden unterstützt. Fügen Sie die Originaldatei der Kamera hinzu.',
+      photo: 'Nur Fotos als JPEG, TIFF oder PNG werden unterstützt. Exportieren Sie dieses als JPEG mit seinen Metadaten.',
       archive: 'Nur ZIP- und TAR-Archive werden unterstützt. Entpacken Sie das Archiv und legen Sie den Ordner ab.',
       kind: 'Weder Foto noch Flugprotokoll.',
       office: 'Office-Dokumente werden nicht unterstützt. Speichern Sie die Tabelle darin als CSV und fügen Sie diese hinzu.',

@@ -140,6 +140,7 @@ export const page_words = {
     reasons: {
       empty: 'The file is empty.',
       film: 'Only MP4 and MOV videos are supported. Add the original file from the camera.',
+      photo: 'Only photos as JPEG, TIFF or PNG are supported. Export this one as JPEG, with its metadata.',
       archive: 'Only zip and tar archives are supported. Unpack this one and drop the folder.',
       kind: 'Not a photo or flight log.',
       office: 'Office documents are not supported. Save the table in it as CSV and add that.',
