@@ -4,6 +4,7 @@ import { test } from 'node:test';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { holdToken, token_kept } from '../../web/src/shared/token.js';
 import { selectFiles } from '../../web/src/upload/drop_files.js';
+import { filesOfDrop } from '../../web/src/upload/drop_zone.js';
 
 await loadFlightStrings();
 holdToken('');
@@ -53,6 +54,20 @@ test('photos of phones and raw files are called so, with what to do', async () =
   const { chosen, ignored } = await selectFiles(['IMG_0001.HEIC', 'DSC_0001.nef', 'letter.pdf'].map((path) => ({ path, file: new File(['x'], path) })));
   assert.deepEqual(chosen, []);
   assert.deepEqual(ignored.map(({ name, reason }) => [name, /as JPEG/.test(reason)]), [['DSC_0001.nef', true], ['IMG_0001.HEIC', true], ['letter.pdf', false]]);
+});
+
+test('of a card that is dropped what cannot be read is named, and the system\'s own folders are not', async () => {
+  const no = (/** @type {any} */ _, /** @type {(error: Error) => void} */ reject) => reject(new DOMException('refused', 'NotReadableError'));
+  const fileAt = (/** @type {string} */ fullPath, read = (/** @type {any} */ take) => take(new File([Uint8Array.of(0xff, 0xd8, 0xff)], 'a.jpg'))) => ({ isFile: true, fullPath, file: read });
+  const folderAt = (/** @type {string} */ fullPath, /** @type {any[]|null} */ inner) => {
+    const parts = [inner, []];
+    return { isFile: false, fullPath, createReader: () => ({ readEntries: inner ? (/** @type {any} */ take) => take(parts.shift()) : no }) };
+  };
+  const card = folderAt('/E', [folderAt('/E/System Volume Information', null), folderAt('/E/DCIM', [fileAt('/E/DCIM/a.jpg'), fileAt('/E/DCIM/b.jpg', no)]), folderAt('/E/private', null)]);
+  const transfer = { items: [{ kind: 'file', webkitGetAsEntry: () => card, getAsFile: () => null }] };
+  const { chosen, ignored, folder } = await selectFiles(await filesOfDrop(/** @type {any} */ (transfer)));
+  assert.deepEqual([chosen.map(({ name }) => name), ignored.map(({ name }) => name), folder], [['a.jpg'], ['E/DCIM/b.jpg', 'E/private/'], 'E']);
+  assert.ok(ignored.every(({ reason }) => /cannot be read/.test(reason)));
 });
 
 test('where the answer to the beginning of a map is lost, asking again begins none but that; the next one is another', async (t) => {

@@ -2,7 +2,7 @@
 // bytes, so that a broken card or a stray document is told before anything is sent.
 import { strings } from '../shared/strings.js';
 
-/** @typedef {{file: File, path: string}} FoundFile */
+/** @typedef {{file: File|null, path: string}} FoundFile file: null where it cannot be read; path: of a folder with a stroke behind it */
 /** @typedef {{file: File, name: string}} ChosenFile name: as sent to the server */
 /** @typedef {{name: string, reason: string}} IgnoredFile */
 /** @typedef {{chosen: ChosenFile[], ignored: IgnoredFile[], folder: string}} Selection */
@@ -82,6 +82,10 @@ export async function selectFiles(found) {
     const name = path.slice(path.lastIndexOf('/') + 1);
     if (name.startsWith('.') || /^(thumbs\.db|desktop\.ini)$/i.test(name) || kFolderOfPrograms.test(path)) continue;
     if (frames.has(folderOf(path)) || (maps.has(folderOf(path)) && kMapProduct.test(name))) continue;
+    if (!file) {
+      selection.ignored.push({ name: path, reason: reasons.unread });
+      continue;
+    }
     const kind = extension(name);
     let reason = '';
     if (kOtherFilms.has(kind)) reason = reasons.film;

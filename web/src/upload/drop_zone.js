@@ -111,7 +111,7 @@ export function dropZone(on_files) {
  * @param {DataTransfer} transfer
  * @returns {Promise<FoundFile[]>}
  */
-async function filesOfDrop(transfer) {
+export async function filesOfDrop(transfer) {
   const roots = [...transfer.items]
     .filter((item) => item.kind === 'file')
     .map((item) => ({ entry: item.webkitGetAsEntry?.() ?? null, file: item.getAsFile() }));
@@ -129,17 +129,23 @@ async function filesOfDrop(transfer) {
  * @param {FoundFile[]} found
  */
 async function walk(entry, found) {
+  const path = entry.fullPath.replace(/^\//, '');
+  // A card has folders of the system's that nobody may read: what else there is counts all the same.
+  const unread = (/** @type {unknown} */ error) => {
+    console.debug(path, error);
+    return null;
+  };
   if (entry.isFile) {
     const file_entry = /** @type {FileSystemFileEntry} */ (entry);
-    const file = await new Promise((resolve, reject) => file_entry.file(resolve, reject));
-    found.push({ file, path: entry.fullPath.replace(/^\//, '') });
+    found.push({ file: await new Promise((resolve, reject) => file_entry.file(resolve, reject)).catch(unread), path });
     return;
   }
   const reader = /** @type {FileSystemDirectoryEntry} */ (entry).createReader();
   for (;;) {
     // readEntries gives at most a hundred at a time and an empty list at the end.
-    const entries = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
-    if (entries.length === 0) return;
+    const entries = await new Promise((resolve, reject) => reader.readEntries(resolve, reject)).catch(unread);
+    if (!entries) found.push({ file: null, path: `${path}/` });
+    if (!entries || entries.length === 0) return;
     for (const child of entries) await walk(child, found);
   }
 }
