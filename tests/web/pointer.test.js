@@ -1,7 +1,9 @@
-// Where a map is pointed at, without a browser: a cursor that rests while the map moves, and fingers, which leave none.
+// Where a map is pointed at, without a browser: a cursor that rests while the map moves, and fingers, which leave none. And the
+// sheet of a phone, which gives way to the map.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { pointedPlace } from '../../web/src/shared/follow_pointer.js';
+import { bottomSheet } from '../../web/src/shared/sheet.js';
 
 /** A map of a degree a pixel, whose upper left corner can be moved. */
 function plainMap() {
@@ -38,4 +40,15 @@ test('a finger leaves no cursor where it tapped: what counts is the middle of th
   send('pointermove', { clientX: 102, clientY: 53 });
   send('pointerdown', finger);
   assert.equal(pointed.is_cursor, false);
+});
+
+test('the sheet of a phone gives way to the map, in a browser of some years ago too; beside the map it stays', () => {
+  for (const boxes of [[{}], []]) {
+    const classes = new Set();
+    const classList = { contains: (/** @type {string} */ name) => classes.has(name), toggle: (/** @type {string} */ name, /** @type {boolean} */ on) => (on ? classes.add(name) : classes.delete(name)) };
+    const element = Object.assign(new EventTarget(), { classList, setAttribute: () => {}, textContent: '', getClientRects: () => boxes });
+    Object.assign(globalThis, { document: { getElementById: () => element } });
+    bottomSheet(() => {}).close();
+    assert.equal(classes.has('sheet-closed'), boxes.length > 0);
+  }
 });

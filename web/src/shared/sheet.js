@@ -35,7 +35,8 @@ export function bottomSheet(on_change) {
   });
   return {
     close: () => {
-      if (handle.checkVisibility() && !panel.classList.contains('sheet-closed')) set(false);
+      // checkVisibility() is not there in Safari before 17.4, which phones of 2017 stay without.
+      if (handle.getClientRects().length > 0 && !panel.classList.contains('sheet-closed')) set(false);
     },
   };
 }
