@@ -443,6 +443,13 @@ test('a token that is typed, or comes with a link, opens the server where the br
   assert.equal(page.url(), address);
 });
 
+test('a long name without blanks leaves what takes its deletion back on the screen of a phone', options, async () => {
+  const { page } = await setUpReady('20260512_'.padEnd(150, 'Befliegung_'), {}, kPhone);
+  await page.click('#flight-delete');
+  const [undo, close] = [await page.locator('.note-action').boundingBox(), await page.locator('.note .icon-button').boundingBox()];
+  assert.ok(undo.x > 0 && close.x > undo.x && close.x + close.width <= kPhone.viewport.width, JSON.stringify([undo, close]));
+});
+
 test('where old flights go to the trash, one is marked to be kept', options, async () => {
   const { page, flight } = await setUpReady('Old', { keep_days: 90 }, kPhone);
   await page.waitForSelector('#flight-keep');
