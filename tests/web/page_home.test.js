@@ -151,3 +151,24 @@ test('the lines of the grid lie at round degrees, neither close together nor out
     assert.equal(Number((step_deg * 3).toFixed(line_digits)).toPrecision(8), (step_deg * 3).toPrecision(8), 'no digit is lost');
   }
 });
+
+test('a note stays while its action has the focus, or the pointer is on it', options, async () => {
+  const { page, mock } = await setUp();
+  mock.seedReady('Meadow');
+  await page.reload();
+  await page.waitForSelector('.flights li');
+  await page.clock.install();
+  await page.hover('.flights li');
+  await page.click('.flights li .row-actions button:nth-child(2)');
+  await page.focus('.note-action');
+  await page.clock.runFor(60_000);
+  assert.equal(await page.locator('.note').count(), 1);
+  await page.locator('#flights-heading').focus();
+  await page.clock.runFor(5000);
+  await page.hover('.note');
+  await page.clock.runFor(60_000);
+  assert.equal(await page.locator('.note').count(), 1);
+  await page.mouse.move(0, 0);
+  await page.clock.runFor(9000);
+  assert.equal(await page.locator('.note').count(), 0);
+});

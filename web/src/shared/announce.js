@@ -27,19 +27,26 @@ export function announce(text, options = {}) {
 }
 
 /**
- * A note that goes away by itself, with at most one action.
+ * A note that goes away by itself, but not while it is pointed at or has the focus; with at most one action.
  * @param {string} text
  * @param {{action?: {label: string, run: () => void}, duration_ms?: number, is_error?: boolean}} [options]
  * @returns {() => void} closes the note
  */
 export function showNote(text, { action, duration_ms = 8000, is_error = false } = {}) {
+  /** @type {ReturnType<typeof setTimeout>|undefined} */
+  let timer;
+  const stay = () => clearTimeout(timer);
+  const goLater = () => {
+    stay();
+    timer = setTimeout(close, duration_ms);
+  };
   const close = () => {
-    clearTimeout(timer);
+    stay();
     note.remove();
   };
   const note = h(
     'div',
-    { class: is_error ? 'note note-error' : 'note' },
+    { class: is_error ? 'note note-error' : 'note', on: { pointerenter: stay, focusin: stay, pointerleave: goLater, focusout: goLater } },
     h('span', { class: 'note-text' }, text),
     action && button(action.label, () => {
       action.run();
@@ -47,7 +54,7 @@ export function showNote(text, { action, duration_ms = 8000, is_error = false } 
     }, { class: 'note-action' }),
     iconButton('close', strings.page.close, close),
   );
-  const timer = setTimeout(close, duration_ms);
+  goLater();
   byId('toasts').append(note);
   announce(text);
   return close;
