@@ -216,6 +216,15 @@ test('a token that ends during an upload is asked for, and the upload goes on wi
   assert.equal(await page.locator('body[data-stays]').count(), 1, 'the page is not loaded anew, which would lose the files');
 });
 
+test('an upload goes on where what sends files could not be had at first', options, async () => {
+  const { page, mock } = await setUp({}, { errors: /ERR_FAILED/ });
+  let times = 0;
+  await page.route(/\/vendor\/tus\.mjs/, (/** @type {any} */ route) => ((times += 1) === 1 ? route.abort() : route.continue()));
+  await page.setInputFiles('#files-input', photoFiles(6));
+  await mapIdle(page);
+  assert.equal(only(mock).files.size, 6);
+});
+
 test('pausing does not move the bar back', options, async () => {
   const { page, mock } = await setUp();
   const release = mock.holdUploads();

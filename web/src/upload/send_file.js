@@ -91,11 +91,15 @@ export async function sendFile(flight_id, name, file, on_progress, signal) {
 
 const stopped = () => new DOMException('upload stopped', 'AbortError');
 
-/** With the first file: who only looks at maps does without. */
+let failures = 0;
+
+/** With the first file: who only looks at maps does without. @returns {Promise<typeof import('../../vendor/tus.mjs')>} */
 async function loadTus() {
   try {
-    return await import('../../vendor/tus.mjs');
+    // Browsers before 2026 never ask again for a module that they could not have: it is another by its address.
+    return await import(`../../vendor/tus.mjs${failures > 0 ? `?again=${failures}` : ''}`);
   } catch (error) {
+    failures += 1;
     console.debug('tus', error);
     throw new ApiError(0, strings.errors.unreachable);
   }
