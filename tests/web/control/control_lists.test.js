@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { guessedPlace, shownFromSurveyed } from '../../../web/src/control/control_guess.js';
-import { parseControlList, withPoints } from '../../../web/src/control/control_lists.js';
+import { listText, parseControlList, withPoints } from '../../../web/src/control/control_lists.js';
 import { byQuality } from '../../../web/src/map/sighting_order.js';
 import { predictionOf, residualsOf } from '../../../web/src/control/control_residuals.js';
 
@@ -60,6 +60,15 @@ test('northing stands before easting without a header too, where the system leav
   assert.equal(of('1,32576691.5,5188169.5,158.5', 'EPSG:25832')[0].x, 32576691.5, 'with its zone before it');
   assert.deepEqual(of('1,46.84265,-91.99456,198\n2,46.8427,-91.9945,198', 'EPSG:4326').map(({ x, y }) => [x, y]), [[-91.99456, 46.84265], [-91.9945, 46.8427]]);
   assert.equal(of('1,46.84265,8.5,198', 'EPSG:4326')[0].x, 46.84265);
+});
+
+test('a list is read as programs save it: in UTF-8, in UTF-16, in the letters of Windows', () => {
+  const text = 'Name;Nord;Ost;Höhe\nBrücke;4005678,34;323456,12;12,5';
+  const wide = (/** @type {boolean} */ is_little) => Uint8Array.from([...`\ufeff${text}`].flatMap((letter) => [letter.charCodeAt(0) & 255, letter.charCodeAt(0) >> 8]).map((byte, i, all) => all[is_little ? i : i ^ 1]));
+  const windows = Uint8Array.from([...text].map((letter) => letter.charCodeAt(0)));
+  for (const bytes of [new TextEncoder().encode(text), new TextEncoder().encode(`\ufeff${text}`), wide(true), wide(false), windows]) {
+    assert.deepEqual(parseControlList(listText(bytes)).points, [point('Brücke', 323456.12, 4005678.34, 12.5)]);
+  }
 });
 
 test('of two heights those above the ellipsoid count, unless the system says what heights count from', () => {

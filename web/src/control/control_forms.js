@@ -7,7 +7,7 @@ import { ask, closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
 import { typedNumber, typedText } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
-import { parseControlList, withPoints } from './control_lists.js';
+import { listText, parseControlList, withPoints } from './control_lists.js';
 
 const kMaxListBytes = 4 << 20;
 const kUsualSystem = 'EPSG:4326';
@@ -86,7 +86,7 @@ export function openImport(control, photos) {
   file.addEventListener('change', async () => {
     const chosen = file.files?.[0];
     if (!chosen) return;
-    text.value = chosen.size > kMaxListBytes ? '' : await chosen.text();
+    text.value = chosen.size > kMaxListBytes ? '' : listText(new Uint8Array(await chosen.arrayBuffer()));
     read();
     if (chosen.size > kMaxListBytes) put(found, words.too_large);
   });

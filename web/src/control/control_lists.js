@@ -49,6 +49,21 @@ const kColumnNames = [
   ['system', /^(epsg|crs|srs|system)$/],
   ['check', /^check$/],
 ];
+/**
+ * The text of a list's file: UTF-8, UTF-16 as its first two bytes say, or else as Windows saves tables of its own in the west.
+ * @param {Uint8Array} bytes
+ */
+export function listText(bytes) {
+  const [first, second] = bytes;
+  if (first === 0xff && second === 0xfe) return new TextDecoder('utf-16le').decode(bytes);
+  if (first === 0xfe && second === 0xff) return new TextDecoder('utf-16be').decode(bytes);
+  try {
+    return new TextDecoder('utf-8', { fatal: true }).decode(bytes);
+  } catch {
+    return new TextDecoder('windows-1252').decode(bytes);
+  }
+}
+
 /** @typedef {{name?: number, x?: number, y?: number, height?: number, ellipsoidal?: number, system?: number, check?: number}} Columns */
 
 /**
