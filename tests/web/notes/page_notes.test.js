@@ -227,6 +227,22 @@ test('without the server notes wait in this browser, through a reload, and are s
   assert.deepEqual(kept(flight), ['Well', 'Gate']);
 });
 
+test('who measures while a note is being written has the clicks for that', options, async () => {
+  const { page } = await openNotes();
+  await page.click('#note-add');
+  const pin = () => page.locator('.note-pin').boundingBox();
+  const [before, box] = [await pin(), await page.locator('#map').boundingBox()];
+  const click = (/** @type {number} */ x) => page.mouse.click(box.x + box.width / 2 + x, box.y + box.height / 2 - 60);
+  await page.click('#tool-distance');
+  await click(-80);
+  await click(80);
+  await page.waitForFunction(() => document.querySelectorAll('.measure-point').length === 2);
+  assert.deepEqual(await pin(), before);
+  await page.click('#tool-distance');
+  await click(20);
+  assert.notDeepEqual(await pin(), before, 'and for the note after it');
+});
+
 test('a token that ended while a note is saved is asked for, and the note goes with the next one', options, async () => {
   const { page, flight } = await openNotes({ locale: 'en-GB', errors: /status of 401/ });
   await page.route('**/notes', (route) => {

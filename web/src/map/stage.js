@@ -152,8 +152,8 @@ export class Stage {
     };
     view.map.on('click', (event) => {
       const at = event.lngLat.toArray();
+      if (give(at)) return;
       if (this.#taker) this.#taker(at);
-      else if (give(at)) return;
       else if (view.mark.isAt(event.point)) fit(true);
       else void this.#showPlace(view, event.lngLat, event.point);
     });
