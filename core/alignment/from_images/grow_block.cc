@@ -199,8 +199,9 @@ std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, int threads, 
 
 // One photo that shows what placed ones show, but hardly any of their points (ResectOverGround), if it then
 // shares points enough. Each that is tried is left out from then on.
-bool TakeOverGround(int threads, PhotoSet& left_out, Block& block) {
+bool TakeOverGround(int threads, const Progress& progress, PhotoSet& left_out, Block& block) {
   for (const FoundPose& one : ResectOverGround(block, left_out, threads)) {
+    if (progress.IsCancelled()) break;
     left_out.Add(one.photo);
     Block grown = block;
     grown.Place(one.photo, one.cam_from_world);
@@ -253,11 +254,11 @@ std::optional<Tried> Try(const Registration& input, const std::vector<BundleLens
 
 std::optional<Block> BeginBlock(const Registration& input, const std::vector<BundleLens>& lenses,
                                 const PhotoSet& used, const PhotoSet& spent, int threads,
-                                std::set<std::size_t>& failed) {
+                                std::set<std::size_t>& failed, const Progress& progress) {
   const std::vector<InitialPair> ranked = InitialPairs(input, used, spent);
   // The best few against each other; the next where none of them begins a block. Beyond the first few each
   // fails once for all blocks: by more used photos it would hardly do better.
-  for (auto next = ranked.begin(); next != ranked.end();) {
+  for (auto next = ranked.begin(); next != ranked.end() && !progress.IsCancelled();) {
     const auto first = next;
     while (next != ranked.end() &&
            (next - first < kInitialPairsAtOnce || next->pair == std::prev(next)->pair))
@@ -296,7 +297,7 @@ void GrowBlock(const PhotoSet& used, int threads, Progress& progress, Block& blo
     if (taken.empty()) {
       // Once more with everything in its best place, where somebody still waits for it.
       if (asked_again || PhotosThatSee(block, used).empty()) {
-        if (!TakeOverGround(threads, left_out, block)) break;
+        if (!TakeOverGround(threads, progress, left_out, block)) break;
         rounds.failed_at.assign(used.Photos(), 0);
         asked_again = false;
         continue;

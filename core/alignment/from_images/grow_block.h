@@ -21,7 +21,7 @@ namespace skyquilt::alignment {
 // block of three or more. `failed`: links that began none, which are remembered while the lenses stay.
 std::optional<Block> BeginBlock(const Registration& input, const std::vector<BundleLens>& lenses,
                                 const PhotoSet& used, const PhotoSet& spent, int threads,
-                                std::set<std::size_t>& failed);
+                                std::set<std::size_t>& failed, const Progress& progress);
 
 // Takes in photos that `used` leaves until no more follow. The block is adjusted as a whole at the end. Where
 // no photo sees enough of the points, one that shows what placed ones show is taken in over the ground, and

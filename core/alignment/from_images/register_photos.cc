@@ -79,8 +79,9 @@ void AdjustLast(int threads, Block& block) {
 }
 
 // Each smaller block into the first larger one that it shares points with.
-void JoinAll(int threads, std::vector<Block>& blocks) {
-  const auto take = [threads](const Block& smaller, Block& larger) {
+void JoinAll(int threads, const Progress& progress, std::vector<Block>& blocks) {
+  const auto take = [&](const Block& smaller, Block& larger) {
+    if (progress.IsCancelled()) return false;
     const std::optional<Similarity3> joint = FindJoint(larger, smaller);
     if (!joint) return false;
     TraceDecision("groups joined", {{"photos", larger.size()}, {"more", smaller.size()}});
@@ -148,8 +149,7 @@ std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& 
   std::set<std::size_t> failed;
   bool is_first = true;
   const auto begin = [&](const PhotoSet& used, const PhotoSet& spent) -> std::optional<Block> {
-    if (progress.IsCancelled()) return std::nullopt;
-    return BeginBlock(input, lenses, used, spent, threads, failed);
+    return BeginBlock(input, lenses, used, spent, threads, failed, progress);
   };
   const auto grow = [&](const PhotoSet& used, Block& block) {
     GrowBlock(used, threads, progress, block);
@@ -163,7 +163,7 @@ std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& 
     }
   };
   std::vector<Block> blocks = GrowGroups(input.Photos(), begin, grow);
-  JoinAll(threads, blocks);
+  JoinAll(threads, progress, blocks);
   return blocks;
 }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <vector>
 
 namespace skyquilt::alignment {
@@ -98,9 +99,10 @@ TEST(BeginBlock, BeginsWithNoPhotoThatIsSpent) {
   pair.angle_rad = 0.2;
   PhotoSet spent(6);
   std::set<std::size_t> failed;
-  EXPECT_TRUE(BeginBlock(input, input.lenses, PhotoSet(6), spent, 1, failed).has_value());
+  SilentProgress progress;
+  EXPECT_TRUE(BeginBlock(input, input.lenses, PhotoSet(6), spent, 1, failed, progress).has_value());
   spent.Add(1);
-  EXPECT_FALSE(BeginBlock(input, input.lenses, PhotoSet(6), spent, 1, failed).has_value());
+  EXPECT_FALSE(BeginBlock(input, input.lenses, PhotoSet(6), spent, 1, failed, progress).has_value());
 }
 
 // As of a flight over woods: pairs of two photos each, with more matches than those of any group.
@@ -124,13 +126,46 @@ TEST(BeginBlock, GoesOnAfterPairsThatNoThirdPhotoSharesAnythingWith) {
   input.tracks_of.resize(input.Photos());
   const PhotoSet none(input.Photos());
   std::set<std::size_t> failed;
-  EXPECT_FALSE(BeginBlock(input, input.lenses, none, none, 1, failed).has_value());
+  SilentProgress progress;
+  EXPECT_FALSE(BeginBlock(input, input.lenses, none, none, 1, failed, progress).has_value());
   EXPECT_EQ(failed.size(), 10U) << "not to be tried before each of hundreds of groups";
   add_link(0, 1, 60);
-  const std::optional<Block> block = BeginBlock(input, input.lenses, none, none, 1, failed);
+  const std::optional<Block> block = BeginBlock(input, input.lenses, none, none, 1, failed, progress);
   ASSERT_TRUE(block.has_value());
   EXPECT_TRUE(block->Has(0) && block->Has(1));
   EXPECT_GE(block->size(), 3);
+}
+
+class CancelledAfter final : public Progress {
+ public:
+  explicit CancelledAfter(int questions) : left_(questions) {}
+  void BeginStage(std::string_view) override {}
+  void Report(double, std::string_view) override {}
+  bool IsCancelled() const override { return left_-- <= 0; }
+
+ private:
+  mutable int left_;
+};
+
+// Of a flight of thousands of photos all such pairs take minutes.
+TEST(BeginBlock, TriesNoFurtherPairsWhenCancelled) {
+  const ComesAndGoes scene;
+  Registration input = scene.input;
+  const PhotoFeatures alone;
+  for (int pair = 0; pair < 30; ++pair) {
+    PhotoPair& link = input.links.emplace_back();
+    link.first = static_cast<int>(input.Photos());
+    link.second = link.first + 1;
+    for (int photo = 0; photo < 2; ++photo) input.Add(&alone, 0, {});
+    link.matches.resize(500);
+    link.poses = {scene.cam_from_world[1] * scene.cam_from_world[0].Inverse()};
+    link.angle_rad = 0.2;
+  }
+  input.tracks_of.resize(input.Photos());
+  const PhotoSet none(input.Photos());
+  std::set<std::size_t> failed;
+  EXPECT_FALSE(BeginBlock(input, input.lenses, none, none, 1, failed, CancelledAfter(2)).has_value());
+  EXPECT_EQ(failed.size(), 12U) << "two times six";
 }
 
 // As of a flight that hovers over a shadow that moves: of what hundreds of photos see half goes, one by one.
