@@ -28,6 +28,26 @@ Block::Block(const Registration& input, std::vector<BundleLens> lenses)
       point_(input.scene.size(), Eigen::Vector3d::Zero()),
       seen_by_(input.scene.size()) {}
 
+Block::Block(const Registration& input, const Packed& packed) : Block(input, packed.lenses) {
+  for (const Packed::Placed& placed : packed.photos) Place(placed.photo, placed.cam_from_world);
+  for (const Packed::Known& known : packed.points) {
+    point_[known.track] = known.point;
+    seen_by_[known.track] = known.seen_by;
+  }
+}
+
+Block::Packed Block::Pack() const {
+  Packed packed;
+  packed.lenses = lenses_;
+  for (std::size_t i = 0; i < placed_.Photos(); ++i) {
+    if (Has(i)) packed.photos.push_back({static_cast<int>(i), Pose(i)});
+  }
+  for (std::size_t t = 0; t < seen_by_.size(); ++t) {
+    if (HasPoint(t)) packed.points.push_back({static_cast<int>(t), Point(t), SeenBy(t)});
+  }
+  return packed;
+}
+
 const camera::Intrinsics& Block::Lens(int photo) const { return lenses_[input_->lens_of[photo]].intrinsics; }
 
 Observation Block::ObservationOf(const TrackElement& element) const {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <concepts>
 #include <vector>
 
@@ -20,8 +21,34 @@ inline constexpr double kMedianDepth = 50.0;
 
 class Block {
  public:
+  // What a block holds, by its own photos and points alone: of many blocks beside each other none takes
+  // memory for each track of the scene.
+  struct Packed {
+    struct Placed {
+      int photo = 0;
+      geo::Rigid3 cam_from_world;
+    };
+    struct Known {
+      int track = 0;
+      Eigen::Vector3d point = Eigen::Vector3d::Zero();
+      std::vector<int> seen_by;
+    };
+
+    std::vector<BundleLens> lenses;
+    std::vector<Placed> photos;  // ascending, as points are by their tracks
+    std::vector<Known> points;
+
+    bool Has(std::integral auto photo) const {
+      return std::ranges::binary_search(photos, static_cast<int>(photo), {}, &Placed::photo);
+    }
+    int size() const { return static_cast<int>(photos.size()); }
+  };
+
   // Keeps a reference to the input, whose scene it is grown from.
   Block(const Registration& input, std::vector<BundleLens> lenses);
+  // The same to the last bit as the one that was packed.
+  Block(const Registration& input, const Packed& packed);
+  Packed Pack() const;
 
   bool Has(std::integral auto photo) const { return placed_.Has(photo); }
   int size() const { return placed_.Count(); }

@@ -27,12 +27,14 @@ constexpr double kToleranceShare = 0.02;  // of the depth
 constexpr double kMinShareHeld = 0.3;
 
 // larger_from_smaller, by the points that both see; nothing where too few agree on one similarity.
-std::optional<Similarity3> FindJoint(const Block& larger, const Block& smaller) {
+std::optional<Similarity3> FindJoint(const Block::Packed& larger, const Block::Packed& smaller) {
   std::vector<PlacePair> shared;
-  for (std::size_t t = 0; t < larger.scene().size(); ++t) {
-    if (larger.HasPoint(t) && smaller.HasPoint(t)) {
-      shared.push_back({smaller.Point(t), larger.Point(t), Eigen::Vector3d::Ones()});
-    }
+  auto in_larger = larger.points.begin();
+  for (const Block::Packed::Known& known : smaller.points) {
+    while (in_larger != larger.points.end() && in_larger->track < known.track) ++in_larger;
+    if (in_larger == larger.points.end()) break;
+    if (in_larger->track == known.track)
+      shared.push_back({known.point, in_larger->point, Eigen::Vector3d::Ones()});
   }
   const int count = static_cast<int>(shared.size());
   if (count < kMinShared) return std::nullopt;
@@ -61,13 +63,13 @@ std::optional<Similarity3> FindJoint(const Block& larger, const Block& smaller) 
 }
 
 // Takes the smaller one's photos over.
-void JoinBlocks(const Similarity3& larger_from_smaller, const Block& smaller, int threads, Block& larger) {
+void JoinBlocks(const Similarity3& larger_from_smaller, const Block::Packed& smaller, int threads,
+                Block& larger) {
   std::vector<int> taken;
-  for (std::size_t i = 0; i < smaller.input().Photos(); ++i) {
-    const int photo = static_cast<int>(i);
-    if (!smaller.Has(photo) || larger.Has(photo)) continue;
-    larger.Place(photo, larger_from_smaller.Moved(smaller.Pose(photo)));
-    taken.push_back(photo);
+  for (const Block::Packed::Placed& placed : smaller.photos) {
+    if (larger.Has(placed.photo)) continue;
+    larger.Place(placed.photo, larger_from_smaller.Moved(placed.cam_from_world));
+    taken.push_back(placed.photo);
   }
   larger.TriangulateSeenBy(taken, threads);
 }
@@ -79,29 +81,32 @@ void AdjustLast(int threads, Block& block) {
 }
 
 // Each smaller block into the first larger one that it shares points with.
-void JoinAll(int threads, const Progress& progress, std::vector<Block>& blocks) {
-  const auto take = [&](const Block& smaller, Block& larger) {
+void JoinAll(const Registration& input, int threads, const Progress& progress,
+             std::vector<Block::Packed>& blocks) {
+  const auto take = [&](const Block::Packed& smaller, Block::Packed& larger) {
     if (progress.IsCancelled()) return false;
     const std::optional<Similarity3> joint = FindJoint(larger, smaller);
     if (!joint) return false;
     TraceDecision("groups joined", {{"photos", larger.size()}, {"more", smaller.size()}});
-    JoinBlocks(*joint, smaller, threads, larger);
-    AdjustLast(threads, larger);
+    Block joined(input, larger);
+    JoinBlocks(*joint, smaller, threads, joined);
+    AdjustLast(threads, joined);
+    larger = joined.Pack();
     return true;
   };
   JoinGroups(take, blocks);
 }
 
-void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>& pairs,
+void MergeBlocks(const Registration& input, const std::vector<Block::Packed>& blocks,
                  Registration& registration) {
   registration.cam_from_world.resize(registration.Photos());
   registration.block_of.assign(registration.Photos(), -1);
-  if (!blocks.empty()) registration.lenses = blocks.front().lenses();
+  if (!blocks.empty()) registration.lenses = blocks.front().lenses;
   std::vector<int> told_by(registration.lenses.size(), 0);  // by lens, of how many photos the block is
   double square = 0.0;
   int observations = 0;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const Block& block = blocks[b];
+    const Block block(input, blocks[b]);
     const std::vector<int> seen = block.PointsSeen();
     const std::vector<double> residuals = block.ResidualsPx();
     int size = 0;
@@ -126,7 +131,7 @@ void MergeBlocks(const std::vector<Block>& blocks, const std::vector<PhotoPair>&
   }
   registration.NumberBySize();  // of photos left out in the end one has more than another
   registration.residual_rms_px = observations > 0 ? std::sqrt(square / observations) : 0.0;
-  for (const PhotoPair& pair : pairs) {
+  for (const PhotoPair& pair : input.links) {
     const int block = registration.block_of[pair.first];
     if (block < 0 || block != registration.block_of[pair.second]) continue;
     registration.links.push_back(pair);
@@ -144,16 +149,19 @@ void JoinLinks(Registration& input) {
   }
 }
 
-std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& progress) {
+std::vector<Block::Packed> GrowBlocks(const Registration& input, int threads, Progress& progress) {
   std::vector<BundleLens> lenses = input.lenses;
   std::set<std::size_t> failed;
   bool is_first = true;
-  const auto begin = [&](const PhotoSet& used, const PhotoSet& spent) -> std::optional<Block> {
-    return BeginBlock(input, lenses, used, spent, threads, failed, progress);
+  const auto begin = [&](const PhotoSet& used, const PhotoSet& spent) -> std::optional<Block::Packed> {
+    const std::optional<Block> begun = BeginBlock(input, lenses, used, spent, threads, failed, progress);
+    return begun ? std::optional(begun->Pack()) : std::nullopt;
   };
-  const auto grow = [&](const PhotoSet& used, Block& block) {
+  const auto grow = [&](const PhotoSet& used, Block::Packed& packed) {
+    Block block(input, packed);
     GrowBlock(used, threads, progress, block);
     AdjustLast(threads, block);
+    packed = block.Pack();
     TraceDecision(block.size() > 0 ? "group grown" : "group fell apart", {{"photos", block.size()}});
     // The largest knows the lenses best: the others start from there.
     if (is_first && block.size() > 0) {
@@ -162,13 +170,13 @@ std::vector<Block> GrowBlocks(const Registration& input, int threads, Progress& 
       is_first = false;
     }
   };
-  std::vector<Block> blocks = GrowGroups(input.Photos(), begin, grow);
-  JoinAll(threads, progress, blocks);
+  std::vector<Block::Packed> blocks = GrowGroups(input.Photos(), begin, grow);
+  JoinAll(input, threads, progress, blocks);
   return blocks;
 }
 
 // Lenses as they were found, where they are no more what they were taken for.
-bool TakeLenses(const std::vector<Block>& blocks, const std::vector<BundleLens>& found,
+bool TakeLenses(const std::vector<Block::Packed>& blocks, const std::vector<BundleLens>& found,
                 std::vector<BundleLens>& lenses) {
   if (blocks.empty() || blocks.front().size() < kFewForALens) return false;
   bool is_other = false;
@@ -191,9 +199,9 @@ Registration RegisterPhotos(const Registration& given, int threads, Progress& pr
   BuildViewGraph(threads, progress, input);
   for (int pass = 0;; ++pass) {
     JoinLinks(input);
-    const std::vector<Block> blocks = GrowBlocks(input, threads, progress);
+    const std::vector<Block::Packed> blocks = GrowBlocks(input, threads, progress);
     Registration grown = given;
-    MergeBlocks(blocks, input.links, grown);
+    MergeBlocks(input, blocks, grown);
     const std::vector<BundleLens> found = grown.lenses;
     // Through the right lens more pairs agree, and with each other: one by which fewer do was not right.
     if (pass == 0 || grown.LargestSize() >= registration.LargestSize()) registration = std::move(grown);

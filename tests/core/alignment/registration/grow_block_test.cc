@@ -168,6 +168,32 @@ TEST(BeginBlock, TriesNoFurtherPairsWhenCancelled) {
   EXPECT_EQ(failed.size(), 12U) << "two times six";
 }
 
+// Hundreds of groups lie beside each other while all of a flight's points are one scene.
+TEST(Block, IsPackedByItsOwnPointsAlone) {
+  const ComesAndGoes scene;
+  Registration input = scene.input;
+  input.scene.resize(100'000);
+  Block block(input, input.lenses);
+  for (int photo = 0; photo < 5; ++photo) block.Place(photo, scene.cam_from_world[photo]);
+  block.TriangulateAll(1);
+  const Block::Packed packed = block.Pack();
+  EXPECT_EQ(packed.size(), 5);
+  EXPECT_TRUE(packed.Has(4));
+  EXPECT_FALSE(packed.Has(5));
+  EXPECT_EQ(packed.points.size(), 60U);
+  Block again(input, packed);
+  for (int t = 0; t < 60; ++t) {
+    EXPECT_EQ(again.Point(t), block.Point(t)) << t;
+    EXPECT_EQ(again.SeenBy(t), block.SeenBy(t)) << t;
+  }
+  EXPECT_FALSE(again.HasPoint(60));
+  SilentProgress progress;
+  GrowBlock(PhotoSet(6), 1, progress, block);
+  GrowBlock(PhotoSet(6), 1, progress, again);
+  for (int photo = 0; photo < 5; ++photo)
+    EXPECT_EQ(again.Pose(photo).translation, block.Pose(photo).translation) << photo;
+}
+
 // As of a flight that hovers over a shadow that moves: of what hundreds of photos see half goes, one by one.
 TEST(Block, AgreesOnAPointThatHalfOfHundredsOfPhotosShowElsewhere) {
   constexpr int kPhotos = 600;
