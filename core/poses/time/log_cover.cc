@@ -10,8 +10,6 @@ namespace {
 // A logger that writes where the course changes is silent for seconds on a straight leg; the holes between
 // two logs last minutes.
 constexpr double kLongestSilenceS = 10.0, kUsualIntervals = 5.0;
-// A log may begin with its first photo and end with its last, on clocks of whole seconds.
-constexpr double kCoversBeyondS = 5.0;
 
 template <typename Sample>
 void AddStretches(const std::vector<Sample>& samples, std::vector<LogSpan>& stretches) {
@@ -70,10 +68,10 @@ Eigen::Vector2d LogCover::InPlane(const geo::LatLon& position) const {
   return frame_->EnuFromWgs84({position.lat_deg, position.lon_deg, 0.0}).head<2>();
 }
 
-bool LogCover::Covers(double t_s) const {
-  const auto after = std::upper_bound(stretches_.begin(), stretches_.end(), t_s + kCoversBeyondS,
+bool LogCover::Covers(double t_s, double beyond_s) const {
+  const auto after = std::upper_bound(stretches_.begin(), stretches_.end(), t_s + beyond_s,
                                       [](double t, const LogSpan& stretch) { return t < stretch.begin_s; });
-  return after != stretches_.begin() && t_s <= (after - 1)->end_s + kCoversBeyondS;
+  return after != stretches_.begin() && t_s <= (after - 1)->end_s + beyond_s;
 }
 
 std::optional<Eigen::Vector2d> LogCover::PositionAt(double t_s) const {

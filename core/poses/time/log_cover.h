@@ -13,6 +13,8 @@ namespace skyquilt::poses {
 
 // A receiver that stands wanders by some metres; photos of a map lie further apart than that.
 inline constexpr double kStandsWithinM = 10.0;
+// A log may begin with its first photo and end with its last, on clocks of whole seconds.
+inline constexpr double kCoversBeyondS = 5.0;
 
 class LogCover {
  public:
@@ -21,7 +23,7 @@ class LogCover {
   const std::vector<LogSpan>& stretches() const { return stretches_; }  // rising, none meets another
   bool IsEmpty() const { return stretches_.empty(); }
   bool HasTrack() const { return !positions_m_.empty(); }
-  bool Covers(double t_s) const;
+  bool Covers(double t_s, double beyond_s = kCoversBeyondS) const;
   // Metres east and north of the log's first position; nothing where the log does not cover the time.
   std::optional<Eigen::Vector2d> PositionAt(double t_s) const;
   Eigen::Vector2d InPlane(const geo::LatLon& position) const;

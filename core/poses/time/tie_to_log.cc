@@ -8,6 +8,7 @@
 
 #include "core/flight/remarks/because.h"
 #include "core/poses/photo_rows.h"
+#include "core/poses/time/log_cover.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -16,6 +17,9 @@ namespace {
 // usual interval of sparse positions: a caption holds until the next one begins.
 constexpr double kBeyondLogS = 1.0, kFurthestBeyondLogS = 5.0;
 constexpr double kEventClockSigmaS = 0.005;
+// Into a hole of the log (that of one battery is not here) its track leads a photo that knows no place of its
+// own, so far.
+constexpr double kLedIntoAHoleS = 30.0;
 
 bool HasTrackSeries(const flight::FlightLog& log) {
   return !log.imu.empty() || !log.attitude.empty() || log.gnss.size() >= 2;
@@ -60,10 +64,12 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
   tie.clock_sigma_s = kEventClockSigmaS;
   if (!HasTrackSeries(log)) return tie;
   const LogSpan span = MotionSpanOf(log);
+  const LogCover cover(log);
   const double beyond_s = std::clamp(0.5 * UsualIntervalS(log.gnss), kBeyondLogS, kFurthestBeyondLogS);
   for (std::size_t i = 0; i < tie.photos.size(); ++i) {
     const auto& time = tie.sync->photos[i];
     if (!time || time->t_s < span.begin_s - beyond_s || time->t_s > span.end_s + beyond_s) continue;
+    if (!cover.Covers(time->t_s, tie.photos[i].position ? kCoversBeyondS : kLedIntoAHoleS)) continue;
     tie.tied.push_back({i, time->t_s, OwnSigmaS(*time, tie.sync->sigma_s)});
     if (!time->event) tie.clock_sigma_s = tie.sync->sigma_s;
   }

@@ -290,6 +290,40 @@ TEST(EstimatePoses, PutsCorrectedPositionsOfPhotosBeforeAPlainTrack) {
   EXPECT_EQ(test::ValueOf(EstimatePoses(flight, {})).photos[0].position_source, "gnss.csv");
 }
 
+// A log of two parts, the one between them missing: of ten photos from 20 to 200 s two are beside the first.
+flight::Flight PhotosInAHole() {
+  flight::Flight flight = PhotosWithoutPositions(10);
+  FlightLog track = Gnss(1000.0), exposures = Triggers(1000.0);
+  std::erase_if(track.gnss, [](const auto& fix) { return fix.t_s > 21.0 && fix.t_s < 45.0; });
+  for (flight::GnssSample& fix : track.gnss) {
+    if (fix.t_s > 21.0) fix.t_s += 200.0;
+  }
+  for (flight::CameraEvent& event : exposures.events) event.t_s *= 10.0;
+  flight.logs = {track, exposures};
+  for (std::size_t k = 2; k < 9; ++k) {
+    flight::RecordedPosition& own = flight.photos[k].position.emplace();
+    own.position = {kMeadow.lat_deg + 1e-4 * static_cast<double>(k), kMeadow.lon_deg + 4e-3};
+    own.height_above_takeoff_m = 55.0;
+    own.source = "EXIF";
+  }
+  return flight;
+}
+
+TEST(EstimatePoses, LeavesPhotosInAHoleOfTheLogToWhatTheyRecord) {
+  const auto posed = test::ValueOf(EstimatePoses(PhotosInAHole(), {}));
+  EXPECT_EQ(posed.report.photos_by_log, 2) << "one of them a little beyond the first part";
+  EXPECT_EQ(posed.report.photos_by_records, 7);
+  ASSERT_EQ(posed.photos.size(), 9u);
+  for (const PosedPhoto& photo : posed.photos) {
+    if (!photo.photo.position) continue;
+    EXPECT_EQ(photo.position_source, "EXIF");
+    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    EXPECT_NEAR(at.lon_deg, kMeadow.lon_deg + 4e-3, 1e-7);
+  }
+  ASSERT_EQ(posed.left_out.size(), 1u);
+  EXPECT_EQ(posed.left_out[0].name, "IMG_9.JPG") << "far from either part, and without a place of its own";
+}
+
 TEST(EstimatePoses, SaysWhichFilesPlacedNothing) {
   flight::Flight flight = PhotosWithoutPositions(3);
   for (flight::Photo& photo : flight.photos) {
