@@ -365,7 +365,10 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   DemZero dem_zero = DemZero::kTakeoff;
   bool any_without_height = false;
   if (!rest.empty()) {
-    const FlightHeights heights = ChooseHeights(rest, options.dem, given_takeoff_m);
+    std::optional<double> zero_m = given_takeoff_m;
+    if (has_frame && !keeps_positions && !zero_m && posed.report.heights_above_ellipsoid.value_or(false))
+      zero_m = posed.frame.origin().height_ellipsoid_m;  // the log's
+    const FlightHeights heights = ChooseHeights(rest, options.dem, zero_m);
     if (!has_frame && heights.rule == HeightRule::kElevationModel) dem_zero = DemZero::kSeaLevel;
     PlacedByRecords placed = PlaceRest(rest, heights, has_frame, posed);
     any_without_height = placed.any_without_height;

@@ -324,6 +324,21 @@ TEST(EstimatePoses, LeavesPhotosInAHoleOfTheLogToWhatTheyRecord) {
   EXPECT_EQ(posed.left_out[0].name, "IMG_9.JPG") << "far from either part, and without a place of its own";
 }
 
+TEST(EstimatePoses, CountsAbsoluteHeightsBesideALogFromItsZero) {
+  flight::Flight flight = PhotosInAHole();
+  for (std::size_t k = 2; k < 9; ++k) {
+    flight.photos[k].position->height_above_takeoff_m.reset();
+    flight.photos[k].position->height_amsl_m = 500.0 + 40.0 + static_cast<double>(k);
+  }
+  const auto posed = test::ValueOf(EstimatePoses(flight, {}));
+  EXPECT_EQ(posed.report.photos_by_records, 7);
+  for (const Assumption& one : posed.assumptions) EXPECT_FALSE(one.height_above_ground_m);
+  for (const PosedPhoto& photo : posed.photos) {
+    if (!photo.photo.position) continue;
+    EXPECT_NEAR(photo.height_above_ground_m, *photo.photo.position->height_amsl_m - 500.0, 1.0);
+  }
+}
+
 TEST(EstimatePoses, SaysWhichFilesPlacedNothing) {
   flight::Flight flight = PhotosWithoutPositions(3);
   for (flight::Photo& photo : flight.photos) {
