@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/base/try.h"
@@ -68,6 +69,9 @@ namespace {
 
 // Measurements further from the photos than this say nothing about them.
 constexpr double kLogMarginS = 60.0;
+// After a longer pause no sensor errs as it did before: a chain of its own. Through the nights of a survey of
+// some days one chain took gigabytes, or more knots than there may be.
+constexpr double kLongestPauseS = 1800.0;
 
 template <typename Sample>
 std::vector<Sample> Part(const std::vector<Sample>& samples, double begin_s, double end_s) {
@@ -88,19 +92,42 @@ flight::FlightLog PartFor(const flight::FlightLog& log, double first_s, double l
   return part;
 }
 
-}  // namespace
-
-Result<PlacedByLog> PlaceByLog(const FlightSources& whole, const geo::LocalFrame& frame,
-                               double ground_z_in_enu_m) {
-  const std::vector<PhotoAtTime>& photos = whole.photos;
-  const flight::FlightLog& log = *whole.log;
-  const bool has_positions =
-      !log.gnss.empty() || std::any_of(photos.begin(), photos.end(),
+bool HavePositions(const std::vector<flight::GnssSample>& fixes, const std::vector<PhotoAtTime>& photos) {
+  return !fixes.empty() || std::any_of(photos.begin(), photos.end(),
                                        [](const PhotoAtTime& p) { return p.photo->position.has_value(); });
+}
+
+// Between long pauses; in one where a part would have no position.
+std::vector<FlightSources> PartsOf(const FlightSources& whole) {
+  std::vector<FlightSources> parts;
+  FlightSources of_none = whole;
+  of_none.photos.clear();
+  for (const PhotoAtTime& photo : whole.photos) {
+    if (parts.empty() || photo.t_s - parts.back().photos.back().t_s > kLongestPauseS)
+      parts.push_back(of_none);
+    parts.back().photos.push_back(photo);
+  }
+  const bool have_all_positions = std::all_of(parts.begin(), parts.end(), [](const FlightSources& part) {
+    const double begin_s = part.photos.front().t_s, end_s = part.photos.back().t_s;
+    return HavePositions(Part(part.log->gnss, begin_s - kLogMarginS, end_s + kLogMarginS), part.photos);
+  });
+  if (!have_all_positions) return {whole};
+  return parts;
+}
+
+// `since_first_s`: after the first photo of all parts.
+Result<PlacedByLog> PlacePart(FlightSources sources, bool has_positions, double since_first_s,
+                              const geo::LocalFrame& frame, double ground_z_in_enu_m) {
+  const std::vector<PhotoAtTime>& photos = sources.photos;
+  const flight::FlightLog& log = *sources.log;
   const flight::FlightLog part = PartFor(log, photos.front().t_s, photos.back().t_s, has_positions);
-  FlightSources sources = whole;
   sources.log = &part;
-  const PreparedSmoothing prepared = MakeSmootherInput(sources, frame);
+  PreparedSmoothing prepared = MakeSmootherInput(sources, frame);
+  SmootherOptions& options = prepared.input.options;
+  if (since_first_s > 0.0) {
+    options.baro_bias_first_sigma_m =
+        std::hypot(options.baro_bias_first_sigma_m, options.baro_bias_walk * std::sqrt(since_first_s));
+  }
   SKYQUILT_TRY_ASSIGN(SmootherOutput smoothed, SmoothChain(prepared.input));
   PlacedByLog placed;
   placed.photos = PlaceCameras(prepared, smoothed, ground_z_in_enu_m);
@@ -110,11 +137,37 @@ Result<PlacedByLog> PlaceByLog(const FlightSources& whole, const geo::LocalFrame
   for (std::size_t k = 0; k < placed.photos.size(); ++k) {
     PosedPhoto& pose = placed.photos[k];
     pose.photo = *photos[k].photo;
-    if (!log.gnss.empty())
+    if (!part.gnss.empty())
       pose.position_source = log.file_name;
     else if (pose.photo.position)
       pose.position_source = pose.photo.position->source;
     pose.clock_sigma_s = smoothed.border_sigma(kAtTauCamera);
+  }
+  return placed;
+}
+
+void AddNew(std::vector<std::string> more, std::vector<std::string>& all) {
+  for (std::string& one : more) {
+    if (std::find(all.begin(), all.end(), one) == all.end()) all.push_back(std::move(one));
+  }
+}
+
+}  // namespace
+
+Result<PlacedByLog> PlaceByLog(const FlightSources& whole, const geo::LocalFrame& frame,
+                               double ground_z_in_enu_m) {
+  const bool has_positions = HavePositions(whole.log->gnss, whole.photos);
+  PlacedByLog placed;
+  for (FlightSources& sources : PartsOf(whole)) {
+    const double since_first_s = sources.photos.front().t_s - whole.photos.front().t_s;
+    SKYQUILT_TRY_ASSIGN(PlacedByLog part, PlacePart(std::move(sources), has_positions, since_first_s, frame,
+                                                    ground_z_in_enu_m));
+    placed.is_placed = placed.is_placed && part.is_placed;
+    std::move(part.photos.begin(), part.photos.end(), std::back_inserter(placed.photos));
+    AddNew(std::move(part.series), placed.series);
+    placed.smoothing.knots += part.smoothing.knots;
+    placed.smoothing.iterations = std::max(placed.smoothing.iterations, part.smoothing.iterations);
+    AddNew(std::move(part.smoothing.warnings), placed.smoothing.warnings);
   }
   return placed;
 }

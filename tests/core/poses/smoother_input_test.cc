@@ -8,6 +8,7 @@
 #include "core/poses/evidence/recorded_series.h"
 #include "core/poses/place_by_log.h"
 #include "tests/bench/poses/recorded_sensors.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -259,6 +260,40 @@ TEST(RecordedSeries, TakesRtkAtItsWordAndFloatAtItsOwn) {
   EXPECT_GT(series.positions[0].sigma_m.x(), 0.3);
   EXPECT_LT(series.positions[1].sigma_m.x(), 0.01);
   EXPECT_NEAR(series.positions[1].position_in_enu_m.z(), 50.0, 1e-6);
+}
+
+// A survey of two days with their logs: one chain of both had knots for all the time between them.
+TEST(PlaceByLog, SmoothsFlightsDaysApartEachByItself) {
+  const Recorded recorded(3);
+  static constexpr double kThreeDaysS = 3.0 * 86400.0;
+  flight::FlightLog log = recorded.log, later = recorded.log;
+  const auto append = [](auto& into, const auto& more) {
+    for (auto sample : more) {
+      sample.t_s += kThreeDaysS;
+      into.push_back(sample);
+    }
+  };
+  flight::ForEachSeries(append, log, later);
+  FlightSources sources = recorded.Sources(true);
+  const PlacedByLog one = test::ValueOf(PlaceByLog(sources, Frame(), 0.0));
+  const std::size_t count = sources.photos.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    PhotoAtTime again = sources.photos[k];
+    again.t_s += kThreeDaysS;
+    sources.photos.push_back(again);
+  }
+  sources.log = &log;
+  const PlacedByLog both = test::ValueOf(PlaceByLog(sources, Frame(), 0.0));
+  ASSERT_EQ(both.photos.size(), 2 * count);
+  EXPECT_NEAR(both.smoothing.knots, 2 * one.smoothing.knots, 20);
+  EXPECT_EQ(both.series, one.series);
+  EXPECT_TRUE(both.is_placed);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3d center = one.photos[k].cam_from_enu.TargetOriginInSource();
+    EXPECT_EQ(both.photos[k].cam_from_enu.TargetOriginInSource(), center) << k;
+    const Vector3d again = both.photos[count + k].cam_from_enu.TargetOriginInSource();
+    EXPECT_LT((again - center).head<2>().norm(), 0.5) << k;
+  }
 }
 
 }  // namespace
