@@ -260,6 +260,16 @@ void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& opt
   posed.report.method = "none: no photo records where it was taken";
 }
 
+// Photos beside a log come before, between and after those on it.
+void SortByCapture(std::vector<PosedPhoto>& photos) {
+  const auto comes_before = [](const PosedPhoto& a, const PosedPhoto& b) {
+    return flight::ComesBefore(a.photo, b.photo);
+  };
+  if (std::is_sorted(photos.begin(), photos.end(), comes_before)) return;
+  std::stable_sort(photos.begin(), photos.end(), comes_before);
+  for (PosedPhoto& photo : photos) photo.covariance_with_next.setZero();  // the next one is another now
+}
+
 // What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what
 // such photos show may place them all the same.
 void FilterOutliers(bool keep_unplaced, PosedFlight& posed) {
@@ -374,6 +384,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     any_without_height = placed.any_without_height;
     if (options.keep_unplaced) Append(std::move(placed.unplaced), posed.unplaced);
     Append(std::move(placed.photos), posed.photos);
+    if (has_frame) SortByCapture(posed.photos);
     Append(std::move(placed.left_out), posed.left_out);
   }
   const bool is_any_placed = !posed.photos.empty();

@@ -283,8 +283,8 @@ TEST(EstimatePoses, PutsCorrectedPositionsOfPhotosBeforeAPlainTrack) {
   EXPECT_EQ(mixed.report.photos_by_log, 3);
   EXPECT_THAT(mixed.report.logs,
               Contains(HasSubstr("gives way to the corrected positions; 3 of 10 photos placed")));
-  ASSERT_TRUE(mixed.photos.back().velocity_in_enu_mps);
-  EXPECT_NEAR(mixed.photos.back().velocity_in_enu_mps->y(), 7.5, 1e-9) << "by its receiver";
+  ASSERT_TRUE(mixed.photos[6].velocity_in_enu_mps);
+  EXPECT_NEAR(mixed.photos[6].velocity_in_enu_mps->y(), 7.5, 1e-9) << "by its receiver";
   EXPECT_NEAR(mixed.frame.origin().height_ellipsoid_m, 510.0, 1e-6) << "by the corrected heights";
   for (flight::Photo& photo : flight.photos) photo.position->is_rtk_fixed = false;
   EXPECT_EQ(test::ValueOf(EstimatePoses(flight, {})).photos[0].position_source, "gnss.csv");
@@ -322,6 +322,18 @@ TEST(EstimatePoses, LeavesPhotosInAHoleOfTheLogToWhatTheyRecord) {
   }
   ASSERT_EQ(posed.left_out.size(), 1u);
   EXPECT_EQ(posed.left_out[0].name, "IMG_9.JPG") << "far from either part, and without a place of its own";
+}
+
+TEST(EstimatePoses, KeepsTheOrderOfCaptureBesideALog) {
+  flight::Flight flight = PhotosInAHole();
+  flight.logs[1].events[0].t_s = -100.0;  // before the log begins
+  flight.logs[1].events[1].t_s = 0.0;
+  flight.photos[0].position = flight.photos[2].position;
+  flight.photos[0].position->position.lat_deg -= 2e-4;
+  const auto posed = test::ValueOf(EstimatePoses(flight, {}));
+  EXPECT_EQ(posed.report.photos_by_log, 1);
+  ASSERT_EQ(posed.photos.size(), 9u);
+  for (std::size_t k = 0; k < 9; ++k) EXPECT_EQ(posed.photos[k].photo.name, flight.photos[k].name);
 }
 
 TEST(EstimatePoses, CountsAbsoluteHeightsBesideALogFromItsZero) {
