@@ -26,7 +26,7 @@ OTHERS = """AlignLensReport AlignOptions AlignReport Appearance AttemptEvidence 
     FindPoseOptions FittedSimilarity GeoreferenceRecords GroundGraph GroundSimilarity GyroReport Levelling
     MarkedPhotos MatchWindow MatchingPass Octave PairQuestion PhotoSet PositionLag PriorResidual RayIntersection ReadoutDoubt
     RecordResidual Relief RobustFit Sampler ScalePoint Similarity3 Support Thumbnail TimedPositionResidual TrackOptions
-    TrackSpread UpDirection VerificationOptions"""
+    TrackSpread UpDirection VerificationOptions WidePair"""
 
 problems, casts, types = [], [], {}
 for path in sorted((ROOT / "core" / "alignment").rglob("*.*")):

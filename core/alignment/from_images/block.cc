@@ -94,15 +94,8 @@ void Block::Triangulate(int track) {
     const auto& [photo, keypoint] = elements[s];
     rays.push_back(cam_from_world_[photo].rotation.conjugate() * rays_[photo][keypoint]);
   }
-  // The first two at an angle that tells how far it is. No two before them are, whichever goes: the search
-  // goes on from there, so that all that go cost the square of the photos, not the cube.
-  const double max_cosine = std::cos(kMinAngleOfPointRad);
-  std::size_t one = 1, other = 0;
-  while (kept.size() >= 2) {
-    while (one < rays.size() && !(rays[one].dot(rays[other]) <= max_cosine)) {
-      if (++other == one) ++one, other = 0;
-    }
-    if (one == rays.size()) break;
+  WidePair wide(kMinAngleOfPointRad);
+  while (wide.IsAmong(rays)) {
     RayIntersection intersection;
     for (std::size_t k = 0; k < kept.size(); ++k)
       intersection.Add(Pose(elements[kept[k]].photo).TargetOriginInSource(), rays[k]);
@@ -121,9 +114,7 @@ void Block::Triangulate(int track) {
     }
     kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(worst));
     rays.erase(rays.begin() + static_cast<std::ptrdiff_t>(worst));
-    if (worst == one) other = 0;
-    if (worst < other) --other;
-    if (worst < one && --one == other) ++one, other = 0;
+    wide.TakeOut(worst);
   }
   kept.clear();
 }

@@ -58,6 +58,33 @@ Eigen::Vector3d RayInEnu(const View& view, const geo::Rigid3& cam_from_enu, cons
   return (cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(pixel)).normalized();
 }
 
+std::vector<Eigen::Vector3d> RaysInEnu(const std::vector<View>& views, const Track& track) {
+  std::vector<Eigen::Vector3d> rays;
+  rays.reserve(track.observations.size());
+  for (const Observation& seen : track.observations) {
+    const View& view = views[seen.photo];
+    rays.push_back(RayInEnu(view, view.CamFromEnuAt(seen.pixel_in_image), seen.pixel_in_image));
+  }
+  return rays;
+}
+
+// Places the point; false where it lies nowhere that its photos can show.
+bool Intersect(const std::vector<View>& views, Track& track) {
+  RayIntersection intersection;
+  for (const Observation& seen : track.observations) {
+    const View& view = views[seen.photo];
+    const geo::Rigid3 cam_from_enu = view.CamFromEnuAt(seen.pixel_in_image);
+    intersection.Add(cam_from_enu.TargetOriginInSource(), RayInEnu(view, cam_from_enu, seen.pixel_in_image));
+  }
+  track.point_in_enu = intersection.Point();
+  for (const Observation& seen : track.observations) {
+    const View& view = views[seen.photo];
+    const double depth = (view.cam_from_enu * track.point_in_enu).z();
+    if (depth < 0.2 * view.height_above_ground_m || depth > 6.0 * view.height_above_ground_m) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Observation ObservationOf(const PhotoFeatures& features, const TrackElement& element) {
@@ -84,12 +111,7 @@ std::vector<Eigen::Vector3d> PointsWithHeights(const std::vector<Track>& tracks)
 }
 
 double WidestAngle(const std::vector<View>& views, const Track& track) {
-  std::vector<Eigen::Vector3d> rays;
-  rays.reserve(track.observations.size());
-  for (const Observation& seen : track.observations) {
-    const View& view = views[seen.photo];
-    rays.push_back(RayInEnu(view, view.CamFromEnuAt(seen.pixel_in_image), seen.pixel_in_image));
-  }
+  const std::vector<Eigen::Vector3d> rays = RaysInEnu(views, track);
   double min_cosine = 1.0;
   for (std::size_t a = 0; a < rays.size(); ++a) {
     for (std::size_t b = a + 1; b < rays.size(); ++b) {
@@ -101,20 +123,33 @@ double WidestAngle(const std::vector<View>& views, const Track& track) {
 
 bool Triangulate(const std::vector<View>& views, Track& track) {
   track.angle_rad = WidestAngle(views, track);
-  if (track.angle_rad < kMinAngleRad) return false;
-  RayIntersection intersection;
-  for (const Observation& seen : track.observations) {
-    const View& view = views[seen.photo];
-    const geo::Rigid3 cam_from_enu = view.CamFromEnuAt(seen.pixel_in_image);
-    intersection.Add(cam_from_enu.TargetOriginInSource(), RayInEnu(view, cam_from_enu, seen.pixel_in_image));
+  return track.angle_rad >= kMinAngleRad && Intersect(views, track);
+}
+
+bool TriangulateAgreed(const std::vector<View>& views, double max_sigmas, Track& track) {
+  std::vector<Observation>& observations = track.observations;
+  std::vector<Eigen::Vector3d> rays = RaysInEnu(views, track);
+  WidePair wide(kMinAngleRad);
+  while (wide.IsAmong(rays) && Intersect(views, track)) {
+    double most = 0.0;
+    std::size_t worst = 0;
+    for (std::size_t k = 0; k < observations.size(); ++k) {
+      const Observation& one = observations[k];
+      const double error = ReprojectionErrorPx(views[one.photo], one, track.point_in_enu) / one.sigma_px;
+      if (error <= most) continue;
+      most = error;
+      worst = k;
+    }
+    if (most <= max_sigmas) {
+      track.angle_rad = WidestAngle(views, track);
+      return true;
+    }
+    // It goes first, for it pulls the point away from the others.
+    observations.erase(observations.begin() + static_cast<std::ptrdiff_t>(worst));
+    rays.erase(rays.begin() + static_cast<std::ptrdiff_t>(worst));
+    wide.TakeOut(worst);
   }
-  track.point_in_enu = intersection.Point();
-  for (const Observation& seen : track.observations) {
-    const View& view = views[seen.photo];
-    const double depth = (view.cam_from_enu * track.point_in_enu).z();
-    if (depth < 0.2 * view.height_above_ground_m || depth > 6.0 * view.height_above_ground_m) return false;
-  }
-  return true;
+  return false;
 }
 
 double ReprojectionErrorPx(const View& view, const Observation& observation,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -65,6 +66,10 @@ double WidestAngle(const std::vector<View>& views, const Track& track);
 // camera.
 bool Triangulate(const std::vector<View>& views, Track& track);
 
+// The same of those of its observations that agree: the one with the largest error, in its sigmas, goes until
+// none is larger than `max_sigmas`.
+bool TriangulateAgreed(const std::vector<View>& views, double max_sigmas, Track& track);
+
 // Distance in pixels between where a photo saw a track and where it should have; infinite when it cannot see
 // it.
 double ReprojectionErrorPx(const View& view, const Observation& observation,
@@ -103,6 +108,31 @@ class TrackSpread {
   int observations_per_photo_;
   std::vector<PhotoCell> seen_;      // of all tracks, one after the other
   std::vector<std::size_t> begins_;  // of each track, in seen_
+};
+
+// Two of several rays at an angle that tells how far they go. Rays may go one by one, as others are found
+// further off: the search goes on from where it was, so that all that go cost the square of the rays, not the
+// cube. One thread.
+class WidePair {
+ public:
+  explicit WidePair(double min_angle_rad) : max_cosine_(std::cos(min_angle_rad)) {}
+
+  // Of unit length; the same as before but for those that went.
+  bool IsAmong(const std::vector<Eigen::Vector3d>& rays) {
+    while (one_ < rays.size() && !(rays[one_].dot(rays[other_]) <= max_cosine_)) {
+      if (++other_ == one_) ++one_, other_ = 0;
+    }
+    return one_ < rays.size();
+  }
+  void TakeOut(std::size_t ray) {
+    if (ray == one_) other_ = 0;
+    if (ray < other_) --other_;
+    if (ray < one_ && --one_ == other_) ++one_, other_ = 0;
+  }
+
+ private:
+  double max_cosine_;
+  std::size_t one_ = 1, other_ = 0;  // no two before them are
 };
 
 // The point nearest to all of several rays (least squares of the distances across). One thread.

@@ -157,20 +157,7 @@ std::vector<Track> GroundTracks(const Attempt& attempt) {
   std::vector<Track> tracks =
       BuildTracks(attempt.matched.links, attempt.matched.features, views,
                   {.observations_per_photo = kMaxFoundKeypoints, .splits_contradictory = true});
-  std::erase_if(tracks, [&](Track& track) {
-    // The observation with the largest error goes first, for it pulls the point away from the others.
-    while (track.observations.size() >= 2 && Triangulate(views, track)) {
-      const auto error = [&](const Observation& one) {
-        return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu) / one.sigma_px;
-      };
-      const auto worst =
-          std::max_element(track.observations.begin(), track.observations.end(),
-                           [&](const Observation& a, const Observation& b) { return error(a) < error(b); });
-      if (error(*worst) <= kGroundSigmas) return false;
-      track.observations.erase(worst);
-    }
-    return true;
-  });
+  std::erase_if(tracks, [&](Track& track) { return !TriangulateAgreed(views, kGroundSigmas, track); });
   return tracks;
 }
 

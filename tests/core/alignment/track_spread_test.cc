@@ -1,6 +1,8 @@
-// Which tracks an adjustment takes of many.
+// Which tracks an adjustment takes of many, and which observations of one agree.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <vector>
 
 #include "core/alignment/scene/tracks.h"
 
@@ -44,6 +46,31 @@ TEST(TrackSpread, PixelsBeyondThePictureCountToItsRim) {
   spread.BeginTrack();
   spread.SeenBy(0, {-0.4, 130.0}, kLens);
   EXPECT_THAT(spread.Choose(), ElementsAre(0));
+}
+
+// As of a flight that hovers over a shadow that moves: of what a thousand photos see half goes, one by one.
+TEST(TriangulateAgreed, KeepsWhatHalfOfAThousandPhotosAgreeOn) {
+  constexpr int kPhotos = 1000;
+  const camera::Intrinsics lens = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+  std::vector<View> views;
+  Track track;
+  for (int photo = 0; photo < kPhotos; ++photo) {
+    View& view = views.emplace_back();
+    view.intrinsics = lens;
+    view.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(),
+                                                                 {0.012 * photo - 6.0, 0.0, 0.0});
+    const double way = photo % 4 == 1 ? 1.0 : -1.0;
+    const double beside_px = photo % 2 == 1 ? way * (8.0 + 0.02 * photo) : 0.0;
+    const Eigen::Vector2d seen = lens.ProjectBeyondFold(view.cam_from_enu * Eigen::Vector3d(0.0, 0.0, 50.0));
+    track.observations.push_back({photo, seen + Eigen::Vector2d(0.0, beside_px), 1.0});
+  }
+  ASSERT_TRUE(TriangulateAgreed(views, 3.0, track));
+  EXPECT_EQ(track.observations.size(), 500U);
+  EXPECT_NEAR(track.point_in_enu.z(), 50.0, 0.1);
+  EXPECT_NEAR(track.angle_rad, WidestAngle(views, track), 1e-12);
+  Track from_one_place;
+  from_one_place.observations.assign(3, track.observations.front());
+  EXPECT_FALSE(TriangulateAgreed(views, 3.0, from_one_place)) << "nothing says how far it is";
 }
 
 }  // namespace
