@@ -14,7 +14,6 @@
 #include "api/http/http_message.h"
 #include "api/http/router.h"
 #include "api/service.h"
-#include "storage/catalogue/tokens.h"
 
 namespace skyquilt::api {
 

@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "api/http/http_message.h"
 #include "core/indices/band_expression.h"

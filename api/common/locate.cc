@@ -7,7 +7,6 @@
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "core/base/try.h"
-#include "core/pipeline/report/locate.h"
 #include "storage/files/publish_file.h"
 
 namespace skyquilt::api {

@@ -4,7 +4,6 @@
 // read from the log (EventStream does). Any thread. Errors: the log's.
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>

@@ -9,7 +9,6 @@
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "core/base/try.h"
-#include "storage/db/ids.h"
 #include "storage/tags/flight_tags.h"
 
 namespace skyquilt::api {

@@ -1,7 +1,6 @@
 #include "api/http/once.h"
 
 #include <mutex>
-#include <string>
 
 #include "api/http/digest.h"
 #include "api/http/responses.h"

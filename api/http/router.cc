@@ -1,7 +1,5 @@
 #include "api/http/router.h"
 
-#include <utility>
-
 #include "core/base/check.h"
 
 namespace skyquilt::api {

@@ -15,7 +15,6 @@
 #include "api/indices/index_legend.h"
 #include "api/routes.h"
 #include "api/tiles/index_values.h"
-#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/indices/value_summary.h"

@@ -6,14 +6,12 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "api/json/json_text.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
-#include "core/pipeline/mosaic_options.h"
 #include "storage/exports/custom/boundary.h"
 #include "storage/uploads/photo_store.h"
 

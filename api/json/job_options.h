@@ -3,7 +3,6 @@
 // (unknown field, wrong kind, outside its range).
 #pragma once
 
-#include <string>
 #include <string_view>
 
 #include "core/base/result.h"

@@ -8,8 +8,6 @@
 // One thread at a time. Errors: kInvalidArgument (400), kTooLarge (413), and what a format has.
 #pragma once
 
-#include <optional>
-
 #include "api/common/background.h"
 #include "api/http/http_message.h"
 #include "api/tiles/map_crs.h"

@@ -4,7 +4,6 @@
 // https://github.com/OpenDroneMap/NodeODM/blob/master/docs
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -23,7 +23,6 @@
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_format.h"
-#include "storage/db/ids.h"
 #include "storage/exports/warped/warp_tiles.h"
 
 namespace skyquilt::api {

@@ -8,7 +8,6 @@
 #include "api/http/links.h"
 #include "api/http/responses.h"
 #include "core/base/check.h"
-#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

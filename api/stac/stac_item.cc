@@ -8,7 +8,6 @@
 #include "api/http/links.h"
 #include "api/json/json_codec.h"
 #include "api/stac/stac_search.h"
-#include "api/surface/map_surface.h"
 #include "core/pipeline/report/map_quality.h"
 #include "storage/exports/warped/warp_tiles.h"
 

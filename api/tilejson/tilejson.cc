@@ -21,7 +21,6 @@
 #include "core/base/try.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/geo/web_mercator.h"
-#include "storage/db/ids.h"
 
 namespace skyquilt::api {
 namespace {

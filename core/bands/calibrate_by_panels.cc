@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "core/bands/band_facts.h"
-#include "core/bands/captures.h"
 #include "core/bands/find_panel.h"
 #include "core/base/result.h"
 #include "core/base/try.h"

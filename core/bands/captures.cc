@@ -7,9 +7,7 @@
 #include <chrono>
 #include <deque>
 #include <filesystem>
-#include <functional>
 #include <limits>
-#include <map>
 #include <set>
 #include <string_view>
 #include <utility>

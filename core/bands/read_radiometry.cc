@@ -12,7 +12,6 @@
 #include "core/base/median.h"
 #include "core/flight/bytes/log_bytes.h"
 #include "core/flight/metadata/exif.h"
-#include "core/flight/metadata/xmp.h"
 
 namespace skyquilt::bands {
 namespace {

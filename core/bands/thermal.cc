@@ -1,6 +1,5 @@
 #include "core/bands/thermal.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace skyquilt::bands {

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdio>
 #include <mutex>
-#include <utility>
 #include <vector>
 
 namespace skyquilt {

@@ -3,7 +3,6 @@
 #include <proj.h>
 
 #include <cmath>
-#include <memory>
 
 namespace skyquilt::geo {
 namespace {

@@ -1,6 +1,5 @@
 #include "core/geo/height_trend.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <string>
 #include <vector>
 
 namespace skyquilt::ground {

@@ -4,7 +4,6 @@
 // cannot fail but for want of memory (std::runtime_error, std::bad_alloc).
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>

@@ -2,7 +2,6 @@
 // hold, several times faster than a general reader. Pure. Errors: kCorrupt (any other kind of picture too).
 #pragma once
 
-#include <cstdint>
 #include <string_view>
 
 #include "core/base/result.h"

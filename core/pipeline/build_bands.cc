@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "core/bands/captures.h"
 #include "core/base/try.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/memory_budget.h"

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
-#include <string_view>
 
 #include "core/base/text/plain_text.h"
 #include "core/flight/remarks/because.h"

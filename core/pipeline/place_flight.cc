@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -19,7 +18,6 @@
 #include "core/ground/model_ground.h"
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/build_bands.h"
-#include "core/pipeline/check_photos.h"
 #include "core/pipeline/placing/check_records.h"
 #include "core/pipeline/placing/control_points.h"
 #include "core/pipeline/placing/move_flight.h"

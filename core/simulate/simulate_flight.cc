@@ -6,16 +6,13 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
-#include <optional>
 #include <system_error>
 
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/camera/footprint.h"
 #include "core/geo/web_mercator.h"
-#include "core/simulate/sensors/recorded_pose.h"
 #include "core/simulate/world/random.h"
-#include "core/simulate/world/render_photo.h"
 #include "core/simulate/world/world_raster.h"
 #include "core/simulate/writers/photo_tags.h"
 #include "core/simulate/writers/write_logs.h"

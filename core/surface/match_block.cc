@@ -8,7 +8,6 @@
 
 #include "core/surface/paths/height_sheets.h"
 #include "core/surface/paths/pick_heights.h"
-#include "core/surface/paths/semi_global.h"
 #include "core/surface/refine/alike_heights.h"
 #include "core/surface/refine/edge_heights.h"
 #include "core/surface/refine/refine_heights.h"

@@ -8,7 +8,6 @@
 // what is hidden.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 
 #include "core/alignment/scene/aligned_flight.h"

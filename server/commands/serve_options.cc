@@ -14,7 +14,6 @@
 #include "server/routing/public_address.h"
 #include "server/terminal/fail.h"
 #include "server/usage/option_values.h"
-#include "server/usage/storage_options.h"
 
 namespace skyquilt::server {
 namespace {

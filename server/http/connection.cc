@@ -19,7 +19,6 @@
 #include <optional>
 #include <vector>
 
-#include "server/routing/request_head.h"
 #include "server/routing/request_log.h"
 
 namespace skyquilt::server {

@@ -1,7 +1,6 @@
 #include "server/jobs/job_progress.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "server/routing/request_log.h"
 

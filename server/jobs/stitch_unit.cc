@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/try.h"
 #include "core/flight/photos/photo_decoder.h"

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <string>
-#include <string_view>
 #include <system_error>
 
 #include "core/base/try.h"

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <array>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>

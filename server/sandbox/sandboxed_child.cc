@@ -12,7 +12,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <system_error>
-#include <utility>
 
 #include "core/base/text/json_io.h"
 #include "core/base/text/plain_text.h"

@@ -15,7 +15,6 @@
 #include "core/pipeline/units/flight_cut.h"
 #include "core/pipeline/units/map_units.h"
 #include "server/jobs/job_limits.h"
-#include "server/jobs/job_task.h"
 #include "server/jobs/stitch_sandboxed.h"
 #include "server/routing/request_log.h"
 #include "storage/db/ids.h"

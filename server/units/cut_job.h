@@ -6,7 +6,6 @@
 // StitchSandboxed.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/base/check.h"
-#include "core/pipeline/mosaic_options.h"
 #include "server/usage/option_values.h"
 
 namespace skyquilt::server {

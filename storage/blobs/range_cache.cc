@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <utility>
 
 #include "core/base/try.h"
 #include "storage/files/publish_file.h"

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/try.h"
-#include "storage/pmtiles/pmtiles_reader.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {

@@ -1,7 +1,5 @@
 #include "storage/catalogue/event_log.h"
 
-#include "core/base/try.h"
-
 namespace skyquilt::storage {
 namespace {
 

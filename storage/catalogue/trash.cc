@@ -4,7 +4,6 @@
 
 #include "core/base/try.h"
 #include "storage/catalogue/cancel_jobs.h"
-#include "storage/catalogue/catalogue.h"
 
 namespace skyquilt::storage {
 namespace {

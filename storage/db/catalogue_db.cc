@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "core/base/process/file_descriptor.h"

@@ -1,7 +1,6 @@
 #include "storage/db/sql_connection.h"
 
 #include "core/base/check.h"
-#include "core/base/try.h"
 
 namespace skyquilt::storage {
 

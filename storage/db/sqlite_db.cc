@@ -4,8 +4,6 @@
 #include <sqlite3.h>
 
 #include <cerrno>
-#include <memory>
-#include <utility>
 
 #include "core/base/check.h"
 #include "core/base/text/percent.h"

@@ -8,9 +8,7 @@
 
 #include <cerrno>
 #include <cstring>
-#include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "core/base/check.h"
 #include "core/base/text/plain_text.h"

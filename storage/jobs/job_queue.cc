@@ -8,7 +8,6 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/catalogue/cancel_jobs.h"
-#include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_rows.h"
 

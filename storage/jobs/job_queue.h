@@ -8,7 +8,6 @@
 // flight has an unfinished job; the job is finished), kOutOfSpace, kUnavailable.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>

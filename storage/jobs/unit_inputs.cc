@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "core/base/try.h"
 #include "storage/blobs/sha256.h"
 #include "storage/jobs/unit_queue.h"
 

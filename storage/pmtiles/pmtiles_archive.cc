@@ -12,7 +12,6 @@
 #include "core/base/check.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
-#include "core/geo/tile_id.h"
 #include "core/image/picture_format.h"
 
 namespace skyquilt::storage {

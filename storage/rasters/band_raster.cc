@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include "core/base/text/plain_text.h"
 #include "core/base/try.h"

@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <limits>
 #include <mutex>
-#include <string>
 #include <string_view>
 #include <utility>
 

@@ -9,7 +9,6 @@
 #include <limits>
 
 #include "core/base/try.h"
-#include "core/geo/crs/map_projection.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/web_mercator.h"
 #include "storage/rasters/gdal_steps.h"

@@ -12,9 +12,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <map>
-#include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "core/base/try.h"

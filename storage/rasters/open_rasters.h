@@ -10,7 +10,6 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <utility>
 
 #include "core/base/result.h"
 #include "core/base/try.h"

@@ -1,9 +1,7 @@
 #include "storage/tilesets/map_keeper.h"
 
-#include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "core/base/try.h"
 #include "core/image/fringe_encoder.h"

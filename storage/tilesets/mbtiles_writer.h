@@ -13,7 +13,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "core/geo/lat_lon_bounds.h"
 #include "core/pyramid/tile_sink.h"

@@ -12,13 +12,11 @@
 #include <cstring>
 #include <optional>
 #include <system_error>
-#include <utility>
 
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
-#include "storage/blobs/blob_store.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
 #include "storage/files/publish_file.h"

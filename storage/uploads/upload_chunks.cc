@@ -12,7 +12,6 @@
 
 #include "core/base/text/plain_text.h"
 #include "core/base/try.h"
-#include "storage/blobs/blob_store.h"
 #include "storage/db/ids.h"
 #include "storage/files/publish_file.h"
 #include "storage/uploads/upload_spool.h"

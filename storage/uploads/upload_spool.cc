@@ -7,7 +7,6 @@
 #include <set>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"

@@ -8,7 +8,6 @@
 #include <opencv2/calib3d.hpp>
 #include <utility>
 
-#include "core/geo/rigid3.h"
 #include "core/geo/solvers/dense_solvers.h"
 #include "core/poses/so3.h"
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/alignment/matching/match_and_verify.h"
-#include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/tracks.h"
 
 namespace skyquilt::alignment {

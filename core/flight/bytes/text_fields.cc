@@ -1,6 +1,5 @@
 #include "core/flight/bytes/text_fields.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/base/text/printable.h"

@@ -9,7 +9,6 @@
 // with the same time and the same payload the first is kept; with different payloads both are dropped.
 #pragma once
 
-#include <map>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -9,7 +9,6 @@
 
 #include "core/flight/bytes/log_bytes.h"
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/metadata/xmp.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {

@@ -18,7 +18,6 @@
 // is cropped to another aspect (camera::ScaleFromNative). Any thread.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/flight/metadata/exif.h"

@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "core/alignment/bundle/control_points.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/photo_set.h"
 #include "core/flight/aside/aside.h"
-#include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/report/positions_error.h"
 #include "core/poses/evidence/common_error.h"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "core/base/text/json_io.h"
 #include "core/flight/bytes/written_time.h"

@@ -2,7 +2,6 @@
 // core/pipeline/report.schema.json) and the photos as GeoJSON (RFC 7946). A value; any thread.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
-#include <optional>
 #include <set>
-#include <string>
 #include <utility>
 #include <variant>
 

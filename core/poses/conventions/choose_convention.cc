@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <string_view>
 #include <tuple>
 #include <utility>
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 #include "core/base/median.h"
 #include "core/geo/geoid.h"

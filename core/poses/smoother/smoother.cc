@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/check.h"
 #include "core/flight/remarks/because.h"
 #include "core/poses/smoother/chain_problem.h"
 #include "core/poses/smoother/clean_input.h"

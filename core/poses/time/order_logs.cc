@@ -1,9 +1,7 @@
 #include "core/poses/time/order_logs.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <optional>
 #include <tuple>
 #include <utility>
 

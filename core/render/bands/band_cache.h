@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <list>
 #include <memory>
-#include <utility>
 
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/alignment/scene/aligned_flight.h"

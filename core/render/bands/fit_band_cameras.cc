@@ -1,6 +1,5 @@
 #include "core/render/bands/fit_band_cameras.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -9,7 +9,6 @@
 #include <string>
 #include <utility>
 
-#include "core/bands/captures.h"
 #include "core/bands/find_panel.h"
 #include "core/bands/radiometry.h"
 #include "core/base/median.h"

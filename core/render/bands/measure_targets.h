@@ -4,7 +4,6 @@
 // a target that no capture shows, or that is overexposed or uneven, is said in the warnings.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/alignment/scene/aligned_flight.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/render/blocks/block_geometry.h"
 #include "core/render/blocks/block_weights.h"
 
 namespace skyquilt::render {

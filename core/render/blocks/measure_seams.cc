@@ -5,7 +5,6 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <vector>
 
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"

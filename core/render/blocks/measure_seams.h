@@ -5,7 +5,6 @@
 // at no more than 120 photos, spread over the flight. Same result on any number of threads.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "core/alignment/scene/aligned_flight.h"

@@ -13,7 +13,6 @@
 #include <mutex>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "core/flight/photo.h"
 #include "core/flight/photos/photo_source.h"

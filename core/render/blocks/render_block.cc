@@ -9,7 +9,6 @@
 
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
-#include "core/render/blocks/block_geometry.h"
 #include "core/render/blocks/block_weights.h"
 #include "core/render/blocks/cubic_sampler.h"
 #include "core/render/blocks/weigh_block.h"

@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <utility>
 
 #include "core/base/bilinear_grid.h"
 #include "core/base/parallel_for.h"

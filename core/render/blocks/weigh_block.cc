@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 #include <utility>
 
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
-#include "core/ground/ground_surface.h"
 
 namespace skyquilt::render {
 

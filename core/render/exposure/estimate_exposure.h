@@ -7,7 +7,6 @@
 // robust loss.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "core/alignment/scene/aligned_flight.h"

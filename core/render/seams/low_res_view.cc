@@ -6,7 +6,6 @@
 #include "core/camera/footprint.h"
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
-#include "core/ground/ground_surface.h"
 
 namespace skyquilt::render {
 namespace {

@@ -1,6 +1,5 @@
 #include "core/render/seams/seam_grid.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/base/check.h"

@@ -3,7 +3,6 @@
 // gimbal. Deterministic in the seed. Values; any thread.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "core/base/result.h"

@@ -8,7 +8,6 @@
 #include <memory>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include "core/base/parallel_for.h"
 #include "core/geo/web_mercator.h"

@@ -1,6 +1,5 @@
 #include <cmath>
 #include <optional>
-#include <string>
 
 #include "core/base/check.h"
 #include "core/simulate/writers/write_logs.h"

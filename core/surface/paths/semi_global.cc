@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <opencv2/core/hal/intrin.hpp>
 #include <utility>
-#include <vector>
 
 #include "core/base/check.h"
 #include "core/base/vector_clones.h"

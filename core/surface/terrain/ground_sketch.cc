@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "core/base/check.h"
 #include "core/surface/terrain/ground_model.h"

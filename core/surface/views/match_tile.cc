@@ -1,7 +1,5 @@
 #include "core/surface/views/match_tile.h"
 
-#include <algorithm>
-
 namespace skyquilt::surface {
 namespace {
 

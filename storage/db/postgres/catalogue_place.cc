@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <optional>
 #include <string_view>
 
 #include "core/base/text/percent.h"

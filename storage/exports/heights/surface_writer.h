@@ -9,7 +9,6 @@
 // kCancelled.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 

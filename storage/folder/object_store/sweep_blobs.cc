@@ -7,7 +7,6 @@
 #include <set>
 
 #include "core/base/try.h"
-#include "storage/blobs/blob_store.h"
 #include "storage/db/ids.h"
 #include "storage/folder/disk_flights.h"
 

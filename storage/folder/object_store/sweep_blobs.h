@@ -10,7 +10,6 @@
 
 #include <chrono>
 #include <string>
-#include <vector>
 
 #include "core/base/result.h"
 #include "storage/blobs/blob_store.h"

@@ -1,7 +1,6 @@
 #include "core/flight/logs/csv/csv_rows.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/flight/logs/coordinate_cell.h"

@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "core/flight/bytes/gps_time.h"
