@@ -1,19 +1,26 @@
 // STAC API 1.0: the maps that a client may read as one collection, "flights", with item search by box, shape
 // and time; and /stac/{flight}, the item of one map. A token sees in all of them what it may read alone.
 // https://github.com/radiantearth/stac-api-spec/tree/v1.0.0
+#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "api/auth/flight_access.h"
+#include "api/common/find_flight.h"
+#include "api/http/http_message.h"
 #include "api/http/links.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/routes.h"
-#include "api/stac/stac_item.h"
 #include "api/stac/stac_search.h"
 #include "api/surface/map_surface.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "core/pipeline/report/map_quality.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/exports/warped/warp_tiles.h"
 
 namespace skyquilt::api {
 namespace {
@@ -38,6 +45,116 @@ StacJson ConformanceClasses() {
 }
 
 std::string CollectionPath() { return std::string("/stac/collections/") + kStacCollection; }
+
+StacJson Rectangle(double west, double south, double east, double north) {
+  const StacJson ring = {{west, south}, {east, south}, {east, north}, {west, north}, {west, south}};
+  return StacJson::array({ring});
+}
+
+// Across the antimeridian one rectangle on either side of it (RFC 7946, section 3.1.9).
+StacJson GeometryOf(const geo::LatLonBounds& bounds) {
+  const auto& [west, south, east, north] = bounds;
+  if (east <= 180.0) return {{"type", "Polygon"}, {"coordinates", Rectangle(west, south, east, north)}};
+  return {{"type", "MultiPolygon"},
+          {"coordinates", StacJson::array({Rectangle(west, south, 180.0, north),
+                                           Rectangle(-180.0, south, east - 360.0, north)})}};
+}
+
+StacJson PropertiesOf(const storage::ShownFlight& map) {
+  const std::string created = FormatTime(map.revision.created);
+  StacJson properties = {{"title", map.name},
+                         {"datetime", created},
+                         {"created", created},
+                         {"gsd", map.revision.gsd_m},
+                         {"proj:epsg", 3857}};
+  if (!map.tags.empty()) properties["keywords"] = map.tags;
+  if (const auto times = CaptureTimesOf(map.revision)) {
+    properties["datetime"] = times->first;
+    properties["start_datetime"] = times->first;
+    properties["end_datetime"] = times->last;
+  }
+  // The same numbers and words that report.json and the command line have; left out where nothing supports
+  // one.
+  if (const auto quality = pipeline::ParseQuality(map.revision.quality)) {
+    const auto& [status, absolute, relative, limits] = *quality;
+    properties["description"] = pipeline::QualityInWords(*quality);
+    properties["skyquilt:status"] = pipeline::NameOf(status);
+    if (absolute.sigma_m) {
+      properties["skyquilt:accuracy_m"] = *absolute.sigma_m;
+      properties["skyquilt:accuracy_by"] = pipeline::NameOf(absolute.by);
+    }
+    if (relative.error_m) properties["skyquilt:relative_error_m"] = *relative.error_m;
+    if (relative.error_px) {
+      properties["skyquilt:relative_error_px"] = *relative.error_px;
+      properties["skyquilt:relative_error_by"] = pipeline::NameOf(relative.by);
+    }
+  }
+  // Of imported maps the resolution may not be known; STAC wants one above zero or none.
+  if (!(map.revision.gsd_m > 0.0)) properties.erase("gsd");
+  return properties;
+}
+
+// "ID-r3": another revision is another item.
+std::string StacItemId(const storage::ShownFlight& map) {
+  return fmt::format("{}-r{}", map.flight_id, map.revision.revision);
+}
+
+// A map as a STAC 1.0 item: where it is, when its photos were taken, and every way to have it. `surfaces`:
+// the heights that the map has beside it.
+// https://github.com/radiantearth/stac-spec/blob/v1.0.0/item-spec/item-spec.md
+StacJson StacItem(const Request& request, const storage::ShownFlight& map,
+                  const std::vector<Surface>& surfaces) {
+  const std::string& id = map.flight_id;
+  StacJson item;
+  item["type"] = "Feature";
+  item["stac_version"] = "1.0.0";
+  item["stac_extensions"] = {"https://stac-extensions.github.io/projection/v1.1.0/schema.json",
+                             "https://stac-extensions.github.io/web-map-links/v1.1.0/schema.json"};
+  item["id"] = StacItemId(map);
+  item["collection"] = kStacCollection;
+  item["bbox"] = GeoJsonBbox(map.revision.bounds);
+  item["geometry"] = GeometryOf(map.revision.bounds);
+  item["properties"] = PropertiesOf(map);
+  const std::string collection = CollectionPath();
+  StacJson links = StacJson::array();
+  links.push_back(StacLink(request, collection + "/items/" + StacItemId(map), "self", kGeoJsonType));
+  links.push_back(StacLink(request, collection, "parent", kJsonType));
+  links.push_back(StacLink(request, collection, "collection", kJsonType));
+  links.push_back(StacLink(request, "/stac", "root", kJsonType));
+  links.push_back(StacLink(request, "/ogc/collections/" + id, "related", kJsonType));
+  links.push_back(StacLink(request, fmt::format("/tiles/{}/{{z}}/{{x}}/{{y}}", id), "xyz", "image/jpeg"));
+  links.push_back(StacLink(request, fmt::format("/tiles/{}.json", id), "tilejson", kJsonType));
+  // Of these two the type is what clients are to ask tiles and pictures as (web-map-links).
+  StacJson wmts = StacLink(request, "/wmts/" + id + "/1.0.0/WMTSCapabilities.xml", "wmts", "image/png");
+  wmts["wmts:layer"] = "map";
+  links.push_back(wmts);
+  StacJson wms = StacLink(request, "/wms/" + id, "wms", "image/png");
+  wms["wms:layers"] = {"map"};
+  wms["wms:transparent"] = true;
+  links.push_back(wms);
+  const std::string api = "/api/v1/flights/" + id;
+  constexpr const char* kPmtiles = "application/vnd.pmtiles";
+  links.push_back(StacLink(request, api + "/download.pmtiles", "pmtiles", kPmtiles));
+  const auto asset = [&](const std::string& path, const char* type, const char* title, const char* role) {
+    return StacJson{
+        {"href", LinkTo(request, api + path)}, {"type", type}, {"title", title}, {"roles", {role}}};
+  };
+  item["assets"] = {{"cog", asset("/download.tif", kCogType, "Map", "data")},
+                    {"mbtiles", asset("/download.mbtiles", "application/vnd.sqlite3", "Tiles", "data")},
+                    {"pmtiles", asset("/download.pmtiles", kPmtiles, "Tiles", "data")},
+                    {"photos", asset("/photos.geojson", kGeoJsonType, "Photo footprints", "metadata")},
+                    {"report", asset("/report", kJsonType, "How it was made", "metadata")},
+                    {"thumbnail", asset("/thumbnail.png", "image/png", "The map, small", "thumbnail")}};
+  for (const Surface surface : surfaces) {
+    const SurfaceFiles& files = FilesOf(surface);
+    StacJson& heights = item["assets"][files.name];
+    heights = asset(fmt::format("/{}", files.heights), kCogType, files.title, "data");
+    // Their cells are of a zone, whatever the properties say of the map.
+    if (const Result<int> epsg = storage::UtmEpsg(map.revision.bounds.Middle())) heights["proj:epsg"] = *epsg;
+  }
+  item["links"] = links;
+  return item;
+}
 
 Response StacRoot(const Request& request) {
   StacJson links = StacJson::array();
