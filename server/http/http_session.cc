@@ -1,21 +1,26 @@
 #include "server/http/http_session.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
+#include <cstdint>
+#include <ctime>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "api/auth/access.h"
 #include "api/http/compress.h"
+#include "api/http/http_message.h"
 #include "api/http/responses.h"
 #include "core/base/check.h"
 #include "server/http/connection.h"
-#include "server/http/response_head.h"
 #include "server/routing/client_address.h"
 #include "server/routing/public_address.h"
 #include "server/routing/request_log.h"
@@ -35,6 +40,37 @@ constexpr int kComputeNiceness = 5;               // as the workers that stitch
 
 std::span<const std::uint8_t> BytesOf(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+// Formatted once a second and thread.
+const std::string& DateNow() {
+  thread_local std::time_t made_at = 0;
+  thread_local std::string date;
+  const std::time_t now = std::time(nullptr);
+  if (now != made_at) {
+    date = fmt::format("{:%a, %d %b %Y %H:%M:%S} GMT", fmt::gmtime(now));
+    made_at = now;
+  }
+  return date;
+}
+
+std::string ResponseHead(const api::Response& response, std::optional<std::uint64_t> content_length,
+                         bool keep_alive, std::string_view request_id) {
+  std::string head;
+  head.reserve(512);
+  const auto out = std::back_inserter(head);
+  fmt::format_to(out, "HTTP/1.1 {} {}\r\nDate: {}\r\nX-Request-Id: {}\r\n", response.status,
+                 api::ReasonOf(response.status), DateNow(), request_id);
+  for (const auto& [name, value] : response.headers.list()) {
+    head += name;
+    head += ": ";
+    head += value;
+    head += "\r\n";
+  }
+  head += "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n";
+  if (content_length) fmt::format_to(out, "Content-Length: {}\r\n", *content_length);
+  head += keep_alive ? "\r\n" : "Connection: close\r\n\r\n";
+  return head;
 }
 
 class Session : public std::enable_shared_from_this<Session> {
