@@ -5,6 +5,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 #include <thread>
@@ -12,7 +13,7 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
-#include "storage/db/postgres/postgres_error.h"
+#include "core/flight/remarks/because.h"
 #include "storage/db/postgres/postgres_statement.h"
 
 namespace skyquilt::storage {
@@ -30,6 +31,65 @@ constexpr int kMaxRepeats = 5;
 // share one write.
 constexpr const char* kFlush =
     "BEGIN;SET LOCAL synchronous_commit=on;SELECT pg_logical_emit_message(true,'skyquilt','');COMMIT";
+
+// What the states mean for who asked, each by its beginning; states that say nothing of their own mean that
+// the server was not reached, or went away.
+struct Meaning {
+  std::array<std::string_view, 4> states;
+  ErrorCode code;
+  const char* message;
+};
+constexpr const char* kAway = nullptr;
+constexpr Meaning kMeanings[] = {
+    {{"23"}, ErrorCode::kConflict, "This exists already, or something it belongs to does not."},
+    {{"53100"},
+     ErrorCode::kOutOfSpace,
+     "The disk of the catalogue's database is full. Free some space there and try again."},
+    {{"08", "53", "57", "58"}, ErrorCode::kUnavailable, kAway},
+    {{"40", "55P03"},
+     ErrorCode::kUnavailable,
+     "The database is in use by another program. Try again in a moment."},
+    {{"22021", "22P05"},
+     ErrorCode::kInvalidArgument,
+     "A text has characters that cannot be stored. Send it as UTF-8, without zero bytes."},
+    {{"54000"}, ErrorCode::kTooLarge, "A value is too large for the database."},
+    {{"25006"},
+     ErrorCode::kUnavailable,
+     "The catalogue's database only reads: it may be a standby. Connect to its primary."},
+    {{"28", "42501"},
+     ErrorCode::kForbidden,
+     "The catalogue's database refuses this to its user. Check user and password, and grant the user CREATE "
+     "and USAGE on its schema."},
+    {{"3D", "3F"},
+     ErrorCode::kNotFound,
+     "The catalogue's database or schema does not exist. Make it, or mend --catalogue."},
+    {{"XX"},
+     ErrorCode::kCorrupt,
+     "The catalogue's database is damaged. Restore it from a backup, or make the catalogue anew with "
+     "\"skyquilt data repair\"."},
+};
+
+Error LostConnection(std::string_view what, std::string_view library_message) {
+  return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kFailDatabaseAway,
+                         fmt::format("postgresql: {}: {}", library_message, what));
+}
+
+// `what` says what was tried; `sqlstate` is empty where the library itself gave up.
+Error PostgresError(std::string_view sqlstate, std::string_view what, std::string_view server_message) {
+  if (sqlstate.empty()) return LostConnection(what, server_message);
+  std::string detail = fmt::format("postgresql {} ({}): {}", sqlstate, server_message, what);
+  for (const Meaning& meaning : kMeanings) {
+    const bool is_it = std::any_of(meaning.states.begin(), meaning.states.end(), [&](std::string_view state) {
+      return !state.empty() && sqlstate.starts_with(state);
+    });
+    if (is_it && meaning.message == kAway) return LostConnection(what, server_message);
+    if (is_it) return {meaning.code, meaning.message, std::move(detail)};
+  }
+  return {ErrorCode::kIo, "The database could not be read or written.", std::move(detail)};
+}
+
+// Undone by the server because of what others did at the same time: the same again is right.
+bool IsConflictOfWriters(std::string_view sqlstate) { return sqlstate == "40001" || sqlstate == "40P01"; }
 
 std::string_view SqlstateOf(const pg_result* result) {
   const char* state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
