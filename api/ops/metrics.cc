@@ -6,6 +6,8 @@
 #include <iterator>
 #include <map>
 
+#include "core/base/text/xml_text.h"
+
 namespace skyquilt::api {
 namespace {
 
@@ -23,12 +25,7 @@ std::map<std::string, storage::UnitsOfKind> ByKind(const std::vector<storage::Un
 
 // Names of workers are their operators' own.
 std::string InLabel(const std::string& value) {
-  std::string escaped;
-  for (const char c : value) {
-    if (c == '\\' || c == '"') escaped += '\\';
-    escaped += c == '\n' ? ' ' : c;
-  }
-  return escaped;
+  return Escaped(value, {{'\\', "\\\\"}, {'"', "\\\""}, {'\n', " "}});
 }
 
 void WriteUnits(const std::vector<storage::UnitsOfKind>& units, std::string& text) {

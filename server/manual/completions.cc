@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/text/xml_text.h"
+
 namespace skyquilt::server {
 namespace {
 
@@ -98,12 +100,7 @@ std::string BashCompletion(const DescribedCommand& program) {
 namespace {
 
 std::string QuotedForFish(std::string_view text) {
-  std::string quoted = "'";
-  for (const char letter : text) {
-    if (letter == '\'' || letter == '\\') quoted += '\\';
-    quoted += letter == '\n' ? ' ' : letter;
-  }
-  return quoted + "'";
+  return "'" + Escaped(text, {{'\'', "\\'"}, {'\\', "\\\\"}, {'\n', " "}}) + "'";
 }
 
 std::string PathOf(const DescribedCommand& command) {
@@ -166,21 +163,7 @@ namespace {
 
 // Between single quotes, inside a specification of _arguments or _describe.
 std::string TextForZsh(std::string_view text) {
-  std::string escaped;
-  for (const char letter : text) {
-    if (letter == '\'') {
-      escaped += "'\\''";
-    } else if (letter == '[') {
-      escaped += '(';
-    } else if (letter == ']') {
-      escaped += ')';
-    } else if (letter == ':' || letter == '\\') {
-      escaped += std::string("\\") + letter;
-    } else {
-      escaped += letter == '\n' ? ' ' : letter;
-    }
-  }
-  return escaped;
+  return Escaped(text, {{'\'', "'\\''"}, {'[', "("}, {']', ")"}, {':', "\\:"}, {'\\', "\\\\"}, {'\n', " "}});
 }
 
 std::string FunctionOf(const DescribedCommand& command) {

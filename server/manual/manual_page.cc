@@ -7,31 +7,21 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/text/xml_text.h"
+
 namespace skyquilt::server {
 namespace {
 
 // Text of man(7): what would be a request or an escape is not one.
 std::string Roff(std::string_view text) {
-  std::string escaped;
-  for (const char letter : text) {
-    if (letter == '\\') {
-      escaped += "\\e";
-    } else if (letter == '-') {
-      escaped += "\\-";
-    } else if (letter == '"') {
-      escaped += "\\(dq";
-    } else if (letter == '\'') {
-      escaped += "\\(aq";
-    } else if (letter == '^') {
-      escaped += "\\(ha";
-    } else if (letter == '~') {
-      escaped += "\\(ti";
-    } else if (letter == '`') {
-      escaped += "\\(ga";
-    } else {
-      escaped += letter == '\n' ? ' ' : letter;
-    }
-  }
+  const std::string escaped = Escaped(text, {{'\\', "\\e"},
+                                             {'-', "\\-"},
+                                             {'"', "\\(dq"},
+                                             {'\'', "\\(aq"},
+                                             {'^', "\\(ha"},
+                                             {'~', "\\(ti"},
+                                             {'`', "\\(ga"},
+                                             {'\n', " "}});
   return escaped.starts_with('.') ? "\\&" + escaped : escaped;
 }
 
