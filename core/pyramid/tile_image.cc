@@ -1,6 +1,5 @@
 #include "core/pyramid/tile_image.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <string_view>

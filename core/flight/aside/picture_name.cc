@@ -1,6 +1,5 @@
 #include "core/flight/aside/picture_name.h"
 
-#include <algorithm>
 #include <array>
 #include <span>
 

@@ -1,5 +1,4 @@
 // The factors of a ChainProblem, visited in one order for its cost and for its normal equations.
-#include <algorithm>
 #include <cmath>
 
 #include "core/poses/smoother/chain_problem.h"

@@ -1,6 +1,5 @@
 #include "core/render/bands/fit_band_cameras.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>

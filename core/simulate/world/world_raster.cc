@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
-#include <string>
 #include <type_traits>
 
 #include "core/base/parallel_for.h"

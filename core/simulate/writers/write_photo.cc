@@ -1,7 +1,6 @@
 #include "core/simulate/writers/write_photo.h"
 
 #include <fstream>
-#include <string>
 
 #include "core/base/check.h"
 #include "core/image/picture_codec.h"
