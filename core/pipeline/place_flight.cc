@@ -1,6 +1,7 @@
 #include "core/pipeline/place_flight.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
@@ -10,15 +11,17 @@
 #include "core/alignment/align_by_pose.h"
 #include "core/alignment/align_flight.h"
 #include "core/bands/calibrate_by_panels.h"
+#include "core/base/median.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/try.h"
 #include "core/flight/photos/sample_format.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
+#include "core/geo/crs/reference_system.h"
+#include "core/geo/lat_lon.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/build_bands.h"
-#include "core/pipeline/placing/check_records.h"
 #include "core/pipeline/placing/control_points.h"
 #include "core/pipeline/placing/move_flight.h"
 #include "core/pipeline/placing/place_by_lists.h"
@@ -29,6 +32,7 @@
 #include "core/poses/lists/compare_sources.h"
 #include "core/poses/lists/marked_photos.h"
 #include "core/poses/plausible_poses.h"
+#include "core/render/plan_mosaic.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -36,6 +40,51 @@ namespace {
 using flight::InputFile;
 
 constexpr std::size_t kManyFiles = 500;  // whose features are most of the memory
+
+// What lies in a zone of UTM cannot be written where there is none.
+template <typename Flight>
+Result<void> CheckUtm(const Flight& flight, const MosaicOptions& options) {
+  const bool is_wanted = options.write_utm || options.heights != MapHeights::kNone;
+  if (!is_wanted || flight.photos.empty()) return {};
+  for (const auto& photo : flight.photos) {
+    const geo::Wgs84 at = flight.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    if (geo::IsWithinUtm({at.lat_deg, at.lon_deg})) return {};
+  }
+  return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailBeyondUtm);
+}
+
+// What a flight's records say already of what was asked for is better refused before photos are compared.
+// Recorded places may be wrong, so that only what is far away is refused here; PlanMosaic refuses the rest.
+Result<void> CheckBoundaryIsNear(const poses::PosedFlight& posed, const geo::Boundary& boundary) {
+  constexpr double kMetresPerDegree = 111'320.0;
+  constexpr double kFarM = 5'000.0, kFarInHeights = 20.0;
+  if (!posed.is_placed || posed.photos.empty()) return {};
+  const geo::LatLonBounds bounds = boundary.Bounds();
+  const geo::LatLon middle = bounds.Middle();
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    const double far_deg =
+        (kFarM + kFarInHeights * std::max(0.0, photo.height_above_ground_m)) / kMetresPerDegree;
+    const double far_lon_deg = far_deg / std::max(0.05, std::cos(geo::DegToRad(at.lat_deg)));
+    const double beyond_lat_deg =
+        std::abs(at.lat_deg - middle.lat_deg) - 0.5 * (bounds.north_deg - bounds.south_deg);
+    const double beyond_lon_deg = std::abs(std::remainder(at.lon_deg - middle.lon_deg, 360.0)) -
+                                  0.5 * (bounds.east_deg - bounds.west_deg);
+    if (!(beyond_lat_deg > far_deg || beyond_lon_deg > far_lon_deg)) return {};
+  }
+  const geo::Wgs84& origin = posed.frame.origin();
+  return render::BoundaryElsewhere(boundary, {origin.lat_deg, origin.lon_deg});
+}
+
+// By the heights that were recorded.
+Result<void> CheckGsdByRecords(const poses::PosedFlight& posed, const MosaicOptions& options) {
+  std::vector<double> gsds_m;
+  for (const poses::PosedPhoto& photo : posed.photos)
+    gsds_m.push_back(photo.height_above_ground_m / photo.photo.intrinsics.MeanFocalPx());
+  std::erase_if(gsds_m, [](double gsd_m) { return !(gsd_m > 0.0 && std::isfinite(gsd_m)); });
+  if (!posed.is_placed || gsds_m.empty()) return {};
+  return options.CheckGsd(Median(std::move(gsds_m)));
+}
 
 Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOptions& options,
                                 const geo::DemSource* dem, StageRunner& stages, bool keep_unplaced) {
@@ -105,7 +154,7 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   SKYQUILT_TRY_ASSIGN(auto posed, Pose(checked.flight, options, dem, stages, MayGoByImages(options)));
   if (checked.flight.gcp_lists.empty()) {  // else these decide the place
     if (options.boundary) SKYQUILT_TRY(CheckBoundaryIsNear(posed, *options.boundary));
-    SKYQUILT_TRY(CheckUtmByRecords(posed, options));
+    if (posed.is_placed) SKYQUILT_TRY(CheckUtm(posed, options));
   }
   SKYQUILT_TRY(CheckGsdByRecords(posed, options));
   alignment::AlignReport report;
@@ -333,7 +382,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
       return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailMapChanged);
   }
   // A map that is only brought elsewhere stays whole without its UTM.
-  if (!is_told) SKYQUILT_TRY(CheckUtmOfPlaced(facts->flight, options));
+  if (!is_told) SKYQUILT_TRY(CheckUtm(facts->flight, options));
   placed.facts = *std::move(facts);
   placed.captures = std::move(captures);
   placed.facts.boundary = BoundaryOf(options, memory);
