@@ -18,9 +18,17 @@
 #include "core/pipeline/report/map_quality.h"
 #include "core/poses/pose_report.h"
 #include "core/render/seams/seam_shift.h"
-#include "core/surface/surface_report.h"
 
 namespace skyquilt::pipeline {
+
+// What came of matching heights.
+struct SurfaceReport {
+  double cell_m = 0.0;
+  // Of the cells that a photo shows: those whose height several photos agree on; the others were filled from
+  // around.
+  double measured_share = 0.0;
+  std::optional<double> contour_interval_m = {};  // of the ground, where that was written
+};
 
 // When the photos of a flight were taken, from the first to the last, as the clock on the wall there showed
 // it: "2015-10-27T09:31:02-04:00". With "Z" where the zone is not known, without either where the clock was a
@@ -68,7 +76,7 @@ struct MosaicReport {
   render::SeamShift seam_shift;
   std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
   std::optional<bands::BandsReport> bands;             // of bands.tif; nothing for photos in colour
-  std::optional<surface::SurfaceReport> surface;       // of dsm.tif; nothing where nobody asked for it
+  std::optional<SurfaceReport> surface;                // of dsm.tif; nothing where nobody asked for it
   std::optional<GroundChoice> ground_choice;           // of --surface auto alone
 };
 

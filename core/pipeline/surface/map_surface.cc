@@ -115,7 +115,7 @@ bool StandsUpright(const FlightFacts& facts) {
 }
 
 void TellSurface(double cell_m, double measured_share, MosaicReport& report) {
-  report.surface = surface::SurfaceReport{cell_m, measured_share};
+  report.surface = SurfaceReport{cell_m, measured_share};
   if (measured_share >= kMostlyMeasured) return;
   report.warnings.push_back(
       {flight::RemarkCode::kHeightsMostlyFilled, {{"measured_percent", 100.0 * measured_share}}});

@@ -21,15 +21,6 @@ ImuModel MpuClassImu() {
   return imu;
 }
 
-ImuModel PerfectImu(double rate_hz) {
-  ImuModel imu;
-  imu.rate_hz = rate_hz;
-  imu.gyro_white = imu.accel_white = 0.0;
-  imu.gyro_turn_on = imu.accel_turn_on = 0.0;
-  imu.gyro_walk = imu.accel_walk = 0.0;
-  return imu;
-}
-
 ImuModel WithDefects(ImuModel imu, double vibration_mps2) {
   imu.scale = 0.005;
   imu.misalignment_rad = 0.0087;

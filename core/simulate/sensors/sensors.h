@@ -97,7 +97,6 @@ struct SensorOptions {
 
 ImuModel IcmClassImu();  // as the defaults
 ImuModel MpuClassImu();  // older: 400 ug/sqrt(Hz), 5 mg, 0.5 deg/s
-ImuModel PerfectImu(double rate_hz);
 // Adds what real logs have: scale and misalignment, quantisation, lost samples, stamp jitter, vibration.
 ImuModel WithDefects(ImuModel imu, double vibration_mps2);
 GnssModel RtkGnss();  // 8 mm white, 10/10/20 mm wander

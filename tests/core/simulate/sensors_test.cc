@@ -20,6 +20,15 @@ LoggedSurvey Fly(SurveyOptions options) {
   return *std::move(survey);
 }
 
+ImuModel PerfectImu(double rate_hz) {
+  ImuModel imu;
+  imu.rate_hz = rate_hz;
+  imu.gyro_white = imu.accel_white = 0.0;
+  imu.gyro_turn_on = imu.accel_turn_on = 0.0;
+  imu.gyro_walk = imu.accel_walk = 0.0;
+  return imu;
+}
+
 SurveyOptions Silent(std::uint32_t seed) {
   SurveyOptions options = ReferenceSurvey(seed);
   options.sensors.has_gnss = options.sensors.has_attitude = options.sensors.has_baro = false;
