@@ -235,6 +235,7 @@ Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceReque
     TellReading(read, placed.facts.flight);
   else
     KeepAsKnown(recalled->facts.inputs, lists, inputs);
+  if (!named.control.empty()) TellMarks(named.control, placed.facts);
   placed.gsd_m = recalled->facts.appearance->gsd_m * MedianGsdM(placed.facts) / was_m;
   return placed;
 }

@@ -162,21 +162,21 @@ std::vector<MarkedPoint> MarkedPointsOf(const FlightFacts& known,
   return marked;
 }
 
-std::vector<MarksOfPoint> MarkResiduals(const FlightFacts& placed,
-                                        const std::vector<alignment::ControlPoint>& control) {
+std::vector<std::vector<alignment::ControlMarkReport>> MarkResiduals(
+    const FlightFacts& placed, const std::vector<alignment::ControlPoint>& control) {
   const NamesAndTies known(placed);
   const std::vector<alignment::View> views = ViewsOf(placed);
   const alignment::MarkedPhotos photos(known.names, views, known.tied);
-  std::vector<MarksOfPoint> points;
+  std::vector<std::vector<alignment::ControlMarkReport>> residuals;
   for (const alignment::ControlPoint& point : control) {
     alignment::ControlReport ignored;
     const std::optional<alignment::Track> track = photos.TrackOf(point, ignored);
     Vector3d surveyed = placed.flight.frame.EnuAtHeight(point.position, 0.0);
     surveyed = placed.flight.frame.EnuAtHeight(
         point.position, track ? track->point_in_enu.z() : placed.ground.HeightAt(surveyed.head<2>()));
-    points.push_back({point.name, photos.ResidualsOf(point, surveyed, track)});
+    residuals.push_back(photos.ResidualsOf(point, surveyed, track));
   }
-  return points;
+  return residuals;
 }
 
 double MedianGsdM(const FlightFacts& known) {

@@ -36,16 +36,11 @@ std::vector<MarkedPoint> MarkedPointsOf(const FlightFacts& known,
                                         const std::vector<alignment::ControlPoint>& control,
                                         std::vector<alignment::ControlReport>& reports);
 
-// How far a point's marks lie from where its survey and the flight put it.
-struct MarksOfPoint {
-  std::string name;
-  std::vector<alignment::ControlMarkReport> marks;
-};
-
-// Of a flight that has its place. A point's height is where its marks meet, else the ground's: survey and
-// flight seldom share their zero.
-std::vector<MarksOfPoint> MarkResiduals(const FlightFacts& placed,
-                                        const std::vector<alignment::ControlPoint>& control);
+// By point, how far its marks lie from where its survey and the flight put it. Of a flight that has its
+// place. A point's height is where its marks meet, else the ground's: survey and flight seldom share their
+// zero.
+std::vector<std::vector<alignment::ControlMarkReport>> MarkResiduals(
+    const FlightFacts& placed, const std::vector<alignment::ControlPoint>& control);
 
 // Of the flight's photos, straight down, in the median; 0 of a flight without photos.
 double MedianGsdM(const FlightFacts& known);

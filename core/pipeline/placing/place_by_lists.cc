@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/alignment/bundle/control_points.h"
@@ -162,19 +163,32 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
 
 namespace {
 
+// By name and place: two lists may have points of one name.
+using PointKey = std::tuple<std::string, double, double>;
+
+PointKey KeyOf(const alignment::ControlPoint& point) {
+  return {point.name, point.position.lat_deg, point.position.lon_deg};
+}
+
+PointKey KeyOf(const alignment::ControlReport& point) {
+  return {point.name, point.surveyed.lat_deg, point.surveyed.lon_deg};
+}
+
+bool IsPlacing(const alignment::ControlReport& point) { return point.is_used && !point.is_check; }
+
 // The survey counts its heights from the sea, the records from the ellipsoid, or from wherever a barometer
 // was set to zero: how far the two lie apart, by the points that place the map.
 std::optional<double> SurveyAboveRecordsM(const FlightFacts& facts,
                                           const std::vector<alignment::ControlPoint>& control) {
-  std::set<std::string> placing;
+  std::set<PointKey> placing;
   for (const alignment::ControlReport& point : facts.align_report->control) {
-    if (point.is_used && !point.is_check) placing.insert(point.name);
+    if (IsPlacing(point)) placing.insert(KeyOf(point));
   }
   std::vector<alignment::ControlReport> ignored;
   std::vector<std::optional<double>> surveyed_m;
   std::vector<double> shown_m, above_m;
   for (const MarkedPoint& marked : MarkedPointsOf(facts, control, ignored)) {
-    if (!placing.contains(marked.point.name)) continue;
+    if (!placing.contains(KeyOf(marked.point))) continue;
     surveyed_m.push_back(marked.point.height_m);
     shown_m.push_back(facts.flight.frame.Wgs84FromEnu(marked.seen_in_enu).height_ellipsoid_m);
   }
@@ -205,9 +219,7 @@ std::vector<alignment::ControlReport> CompareWithSurvey(const FlightFacts& facts
 }
 
 std::ptrdiff_t PointsUsed(const alignment::AlignReport& report) {
-  return std::count_if(
-      report.control.begin(), report.control.end(),
-      [](const alignment::ControlReport& point) { return point.is_used && !point.is_check; });
+  return std::count_if(report.control.begin(), report.control.end(), IsPlacing);
 }
 
 // Who was moved without figures was moved.
@@ -304,22 +316,32 @@ Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::Gc
 void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts) {
   if (!facts.is_placed || !facts.align_report) return;
   std::vector<alignment::ControlReport>& told = facts.align_report->control;
-  std::erase_if(told, [](const alignment::ControlReport& point) { return point.is_check; });
-  std::vector<alignment::ControlPoint> all = ControlPointsOf(lists);
-  facts.align_report->survey_above_records_m = SurveyAboveRecordsM(facts, all);
   const std::vector<alignment::ControlPoint> checks = CheckPointsOf(lists);
+  std::vector<alignment::ControlPoint> all = ControlPointsOf(lists);
+  all.insert(all.end(), checks.begin(), checks.end());
+  std::map<PointKey, std::vector<alignment::ControlMarkReport>> marks_of;
+  std::vector<std::vector<alignment::ControlMarkReport>> residuals = MarkResiduals(facts, all);
+  for (std::size_t k = 0; k < all.size(); ++k) marks_of.emplace(KeyOf(all[k]), std::move(residuals[k]));
+  const auto is_listed = [&](const alignment::ControlReport& point) {
+    return marks_of.contains(KeyOf(point));
+  };
+  const bool is_by_others = std::any_of(told.begin(), told.end(), [&](const alignment::ControlReport& point) {
+    return IsPlacing(point) && !is_listed(point);
+  });
+  if (!is_by_others) facts.align_report->survey_above_records_m = SurveyAboveRecordsM(facts, all);
+  std::erase_if(told, [&](const alignment::ControlReport& point) {
+    return point.is_check && (!is_by_others || is_listed(point));
+  });
   const std::vector<alignment::ControlReport> compared = CompareWithSurvey(facts, checks);
   told.insert(told.end(), compared.begin(), compared.end());
   TellOfChecks(facts);
   TellOfRecords(facts);
-  all.insert(all.end(), checks.begin(), checks.end());
-  std::map<std::string, std::vector<alignment::ControlMarkReport>> marks_of;
-  for (MarksOfPoint& point : MarkResiduals(facts, all)) {
-    marks_of.emplace(std::move(point.name), std::move(point.marks));
-  }
   for (alignment::ControlReport& point : told) {
-    const auto found = marks_of.find(point.name);
-    point.marks = found == marks_of.end() ? std::vector<alignment::ControlMarkReport>() : found->second;
+    const auto found = marks_of.find(KeyOf(point));
+    if (found != marks_of.end())
+      point.marks = found->second;
+    else if (!is_by_others)
+      point.marks.clear();
   }
 }
 

@@ -26,7 +26,8 @@ Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::Gc
 
 // How far each mark of a surveyed point lies from where the placed map has the point, and how far the
 // survey's zero of heights lies from the map's. Nothing is said where the map has no place, or no figures of
-// its alignment.
+// its alignment. Where points of none of these lists place it (`skyquilt place --gcp`), what was told of
+// these stays.
 void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts);
 
 }  // namespace skyquilt::pipeline

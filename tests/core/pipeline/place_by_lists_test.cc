@@ -11,6 +11,7 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/placing/control_points.h"
+#include "core/pipeline/placing/place_known.h"
 #include "tests/core/pipeline/displaced_flight.h"
 #include "tests/support/value_of.h"
 
@@ -355,6 +356,43 @@ TEST(TellMarks, ComparesCheckPointsWithTheMapWhichTheyDoNotMove) {
                   [](const flight::Remark& said) { return said.code == flight::RemarkCode::kCheckFarOff; }),
               1);
   }
+}
+
+// As of "skyquilt place --gcp", whose list is none of the flight's.
+TEST(TellMarks, KeepsWhatWasToldOfPointsThatNoneOfTheListsHas) {
+  const Adrift flight;
+  PlaceRequest request;
+  request.control = flight.Survey(5);
+  request.control[0].points[4].name = "point4_check";
+  auto placed = ValueOf(PlaceKnown(flight.known, request));
+  TellMarks(request.control, placed);
+  std::vector<flight::GcpList> own = flight.Survey(1);
+  own[0].points[0].name = "own_check";
+  for (std::size_t of_own = 0; of_own < 2; ++of_own) {
+    if (of_own == 0)
+      TellMarks({}, placed);
+    else
+      TellMarks(own, placed);
+    const auto& told = placed.align_report->control;
+    ASSERT_EQ(told.size(), 5u + of_own);
+    EXPECT_TRUE(told[4].is_check);
+    EXPECT_EQ(told[4].name, "point4_check");
+    for (const alignment::ControlReport& point : told) EXPECT_GE(point.marks.size(), 2u) << point.name;
+    EXPECT_TRUE(placed.align_report->survey_above_records_m) << "its heights are the survey's";
+  }
+}
+
+TEST(TellMarks, TellsPointsOfOneNameApartByTheirPlaces) {
+  const Shifted flight;
+  std::vector<flight::GcpList> lists = flight.Survey(3);
+  lists[0].points[1].name = lists[0].points[0].name;
+  auto placed = ValueOf(PlaceByLists(flight.known, lists));
+  TellMarks(lists, placed);
+  const auto& told = placed.align_report->control;
+  ASSERT_EQ(told.size(), 3u);
+  for (const alignment::ControlReport& point : told)
+    EXPECT_EQ(point.marks.size(), static_cast<std::size_t>(point.sightings));
+  EXPECT_FALSE(told[0].marks == told[1].marks) << "they are in other places, of other photos";
 }
 
 // As the map is limited for them (judge_map): it is not said to be ready and not to be trusted there.

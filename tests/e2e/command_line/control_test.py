@@ -191,6 +191,17 @@ class Place(ScratchCase):
         self.assertTrue(again["is_placed"])
         self.assertEqual(again["bounds"], report["bounds"])
 
+    def test_check_points_among_surveyed_points_are_compared_with_the_map(self):
+        folder = self.map("by_points_with_check")
+        listed = self.scratch / "with_check.txt"
+        rows = (self.scratch / "gcp_list.txt").read_text().splitlines()
+        listed.write_text("".join(row + ("_check\n" if row.endswith(" p4") else "\n") for row in rows))
+        self.placed(folder, "--gcp", listed)
+        run("stitch", self.scratch / "sim/photos", "-o", folder)  # which does not have the list
+        points = {point["name"]: point for point in report_of(folder)["alignment"]["ground_control"]}
+        self.assertEqual([name for name, point in points.items() if point["is_check"]], ["p4_check"])
+        self.assertTrue(all(point["is_used"] and point["marks"] for point in points.values()), points)
+
     def test_a_place_with_scale_and_north_will_do(self):
         folder = self.map("by_place")
         pairs = self.cameras(folder)
