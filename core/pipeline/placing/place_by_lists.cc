@@ -285,6 +285,15 @@ void TellOfChecks(FlightFacts& facts) {
   }
 }
 
+// With check points, which leave it where it is: whoever placed it by hand still did.
+FlightFacts ComparedAlone(FlightFacts known) {
+  std::erase_if(known.flight.warnings, [](const flight::Remark& said) {
+    return IsOfControl(said) && said.code != flight::RemarkCode::kControlOverruled;
+  });
+  TellOfControl({}, Eigen::Vector3d::Zero(), known);
+  return known;
+}
+
 // Refused where the photos say that the flight was not: points of another place move no finished map.
 Result<FlightFacts> NotElsewhere(FlightFacts placed, const std::vector<flight::GcpList>& lists) {
   const auto apart = RecordsApartOf(placed);
@@ -299,6 +308,10 @@ Result<FlightFacts> NotElsewhere(FlightFacts placed, const std::vector<flight::G
 Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists,
                                  bool* contradict) {
   if (ControlPointsOf(lists).empty()) {
+    // What placed it may be the same points, which then bear themselves out.
+    const bool is_surveyed = known.align_report && PointsUsed(*known.align_report) > 0;
+    if (known.is_placed && !is_surveyed && !CheckPointsOf(lists).empty())
+      return ComparedAlone(std::move(known));
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailNoPointMarked);
   }
   std::erase_if(known.flight.warnings, IsOfControl);

@@ -20,7 +20,8 @@ namespace skyquilt::pipeline {
 std::optional<FlightFacts> MoveToControl(const FlightFacts& known, const std::vector<flight::GcpList>& lists);
 
 // Wherever the flight lies now: as MoveToControl does where one to four points suffice, else by all of them
-// as PlaceKnown does. What earlier runs said of surveyed points is said anew. `contradict`: as of PlaceKnown.
+// as PlaceKnown does. What earlier runs said of surveyed points is said anew. Check points alone leave it
+// where it is, unless surveyed points put it there. `contradict`: as of PlaceKnown.
 Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists,
                                  bool* contradict = nullptr);
 

@@ -240,6 +240,22 @@ TEST(PlaceByLists, SaysWhatIsSoNowAndNotWhatWasSoBefore) {
   EXPECT_EQ(CountOf(InWords(again.flight.warnings), "The finished map was placed by 5 surveyed points"), 1);
 }
 
+TEST(PlaceByLists, LeavesAMapWhereItIsForCheckPointsAlone) {
+  const Shifted flight;
+  std::vector<flight::GcpList> checks = flight.Survey(3);
+  for (flight::GcpPoint& point : checks[0].points) point.name += "_check";
+  auto compared = ValueOf(PlaceByLists(flight.known, checks));
+  TellMarks(checks, compared);
+  EXPECT_TRUE(compared.appearance) << "nothing is to be drawn";
+  EXPECT_EQ(flight.WorstCameraM(compared), flight.WorstCameraM(flight.known));
+  ASSERT_EQ(compared.align_report->control.size(), 3u);
+  for (const alignment::ControlReport& point : compared.align_report->control)
+    EXPECT_TRUE(point.is_used && point.is_check) << point.name;
+  // Points that placed it tell nothing of how far off it is.
+  const auto by_points = ValueOf(PlaceByLists(flight.known, flight.Survey(3)));
+  EXPECT_THAT(ErrorOf(PlaceByLists(by_points, checks)).message, HasSubstr("check points alone"));
+}
+
 // Of a flight by its log this is all that is left of where its records had it.
 TEST(PlaceByLists, AddsUpHowFarPointsMovedTheMap) {
   const Shifted flight;

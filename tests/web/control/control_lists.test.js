@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { guessedPlace, shownFromSurveyed } from '../../../web/src/control/control_guess.js';
-import { listText, parseControlList, withPoints } from '../../../web/src/control/control_lists.js';
+import { isCheckPoint, listText, parseControlList, withPoints } from '../../../web/src/control/control_lists.js';
 import { byQuality } from '../../../web/src/map/sighting_order.js';
 import { predictionOf, residualsOf } from '../../../web/src/control/control_residuals.js';
 
@@ -31,6 +31,7 @@ test('marks stand below names of columns too, northing first or with decimal com
     '576691,5;5188169,5;158,5;297;377,5;a.jpg;A\n576692,5;5188169,5;158,5;10,5;20,5;a.jpg;B_check',
   ]) assert.deepEqual(parseControlList(text).points, wanted, text);
   assert.deepEqual(parseControlList('name,x,y,z,check\nA,1,2,3,\nB,4,5,6,1').points.map(({ name }) => name), ['A', 'B_check']);
+  assert.deepEqual(['A', 'B_check', 'C CHECK', 'checked'].filter(isCheckPoint), ['B_check', 'C CHECK']);
 });
 
 test('tables are read with commas, semicolons, tabs or blanks, with and without a header', () => {

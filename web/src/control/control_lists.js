@@ -193,10 +193,13 @@ export function parseControlList(text, system = '') {
   return list;
 }
 
+/** Does it only check the map? @param {string} name of the point */
+export const isCheckPoint = (name) => /check$/i.test(name);
+
 /** A point that only checks the map is called so, as the stitcher does. @param {string} name @param {string[]} fields @param {Columns} columns */
 function nameOfPoint(name, fields, columns) {
   const is_check = /^(1|yes|true|x|check)$/i.test(fields[columns.check ?? -1] ?? '') || (fields.length === 8 && /^check$/i.test(fields[7]));
-  return is_check && !/check$/i.test(name) ? `${name}_check` : name;
+  return is_check && !isCheckPoint(name) ? `${name}_check` : name;
 }
 
 /** @param {{fields: string[], line: number}[]} rows @param {Columns} columns @param {ReadList} list */

@@ -13,6 +13,7 @@ import { strings } from '../shared/flight_strings.js';
 import { chosenUnits, inUnits, lengthIn, units_chosen } from '../shared/units.js';
 import { controlOf } from './control_document.js';
 import { openImport, openPointForm } from './control_forms.js';
+import { isCheckPoint } from './control_lists.js';
 import { controlPlaces } from './control_places.js';
 import { predictionOf, residualOfMark, residualsOf } from './control_residuals.js';
 import { openMarking } from './marking_dialog.js';
@@ -64,8 +65,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   let mark_turn = 0;
   let on_map = '';
 
-  const usable = () => control.points.filter(({ marks }) => marks.length >= kMinMarks).length;
-  const needed = is_placed ? kMinPoints.placed : kMinPoints.nowhere;
+  const usable = () => control.points.filter(({ marks }) => marks.length >= kMinMarks);
 
   /** @param {ControlPoint} point */
   const row = (point) => {
@@ -94,8 +94,11 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
     const texts = control.points.length > 0 ? (may_change ? words.hint_mark : '') : may_change ? words.hint_empty : words.none;
     hint.textContent = texts;
     hint.hidden = texts === '';
-    const lacking = needed - usable();
-    advice.textContent = control.points.length === 0 ? '' : lacking > 0 ? words.lacking(lacking) : is_placed && usable() < kMinPoints.nowhere ? words.shifts : words.ready(usable());
+    const marked = usable().length;
+    const placing = usable().filter(({ name }) => !isCheckPoint(name)).length;
+    const lacking = is_placed ? kMinPoints.placed - marked : kMinPoints.nowhere - placing;
+    const ready = placing === 0 ? words.checks_alone : placing < kMinPoints.nowhere ? words.shifts : words.ready(marked);
+    advice.textContent = control.points.length === 0 ? '' : lacking > 0 ? words.lacking(lacking) : ready;
     go.hidden = control.points.length === 0;
     go.disabled = lacking > 0 || is_starting;
     void drawMap();

@@ -29,6 +29,7 @@ export const control_words = {
   on_map: (name, n) => `${name}: ${count(n, { one: 'Marke', other: 'Marken' })}`,
   lacking: (n) => `Markieren Sie ${count(n, { one: 'weiteren Punkt', other: 'weitere Punkte' })} in jeweils zwei oder mehr Fotos, über die Karte verteilt.`,
   shifts: 'Ein oder zwei Punkte verschieben die Karte. Ab drei weit auseinanderliegenden zeigen sich auch deren Fehler.',
+  checks_alone: 'Prüfpunkte verschieben nichts: Die Karte wird mit ihnen verglichen.',
   ready: (n) => `${count(n, { one: 'Punkt ist', other: 'Punkte sind' })} in zwei oder mehr Fotos markiert.`,
   apply: 'Auf die Karte anwenden',
   saved: 'Alle Änderungen gespeichert.',

@@ -28,6 +28,7 @@ export const control_words = {
   on_map: (/** @type {string} */ name, /** @type {number} */ n) => `${name}: ${count(n, { one: 'mark', other: 'marks' })}`,
   lacking: (/** @type {number} */ n) => `Mark ${count(n, { one: 'more point', other: 'more points' })} in two or more photos each, spread over the map.`,
   shifts: 'One or two points shift the map. With three or more, far apart, their errors show as well.',
+  checks_alone: 'Check points move nothing: the map is compared with them.',
   ready: (/** @type {number} */ n) => `${count(n, { one: 'point is', other: 'points are' })} marked in two or more photos.`,
   apply: 'Apply to the map',
   saved: 'All changes saved.',
