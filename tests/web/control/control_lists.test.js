@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { guessedPlace, shownFromSurveyed } from '../../../web/src/control/control_guess.js';
-import { isCheckPoint, listText, parseControlList, withPoints } from '../../../web/src/control/control_lists.js';
+import { isCheckPoint, listText, nameOfSeveral, parseControlList, withPoints } from '../../../web/src/control/control_lists.js';
 import { byQuality } from '../../../web/src/map/sighting_order.js';
 import { predictionOf, residualsOf } from '../../../web/src/control/control_residuals.js';
 
@@ -161,4 +161,13 @@ test('points and marks that stand out are flagged', () => {
   assert.deepEqual(found.map(({ is_outlier }) => is_outlier), [false, false, true, true]);
   assert.deepEqual(found.flatMap(({ marks }) => marks.map(({ is_outlier }) => is_outlier)), [false, true, false, true, false]);
   assert.deepEqual(residualsOf(null), []);
+});
+
+test('points of one name with different coordinates are none that one may be taken of', () => {
+  const listed = (/** @type {string} */ text) => nameOfSeveral(parseControlList(text).points);
+  assert.equal(listed('name,x,y,z\nA,1.5,2.5,3\nB,4.5,5.5,6\nA,1.5,2.6,3'), 'A', 'measured twice');
+  assert.equal(listed('EPSG:4326\n8.1 46.8 400 10 20 a.jpg A\n8.2 46.8 400 30 40 b.jpg A'), 'A', 'a digit is mistyped in one row');
+  assert.equal(listed('name,x,y,z\nA,1.5,2.5,3\nA,1.5,2.5,4'), 'A');
+  assert.equal(listed('name,x,y,z\nA,1.5,2.5,3\nB,4.5,5.5,\nA,1.5,2.5,3'), '');
+  assert.equal(nameOfSeveral([]), '');
 });

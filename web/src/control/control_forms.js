@@ -7,7 +7,7 @@ import { ask, closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
 import { typedNumber, typedText } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
-import { listText, parseControlList, withPoints } from './control_lists.js';
+import { listText, nameOfSeveral, parseControlList, withPoints } from './control_lists.js';
 
 const kMaxListBytes = 4 << 20;
 const kUsualSystem = 'EPSG:4326';
@@ -100,6 +100,8 @@ export function openImport(control, photos) {
     if (list.points.length === 0) return words.no_points_found;
     const reference_system = system.value.trim();
     if (reference_system === '') return words.no_system;
+    const name = nameOfSeveral(list.points);
+    if (name !== '') return words.named_twice(name);
     if (list.is_height_unit_unknown) return words.heights_in_feet(reference_system);
     const kept = reference_system === control.reference_system ? control.points : [];
     await keep(control, { reference_system, points: withPoints(kept, list.points, photos) });

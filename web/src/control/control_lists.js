@@ -246,6 +246,12 @@ function readTable(rows, columns, usual_system, list) {
 /** As the stitcher compares names of photos: in any case, with or without their ending. @param {string} name */
 export const photoKey = (name) => name.replace(/\.[^.]*$/, '').toLowerCase();
 
+/** Which of two points it is nobody knows. @param {ControlPoint[]} points @returns {string} a name of several in different places, else '' */
+export function nameOfSeveral(points) {
+  const named = new Map(points.map((point) => [point.name, point]));
+  return points.find(({ name, x, y, height }) => named.get(name)?.x !== x || named.get(name)?.y !== y || named.get(name)?.height !== height)?.name ?? '';
+}
+
 /**
  * Points of a list among those that are there: the same name has its coordinates replaced and its marks kept.
  * @param {ControlPoint[]} points

@@ -68,6 +68,7 @@ export const control_words = {
   y: 'Nord oder Breite',
   height: 'Höhe (optional)',
   no_name: 'Geben Sie einen Namen an.',
+  named_twice: (name) => `In der Liste heißen mehrere Punkte ${name}, mit verschiedenen Koordinaten. Geben Sie jedem einen eigenen Namen, oder entfernen Sie alle bis auf einen.`,
   name_taken: (name) => `Einen Punkt namens ${name} gibt es schon.`,
   no_number: 'Ost, Nord und Höhe müssen Zahlen sein, mit Dezimalkomma und ohne Tausenderpunkte.',
 };

@@ -67,6 +67,7 @@ export const control_words = {
   y: 'North or latitude',
   height: 'Height (optional)',
   no_name: 'Enter a name.',
+  named_twice: (/** @type {string} */ name) => `The list has several points called ${name}, with different coordinates. Give each a name of its own, or remove all but one.`,
   name_taken: (/** @type {string} */ name) => `There is already a point called ${name}.`,
   no_number: 'East, north and height must be numbers, without commas for thousands.',
 };
