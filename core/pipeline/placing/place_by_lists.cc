@@ -68,6 +68,31 @@ GroundSimilarity FitMove(const std::vector<Tied>& tied, double extent_m) {
   return alignment::FitSimilarity(places);
 }
 
+std::vector<const flight::RecordedPosition*> RecordsOf(const FlightFacts& facts) {
+  std::vector<const flight::RecordedPosition*> records;
+  for (const AlignedPhoto& photo : facts.flight.photos) {
+    if (photo.photo.position) records.push_back(&*photo.photo.position);
+  }
+  return records;
+}
+
+// Corrected positions know the map's turn and scale better than a few points of which one may be wrong, and
+// which any two fit.
+bool ContradictCorrected(const FlightFacts& known, const std::vector<alignment::ControlPoint>& control) {
+  if (control.size() > kMaxPoints) return false;
+  const std::vector<const flight::RecordedPosition*> records = RecordsOf(known);
+  const bool is_corrected =
+      records.empty() ? known.poses_report.log_is_corrected : poses::CommonErrorOf(records).is_corrected;
+  if (!is_corrected) return false;
+  std::vector<alignment::ControlReport> ignored;
+  const std::vector<Tied> tied = TiePoints(known, control, ignored);
+  const double limit_m = std::max(alignment::kNoSurveyM, kSurveyM + kMaxResidualGsds * MedianGsdM(known));
+  return std::any_of(tied.begin(), tied.end(), [&](const Tied& one) {
+    const Tied& first = tied.front();
+    return std::abs((one.surveyed - one.now) - (first.surveyed - first.now)) > limit_m;
+  });
+}
+
 // Each point by a move that the others alone say.
 void Predict(const std::vector<Tied>& tied, double extent_m, std::vector<alignment::ControlReport>& reports) {
   if (tied.size() < alignment::kMinPredictedPoints) return;
@@ -91,6 +116,7 @@ std::optional<FlightFacts> MovedToControl(const FlightFacts& known,
   // Points that only check the map leave it where it is.
   if (control.empty() && !CheckPointsOf(lists).empty()) return known;
   if (control.empty() || control.size() > kMaxPoints || known.flight.photos.empty()) return std::nullopt;
+  if (ContradictCorrected(known, control)) return std::nullopt;
   const double gsd_m = MedianGsdM(known);
   std::vector<alignment::ControlReport> reports;
   const std::vector<Tied> tied = TiePoints(known, control, reports);
@@ -231,10 +257,7 @@ bool IsAnyUsed(const FlightFacts& facts) {
 // positions misses all check points by what these err by: that is its accuracy, and names none.
 double CheckedToM(const FlightFacts& facts) {
   if (IsAnyUsed(facts)) return alignment::kNoSurveyM;  // surveyed points place it
-  std::vector<const flight::RecordedPosition*> records;
-  for (const AlignedPhoto& photo : facts.flight.photos) {
-    if (photo.photo.position) records.push_back(&*photo.photo.position);
-  }
+  const std::vector<const flight::RecordedPosition*> records = RecordsOf(facts);
   const double common_m = records.empty() ? facts.poses_report.log_position_sigma_m.value_or(0.0)
                                           : poses::CommonErrorOf(records).sigma_m;
   return std::max(alignment::kNoSurveyM, kCheckSigmas * common_m);
@@ -318,6 +341,11 @@ Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::Gc
   if (known.is_placed) {
     std::optional<FlightFacts> moved = MovedToControl(known, lists);
     if (moved && IsAnyUsed(*moved)) return NotElsewhere(*std::move(moved), lists);
+    if (ContradictCorrected(known, ControlPointsOf(lists))) {
+      if (contradict != nullptr) *contradict = true;
+      return flight::Because(ErrorCode::kUnprocessable, {flight::RemarkCode::kFailPointsContradict,
+                                                         {{"apart_m", alignment::kNoSurveyM}}});
+    }
   }
   PlaceRequest request;
   request.control = lists;

@@ -14,9 +14,10 @@ namespace skyquilt::pipeline {
 
 // To one to four points as a whole: shifted, and turned and stretched about the vertical where points that
 // lie far enough apart say so. Heights keep their zero: survey and drone seldom share it. Nothing comes back
-// where that will not do: more points, or points that a flight can only be bent to; then it is better aligned
-// anew. `known` is a flight aligned by features, with the photos' names. What comes back has no appearance:
-// its seams lie elsewhere on the map now.
+// where that will not do: more points, points that a flight can only be bent to, or that would turn or
+// stretch one whose positions are corrected; then it is better aligned anew. `known` is a flight aligned by
+// features, with the photos' names. What comes back has no appearance: its seams lie elsewhere on the map
+// now.
 std::optional<FlightFacts> MoveToControl(const FlightFacts& known, const std::vector<flight::GcpList>& lists);
 
 // Wherever the flight lies now: as MoveToControl does where one to four points suffice, else by all of them

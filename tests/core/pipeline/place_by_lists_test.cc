@@ -158,6 +158,19 @@ TEST(MoveToControl, LeavesPointsThatOnlyABentFlightFitsToTheAlignment) {
   EXPECT_FALSE(MoveToControl(turned.known, turned.Survey(3)).has_value());
 }
 
+TEST(MoveToControl, LeavesPointsThatWouldTurnOrStretchCorrectedPositionsToTheAlignment) {
+  Displaced flight({0.0, 1.0, {1.0, 0.0}});
+  flight.known.align_report.emplace();
+  const std::vector<flight::GcpList> wrong = flight.Survey(2, {1.0, 0.0, 0.0});
+  EXPECT_TRUE(MoveToControl(flight.known, wrong).has_value()) << "a receiver alone knows no better";
+  for (alignment::AlignedPhoto& photo : flight.known.flight.photos) photo.photo.position->is_rtk_fixed = true;
+  EXPECT_FALSE(MoveToControl(flight.known, wrong).has_value());
+  EXPECT_TRUE(MoveToControl(flight.known, flight.Survey(2)).has_value()) << "base and survey may lie apart";
+  bool contradict = false;
+  EXPECT_FALSE(PlaceByLists(flight.known, wrong, &contradict).ok());
+  EXPECT_TRUE(contradict);
+}
+
 TEST(MoveToControl, NamesAPointThatItCannotUse) {
   const Displaced flight({0.0, 1.0, {1.0, 0.0}});
   std::vector<flight::GcpList> lists = flight.Survey(2);
