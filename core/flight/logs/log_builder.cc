@@ -17,8 +17,6 @@ constexpr double kLatestS = 4e8;  // no log lasts 12 years; keeps segments apart
 constexpr int kMaxSegments = 64;
 constexpr std::size_t kMaxEvents = 200'000;
 constexpr std::size_t kMinFlatRows = 3;  // one or two may well be zero
-constexpr double kLowestHeightM = -1e3,
-                 kHighestHeightM = 1e5;  // what lies beyond is no height of an aircraft
 
 bool IsFinite(const ImuSample& s) {
   return s.angular_rate_radps.allFinite() && s.specific_force_mps2.allFinite();

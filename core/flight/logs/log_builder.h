@@ -19,6 +19,9 @@
 
 namespace skyquilt::flight {
 
+// What lies beyond is no height of an aircraft, or of the ground below it.
+inline constexpr double kLowestHeightM = -1e3, kHighestHeightM = 1e5;
+
 // One series with the caps and clock rules above. T has t_s; samples of the IMU are averaged.
 template <typename T>
 class CappedSeries {

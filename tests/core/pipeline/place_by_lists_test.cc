@@ -43,6 +43,17 @@ TEST(ControlPoints, HaveNoHeightsWhereAllAreZero) {
   EXPECT_EQ(few[0].height_m, 0.0);
 }
 
+TEST(ControlPoints, HaveNoHeightsThatNoGroundHas) {
+  const flight::GcpList list =
+      Read("EPSG:32632\n500000 5180000 -9999 100 200 A.JPG a\n500010 5180000 403.5 100 200 A.JPG b\n");
+  ASSERT_EQ(list.warnings.size(), 1u);
+  EXPECT_EQ(list.warnings[0].code, flight::RemarkCode::kHeightsBeyond);
+  const auto points = ControlPointsOf({list});
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_FALSE(points[0].height_m);
+  EXPECT_EQ(points[1].height_m, 403.5);
+}
+
 TEST(ControlPoints, CountPixelsFromTheMiddleOfTheFirstAndGatherSightingsOfAPoint) {
   const auto points =
       ControlPointsOf({Read("EPSG:4326\n"

@@ -13,6 +13,7 @@
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/list_columns.h"
+#include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/system_line.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
@@ -139,6 +140,8 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   list.reference_system = Trim(top->system);
   for (const std::size_t number : top->skipped_lines)
     list.warnings.push_back({RemarkCode::kLineIsNone, {{"line", number}, {"form", kGcpRowForm}}});
+  std::size_t heights_beyond = 0;
+  double first_beyond_m = 0.0;
   std::map<std::tuple<double, double, double>, std::size_t> known;
   std::vector<std::string_view> words;
   LineReader lines(text.substr(top->row_offset));
@@ -159,6 +162,11 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
     const double y = *ParseListCoordinate(words[is_north_first ? 0 : 1]);
     auto z = ReadBareNumber(words[2]);
     if (z) *z *= units_per_height;
+    // As in any list, "-9999" and the like are written where there is none.
+    if (z && !(*z * height_unit_m >= kLowestHeightM && *z * height_unit_m <= kHighestHeightM)) {
+      if (heights_beyond++ == 0) first_beyond_m = *z * height_unit_m;
+      z.reset();
+    }
     const auto [entry, is_new] = known.try_emplace({x, y, z.value_or(-1e9)}, list.points.size());
     if (is_new) {
       GcpPoint point;
@@ -179,6 +187,10 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   }
   if (has_more && (list.sightings.size() == kMaxSightings || list.points.size() == kMaxGcpPoints))
     list.warnings.push_back({RemarkCode::kSightingsBeyond, {{"most", kMaxSightings}}});
+  if (heights_beyond > 0) {
+    list.warnings.push_back(
+        {RemarkCode::kHeightsBeyond, {{"rows", heights_beyond}, {"height_m", first_beyond_m}}});
+  }
   DropHeightsThatAreFillers(list);
   return list;
 }
