@@ -79,7 +79,7 @@ std::vector<const flight::RecordedPosition*> RecordsOf(const FlightFacts& facts)
 // Corrected positions know the map's turn and scale better than a few points of which one may be wrong, and
 // which any two fit.
 bool ContradictCorrected(const FlightFacts& known, const std::vector<alignment::ControlPoint>& control) {
-  if (control.size() > kMaxPoints) return false;
+  if (control.size() > kMaxPoints || known.is_by_hand) return false;
   const std::vector<const flight::RecordedPosition*> records = RecordsOf(known);
   const bool is_corrected =
       records.empty() ? known.poses_report.log_is_corrected : poses::CommonErrorOf(records).is_corrected;
@@ -91,6 +91,12 @@ bool ContradictCorrected(const FlightFacts& known, const std::vector<alignment::
     const Tied& first = tied.front();
     return std::abs((one.surveyed - one.now) - (first.surveyed - first.now)) > limit_m;
   });
+}
+
+// One of them may be wrong, and nothing tells which.
+bool AreTwo(const FlightFacts& known, const std::vector<alignment::ControlPoint>& control) {
+  std::vector<alignment::ControlReport> ignored;
+  return control.size() <= kMaxPoints && TiePoints(known, control, ignored).size() == 2;
 }
 
 // Each point by a move that the others alone say.
@@ -341,6 +347,8 @@ Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::Gc
   if (known.is_placed) {
     std::optional<FlightFacts> moved = MovedToControl(known, lists);
     if (moved && IsAnyUsed(*moved)) return NotElsewhere(*std::move(moved), lists);
+    if (!moved && AreTwo(known, ControlPointsOf(lists)))
+      return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailTwoPoints);
     if (ContradictCorrected(known, ControlPointsOf(lists))) {
       if (contradict != nullptr) *contradict = true;
       return flight::Because(ErrorCode::kUnprocessable, {flight::RemarkCode::kFailPointsContradict,

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/placing/control_points.h"
@@ -178,7 +179,8 @@ TEST(MoveToControl, LeavesPointsThatWouldTurnOrStretchCorrectedPositionsToTheAli
   EXPECT_FALSE(MoveToControl(flight.known, wrong).has_value());
   EXPECT_TRUE(MoveToControl(flight.known, flight.Survey(2)).has_value()) << "base and survey may lie apart";
   bool contradict = false;
-  EXPECT_FALSE(PlaceByLists(flight.known, wrong, &contradict).ok());
+  EXPECT_THAT(ErrorOf(PlaceByLists(flight.known, wrong)).message, HasSubstr("two surveyed points"));
+  EXPECT_FALSE(PlaceByLists(flight.known, flight.Survey(3, {1.0, 0.0, 0.0}), &contradict).ok());
   EXPECT_TRUE(contradict);
 }
 
@@ -262,6 +264,13 @@ TEST(PlaceByLists, SaysWhatIsSoNowAndNotWhatWasSoBefore) {
   const auto again = ValueOf(PlaceByLists(once, flight.Survey(5)));
   EXPECT_EQ(CountOf(InWords(again.flight.warnings), "Ground control point "), 0);
   EXPECT_EQ(CountOf(InWords(again.flight.warnings), "The finished map was placed by 5 surveyed points"), 1);
+}
+
+TEST(PlaceByLists, NamesTwoPointsThatContradictEachOther) {
+  const Shifted flight;
+  std::vector<flight::GcpList> lists = flight.Survey(2);
+  std::swap(lists[0].points[0].position, lists[0].points[1].position);
+  EXPECT_THAT(ErrorOf(PlaceByLists(flight.known, lists)).message, HasSubstr("contradict each other"));
 }
 
 TEST(PlaceByLists, LeavesAMapWhereItIsForCheckPointsAlone) {

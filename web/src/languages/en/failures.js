@@ -49,6 +49,7 @@ export const failure_words = {
   fail_places_contradict: (v) => `The places contradict each other: however the map is rotated, scaled and moved, one stays ${metresTold(v.apart_m, 1)} off. Check their order, and that each is the same thing on the map and on Earth.`,
   fail_no_point_marked: () => 'No control point is marked in a photo yet, or check points alone, which place nothing. Mark at least three, spread over the map, each in two or more photos.',
   fail_few_points: (v) => `${number(v.used)} of ${number(v.points)} control points can be used, and ${number(v.needed)} are needed, each marked in two or more photos of the map.`,
+  fail_two_points: () => 'The two control points contradict each other: with both the map would be turned or stretched too far. Check the coordinates, names and marks of both, or mark a third, far from them.',
   fail_points_too_near: (v) => `The control points lie within ${fixed(v.share_percent, 0)}\u00a0% of the map's extent, too near together to tell its scale and north. Mark points near its edges.`,
   fail_points_contradict: (v) => `The control points contradict each other: however the map is rotated, scaled and moved, most are more than ${metresTold(v.apart_m, 2)} off. Check the order of the coordinates, the coordinate system, and the marks.`,
   fail_scale: (v) => `At this scale a pixel of a photo would show ${number(v.pixel_m, { maximumSignificantDigits: 3 })}\u00a0m of ground; possible are ${fixed(v.finest_m, 4)} to ${fixed(v.coarsest_m, 0)}\u00a0m, and now it is ${fixed(v.now_m, 4)}\u00a0m.`,
