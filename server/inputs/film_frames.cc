@@ -62,8 +62,9 @@ Result<video::FlightFiles> TakeFilmFrames(const std::vector<flight::InputFile>& 
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) return storage::FileError("cannot make", folder, failed.value());
-  // Before the first frame, so that a run that is killed leaves a folder that the next one knows.
-  SKYQUILT_TRY(WriteSources(folder, {}));
+  // Before the first frame, so that a run that is killed leaves a folder that the next one knows. The films
+  // of a map that is there stay known until all frames are taken.
+  if (!fs::exists(folder / kSourcesFile, failed)) SKYQUILT_TRY(WriteSources(folder, {}));
   video::TakeFramesOptions options;
   options.threads = threads;
   SKYQUILT_TRY_ASSIGN(video::FlightFiles taken,

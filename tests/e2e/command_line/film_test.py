@@ -86,6 +86,23 @@ class Films(ScratchCase):
         run("stitch", photo, "-o", out, "--append")
         self.assertEqual(report_of(out)["photos"]["total"], report["photos"]["total"] + 1)
 
+    def test_a_run_that_ends_early_leaves_the_map_its_film(self):
+        out = self.scratch / "cut_short"
+        run("stitch", self.film, self.subtitles, "-o", out)
+        of_film = report_of(out)["photos"]["total"]
+        photo = self.scratch / "flight/photos" / self.truth[-1]["name"]
+        frame, aside = out / "frames/DJI_0007_000000.jpg", self.scratch / "aside.jpg"
+        frame.rename(aside)
+        frame.mkdir()  # which cannot be written
+        self.assertNotEqual(run("stitch", photo, "-o", out, "--append", code=None).returncode, 0)
+        frame.rmdir()
+        aside.rename(frame)
+        refused = run("stitch", photo, "-o", out, code=None)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("DJI_0007.MP4", refused.stderr)
+        run("stitch", photo, "-o", out, "--append")
+        self.assertEqual(report_of(out)["photos"]["total"], of_film + 1)
+
     def test_frames_replace_no_folder_of_the_users(self):
         out = self.scratch / "own"
         (out / "frames").mkdir(parents=True)
