@@ -205,12 +205,13 @@ void ForgetEarlierRuns(const std::filesystem::path& out_dir) {
 Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& out_dir) {
   SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::MapKeeper::FactsOf(out_dir));
   SKYQUILT_TRY_ASSIGN(const pipeline::FlightFacts facts, pipeline::ParseFacts(bytes));
-  std::vector<flight::InputFile> files;
-  // Frames are taken from their films again.
-  for (FilmSource& source : SourcesOfFrames(out_dir)) files.push_back(std::move(source.file));
+  std::vector<flight::InputFile> films, files;
+  for (FilmSource& source : SourcesOfFrames(out_dir)) films.push_back(std::move(source.file));
   for (const pipeline::NamedDigest& input : facts.inputs) {
     if (!IsFrameOf(out_dir, input.file)) files.push_back(input.file);
   }
+  // Frames are taken from their films again. Where the map has none, those of one before it lie there still.
+  if (files.size() < facts.inputs.size()) files.insert(files.begin(), films.begin(), films.end());
   return files;
 }
 

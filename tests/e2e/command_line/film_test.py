@@ -103,6 +103,14 @@ class Films(ScratchCase):
         run("stitch", photo, "-o", out, "--append")
         self.assertEqual(report_of(out)["photos"]["total"], of_film + 1)
 
+    def test_a_map_of_photos_in_place_of_a_films_has_nothing_of_the_film(self):
+        out, photos = self.scratch / "replaced", [self.scratch / "flight/photos" / photo["name"] for photo in self.truth[:6]]
+        run("stitch", self.film, self.subtitles, "-o", out)
+        run("stitch", *photos[:-1], "-o", out, "--overwrite")
+        run("stitch", *photos[:-1], "-o", out)
+        run("stitch", photos[-1], "-o", out, "--append")
+        self.assertEqual(report_of(out)["photos"]["total"], len(photos))
+
     def test_frames_replace_no_folder_of_the_users(self):
         out = self.scratch / "own"
         (out / "frames").mkdir(parents=True)
