@@ -1,16 +1,21 @@
-// ExtendGround: the ground of a flight that grew: where it was modelled it stays as it was, beyond it
-// continues with what the added photos show. A plane stays one. Memory: 16 million heights. Pure; any thread.
+// ExtendGround: the ground of a flight that grew: where its finished photos show it, it stays as it was;
+// beside them and beyond it continues with what the added photos show. A plane of which these say nothing
+// else stays one. Memory: 16 million heights. Pure; any thread.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "core/geo/bounds.h"
 #include "core/ground/ground_surface.h"
 
 namespace skyquilt::ground {
 
-// `needed`: what the photos see (E, N). Nothing where that lies too far from the known ground for its cells.
+// `needed`: what the added photos see (E, N). `shown`: the outline of what each finished photo shows (E, N).
+// Nothing where what is needed lies too far from the known ground for its cells.
 std::optional<GroundSurface> ExtendGround(const GroundSurface& known, const GroundSurface& added,
-                                          const geo::Bounds2& needed);
+                                          const geo::Bounds2& needed,
+                                          const std::vector<std::vector<Eigen::Vector2d>>& shown);
 
 }  // namespace skyquilt::ground

@@ -14,6 +14,7 @@
 #include "core/base/try.h"
 #include "core/camera/footprint.h"
 #include "core/ground/extend_ground.h"
+#include "core/ground/footprint_on_ground.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/placing/tell_added.h"
 
@@ -219,6 +220,16 @@ geo::Bounds2 SeenBy(const std::vector<AlignedPhoto>& photos, double ground_z_m) 
   return bounds;
 }
 
+// Outlines on the ground of what finished photos show of an area.
+std::vector<std::vector<Eigen::Vector2d>> ShownOf(const FlightFacts& known, const geo::Bounds2& area) {
+  std::vector<std::vector<Eigen::Vector2d>> shown;
+  for (const AlignedPhoto& photo : known.flight.photos) {
+    auto outline = ground::FootprintOnGround(known.ground, photo.intrinsics, photo.cam_from_enu);
+    if (camera::BoundsOf(outline).Intersects(area)) shown.push_back(std::move(outline));
+  }
+  return shown;
+}
+
 }  // namespace
 
 AlignedFlight AddedAndAround(const AlignedFlight& flight, std::size_t finished) {
@@ -324,9 +335,12 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
 
   ground::ModelGroundReport ground_report;
   const ground::GroundSurface beyond = ground::ModelGround(aligned, ground_report);
-  auto extended = ground::ExtendGround(known.ground, beyond, SeenBy(placed, known.ground.MeanHeight()));
+  // Where the ground lies lower, more of it is seen.
+  const geo::Bounds2 seen = SeenBy(placed, std::min(known.ground.MeanHeight(), beyond.MinHeight()));
+  auto extended = ground::ExtendGround(known.ground, beyond, seen, ShownOf(known, seen));
   if (!extended) return std::optional<FlightFacts>();  // as a whole, its ground has larger cells
   grown.ground = *std::move(extended);
+  if (known.ground.IsPlane() && !grown.ground.IsPlane()) grown.ground_report = ground_report;
   for (AlignedPhoto& photo : placed) grown.flight.photos.push_back(std::move(photo));
   TellAligned(aligned.warnings, names, warnings);
   if (grown.align_report) {

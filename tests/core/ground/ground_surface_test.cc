@@ -98,11 +98,16 @@ geo::Bounds2 Box(double west, double south, double east, double north) {
   return bounds;
 }
 
+std::vector<Eigen::Vector2d> Outline(double west, double south, double east, double north) {
+  return {{west, south}, {east, south}, {east, north}, {west, north}};
+}
+
 GroundSurface Known() { return GroundSurface::Grid({0.0, 0.0}, 2.0, 3, 2, {1, 2, 3, 4, 5, 6}, 3.5); }
 
 TEST(ExtendGround, KeepsTheKnownGroundAndContinuesWithTheNew) {
   const GroundSurface added = GroundSurface::Grid({-20.0, -20.0}, 40.0, 2, 2, {9, 9, 9, 9}, 9.0);
-  const GroundSurface grown = *ExtendGround(Known(), added, Box(-3.0, 0.5, 7.0, 1.0));
+  const GroundSurface grown =
+      *ExtendGround(Known(), added, Box(-3.0, 0.5, 7.0, 1.0), {Outline(-1.0, -1.0, 5.0, 3.0)});
   for (double east = 0.0; east <= 4.0; east += 0.25) {
     for (double north = 0.0; north <= 2.0; north += 0.25) {
       EXPECT_NEAR(grown.HeightAt({east, north}), Known().HeightAt({east, north}), 1e-9);
@@ -115,16 +120,42 @@ TEST(ExtendGround, KeepsTheKnownGroundAndContinuesWithTheNew) {
 
 TEST(ExtendGround, ChangesNothingWhereNothingIsNeeded) {
   const GroundSurface flat = GroundSurface::Plane(7.0);
-  EXPECT_EQ(ExtendGround(Known(), flat, Box(1.0, 0.5, 3.0, 1.0))->Columns(), 3);
-  EXPECT_TRUE(ExtendGround(flat, Known(), Box(-50.0, -50.0, 50.0, 50.0))->IsPlane());
+  EXPECT_EQ(ExtendGround(Known(), flat, Box(1.0, 0.5, 3.0, 1.0), {})->Columns(), 3);
+  EXPECT_TRUE(ExtendGround(flat, Known(), Box(-50.0, -50.0, 50.0, 50.0), {Outline(-60.0, -60.0, 60.0, 60.0)})
+                  ->IsPlane());
   // A plane beyond is no knowledge: the border goes on.
-  EXPECT_NEAR(ExtendGround(Known(), flat, Box(-8.0, 0.0, 4.0, 2.0))->HeightAt({-8.0, 0.0}), 1.0, 1e-9);
+  EXPECT_NEAR(ExtendGround(Known(), flat, Box(-8.0, 0.0, 4.0, 2.0), {})->HeightAt({-8.0, 0.0}), 1.0, 1e-9);
+}
+
+// The corner of a grid around an L, or beside a field that lies aslant, is nothing but a guess.
+TEST(ExtendGround, IsOfTheAddedPhotosWhereNoFinishedOneShowsIt) {
+  const GroundSurface added = GroundSurface::Grid({-20.0, -20.0}, 40.0, 2, 2, {9, 9, 9, 9}, 9.0);
+  const GroundSurface grown =
+      *ExtendGround(Known(), added, Box(0.0, 0.0, 4.0, 2.0), {Outline(-1.0, -1.0, 0.5, 3.0)});
+  EXPECT_EQ(grown.Columns(), 3);
+  EXPECT_EQ(grown.HeightAt({0.0, 0.0}), 1.0);
+  EXPECT_EQ(grown.HeightAt({0.5, 0.0}), 1.25);
+  EXPECT_EQ(grown.HeightAt({4.0, 0.0}), 9.0);
+  EXPECT_EQ(grown.HeightAt({4.0, 2.0}), 9.0);
+}
+
+TEST(ExtendGround, RisesBesideAPlane) {
+  const GroundSurface added = GroundSurface::Grid({0.0, 0.0}, 4.0, 2, 2, {9, 9, 9, 9}, 9.0);
+  const GroundSurface grown = *ExtendGround(GroundSurface::Plane(7.0), added, Box(0.0, 0.0, 8.0, 8.0),
+                                            {Outline(-50.0, -50.0, 1.0, 50.0)});
+  for (const double north : {0.0, 4.0, 8.0}) {
+    EXPECT_EQ(grown.HeightAt({8.0, north}), 9.0);
+    EXPECT_EQ(grown.HeightAt({1.0, north}), 7.0);
+  }
+  for (const double far : {-100.0, 100.0}) EXPECT_EQ(grown.HeightAt({far, 4.0}), 7.0);
+  EXPECT_EQ(grown.MeanHeight(), 7.0);
 }
 
 TEST(ExtendGround, LeavesToAModelOfTheWholeWhatLiesFarFromIt) {
   const GroundSurface flat = GroundSurface::Plane(7.0);
-  EXPECT_FALSE(ExtendGround(Known(), flat, Box(30'000.0, 30'000.0, 30'050.0, 30'050.0)));
-  EXPECT_TRUE(ExtendGround(Known(), flat, Box(30'000.0, 0.0, 30'050.0, 50.0))) << "few cells along one line";
+  EXPECT_FALSE(ExtendGround(Known(), flat, Box(30'000.0, 30'000.0, 30'050.0, 30'050.0), {}));
+  EXPECT_TRUE(ExtendGround(Known(), flat, Box(30'000.0, 0.0, 30'050.0, 50.0), {}))
+      << "few cells along one line";
 }
 
 }  // namespace
