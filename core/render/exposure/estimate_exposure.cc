@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "core/base/median.h"
@@ -141,28 +142,75 @@ double Shown(const ExposureSample& sample, const PhotoTone& tone, std::size_t ch
                                 static_cast<double>(sample.place[1]))[channel]);
 }
 
+// By photo after the first `finished` ones, where the spots begin among the samples that it shows.
+using SpotsOfAdded = std::vector<std::vector<std::size_t>>;
+
+SpotsOfAdded SpotsShown(const std::vector<ExposureSample>& samples, std::size_t finished,
+                        std::size_t photos) {
+  SpotsOfAdded spots_of(photos - finished);
+  for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+    end = EndOfSpot(samples, begin);
+    for (std::size_t i = begin; i < end; ++i) {
+      if (samples[i].photo >= finished) spots_of[samples[i].photo - finished].push_back(begin);
+    }
+  }
+  return spots_of;
+}
+
+// The one next that shares most spots with the finished ones and those before it: whatever the order in which
+// they were flown, their light follows from the map's.
+std::vector<std::size_t> OrderOfAdded(const std::vector<ExposureSample>& samples, std::size_t finished,
+                                      const SpotsOfAdded& spots_of) {
+  std::vector<std::size_t> shared(spots_of.size(), 0), order;
+  std::vector<bool> is_told(samples.size(), false), is_taken(spots_of.size(), false);
+  const auto tell = [&](std::size_t begin) {
+    if (is_told[begin]) return;
+    is_told[begin] = true;
+    for (std::size_t i = begin; i < samples.size() && samples[i].spot == samples[begin].spot; ++i) {
+      if (samples[i].photo >= finished) ++shared[samples[i].photo - finished];
+    }
+  };
+  for (std::size_t begin = 0; begin < samples.size(); begin = EndOfSpot(samples, begin)) {
+    if (samples[begin].photo < finished) tell(begin);
+  }
+  while (order.size() < spots_of.size()) {
+    std::optional<std::size_t> next;
+    for (std::size_t i = 0; i < spots_of.size(); ++i) {
+      if (!is_taken[i] && (!next || shared[i] > shared[*next])) next = i;
+    }
+    is_taken[*next] = true;
+    order.push_back(*next);
+    for (const std::size_t begin : spots_of[*next]) tell(begin);
+  }
+  return order;
+}
+
 }  // namespace
 
 ExposureModel ExtendExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                              const std::vector<Thumbnail>& thumbnails, const KnownExposure& known) {
   ExposureModel model{known.light, known.photos, {}};
-  for (std::size_t i = 0; i < known.photos.size(); ++i)
-    model.tones.push_back(ToneOf(known.light, known.photos[i], flight.photos[i]));
-  if (known.photos.size() == flight.photos.size()) return model;
+  const std::size_t finished = known.photos.size();
+  model.photos.resize(flight.photos.size());
+  for (std::size_t i = 0; i < flight.photos.size(); ++i)
+    model.tones.push_back(ToneOf(known.light, model.photos[i], flight.photos[i]));
+  if (finished == flight.photos.size()) return model;
   const std::vector<ExposureSample> samples = SampleExposure(flight, ground, thumbnails);
-  for (std::size_t added = known.photos.size(); added < flight.photos.size(); ++added) {
-    PhotoLight own;
-    PhotoTone tone = ToneOf(known.light, own, flight.photos[added]);
+  const SpotsOfAdded spots_of = SpotsShown(samples, finished, flight.photos.size());
+  std::vector<bool> is_evened(flight.photos.size(), false);
+  std::fill_n(is_evened.begin(), finished, true);
+  for (const std::size_t next : OrderOfAdded(samples, finished, spots_of)) {
+    const std::size_t added = finished + next;
+    PhotoTone& tone = model.tones[added];
     for (std::size_t channel = 0; channel < 3; ++channel) {
       std::vector<double> brighter;  // the others' spots than this photo's
-      for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+      for (const std::size_t begin : spots_of[next]) {
         const ExposureSample* of_added = nullptr;
         std::vector<double> shown;
-        for (end = begin; end < samples.size() && samples[end].spot == samples[begin].spot; ++end) {
-          if (samples[end].photo == added) of_added = &samples[end];
-          if (samples[end].photo < added) {
-            shown.push_back(Shown(samples[end], model.tones[samples[end].photo], channel));
-          }
+        for (std::size_t i = begin; i < samples.size() && samples[i].spot == samples[begin].spot; ++i) {
+          if (samples[i].photo == added) of_added = &samples[i];
+          if (is_evened[samples[i].photo])
+            shown.push_back(Shown(samples[i], model.tones[samples[i].photo], channel));
         }
         if (of_added != nullptr && !shown.empty())
           brighter.push_back(Median(shown) - Shown(*of_added, tone, channel));
@@ -170,9 +218,8 @@ ExposureModel ExtendExposure(const alignment::AlignedFlight& flight, const groun
       if (brighter.size() < kFewSpots) continue;
       tone.gain[channel] = std::exp(std::clamp(Median(std::move(brighter)), -kMaxLogGain, kMaxLogGain));
     }
-    own.gain = tone.gain;
-    model.photos.push_back(own);
-    model.tones.push_back(tone);
+    model.photos[added].gain = tone.gain;
+    is_evened[added] = true;
   }
   return model;
 }

@@ -27,7 +27,7 @@ struct KnownExposure {
 
 // For photos that were added to a flight whose tones stay. `known`: the light, and that of the first photos
 // of the flight. Of the others the gain is that at which they agree with what the first show of the same
-// ground; 1 where they share none.
+// ground, or others that are evened to these; 1 where they share none.
 ExposureModel ExtendExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                              const std::vector<Thumbnail>& thumbnails, const KnownExposure& known);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "core/geo/rigid3.h"
@@ -135,6 +136,35 @@ TEST(Exposure, AddedPhotosGetTheLightOfTheOthers) {
     EXPECT_EQ(grown.tones[i].shade.terms, map.exposure.tones[i].shade.terms);
     for (std::size_t channel = 0; channel < 3; ++channel)
       EXPECT_NEAR(grown.photos[i].gain[channel], map.exposure.photos[i].gain[channel], 0.02);
+  }
+}
+
+// Those furthest from the map may have been flown first.
+TEST(Exposure, AddedPhotosHaveTheLightOfTheMapInWhateverOrderTheyCome) {
+  simulate::SimulateOptions options = test::SmallPhotos(24);
+  options.trajectory.front_overlap = options.trajectory.side_overlap = 0.5;
+  const test::SimulatedMap map = test::MakeSimulatedMap(options);
+  constexpr std::size_t kFinished = 3;
+  const auto away_m = [&](std::size_t i) {
+    return (map.flight.photos[i].cam_from_enu.TargetOriginInSource() -
+            map.flight.photos[0].cam_from_enu.TargetOriginInSource())
+        .norm();
+  };
+  std::vector<std::size_t> order(map.flight.photos.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return away_m(a) < away_m(b); });
+  std::reverse(order.begin() + kFinished, order.end());
+  alignment::AlignedFlight flight = map.flight;
+  std::vector<Thumbnail> thumbnails = map.thumbnails;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    flight.photos[i] = map.flight.photos[order[i]];
+    thumbnails[i] = map.thumbnails[order[i]];
+  }
+  KnownExposure known;
+  known.photos.assign(kFinished, PhotoLight{.gain = {1.3, 1.3, 1.3}});
+  const ExposureModel grown = ExtendExposure(flight, map.ground, thumbnails, known);
+  for (const PhotoLight& photo : grown.photos) {
+    for (const double gain : photo.gain) EXPECT_NEAR(gain, 1.3, 0.06);
   }
 }
 
