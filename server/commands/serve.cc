@@ -320,8 +320,7 @@ void RunServer(const ServeOptions& options) {
   const std::vector<std::string> blob_words = BlobWords(options.blobs);
   words.insert(words.end(), blob_words.begin(), blob_words.end());
   words.insert(words.end(), catalogue_words.begin(), catalogue_words.end());
-  WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue, units,
-                     std::move(words));
+  WorkerPool workers(opened.dir, options.workers, options.previews, queue, units, std::move(words));
   WatchProcess watching(WatchWords(options.watched, opened.dir.root(), OwnUrl(settings, server->port())));
   SuperviseWorkers(workers, watching, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
@@ -347,6 +346,7 @@ void AddServeCommand(CLI::App& app) {
   AddServeOptions(*command, *options);
   command->callback([options, command] {
     RefuseUnknownVariables(*command);
+    if (options->workers == 0 && command->count("--previews") == 0) options->previews = false;
     RunServer(*options);
   });
 }

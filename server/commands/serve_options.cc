@@ -102,7 +102,7 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
       ->check(CLI::Range(1, 24 * 3600))
       ->capture_default_str();
   command.add_flag("--previews,!--no-previews", options.previews,
-                   "Draw flights while they are uploading (default)");
+                   "Draw flights while they are uploading (default, but with --workers 0)");
   command
       .add_option("--trash-days", options.trash_days,
                   "Days that a deleted flight can be restored; 0 deletes at once and for good")

@@ -133,6 +133,10 @@ class Preview(ServerTestCase):
         self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}/files/{self.photos[0][0]}")[0], 204)
         self.assertNotEqual(four["bounds"], self.wait_for_preview(server, flight, 3)["bounds"])
 
+    def test_a_server_without_workers_draws_where_it_is_told_to(self):
+        server = self.serve("--workers", "0", "--previews")
+        self.wait_for_preview(server, server.new_flight(self.photos[:2]), 2)
+
     def test_it_goes_on_where_it_was_after_a_kill(self):
         server = self.serve()
         flight = server.new_flight(self.photos[:3])
