@@ -163,10 +163,13 @@ constexpr std::string_view kExitStatus = R"(.SH EXIT STATUS
 It is done.
 .TP
 .B 1
-It could not be done; standard error says why and what to do.
+It could not be done, and standard error says why and what to do; or \fBvalidate\fR found that a map is not sound.
 .TP
 .B 2
-A command that checks found something.
+\fBinspect\fR found no photo that can be placed, or \fBdata\fR something that is not in order.
+.TP
+.B 3
+\fBworker \-\-once\fR found nothing to do.
 .TP
 .B 64
 The command line names a command or option that does not exist.

@@ -180,6 +180,11 @@ class Pages(unittest.TestCase):
         self.assertRegex(place, r"(?ms)^\.SH EXAMPLES\n\.EX\n.*^skyquilt place map --gcp gcp_list\.txt$.*^\.EE$")
         self.assertIn("\nExit codes: 0 all is well, 1 it could not be checked, 2 there are differences.\n", data)
 
+    def test_every_exit_code_is_in_them(self):
+        for page in self.pages.values():
+            codes = re.findall(r"^\.B (\d.*)$", page.read_text().split("\n.SH EXIT STATUS\n")[1], re.M)
+            self.assertEqual(codes, ["0", "1", "2", "3", "64", "70", "104 to 114", "130"])
+
     @unittest.skipUnless(shutil.which("mandoc"), "mandoc is not here")
     def test_mandoc_has_nothing_to_say(self):
         for page in self.pages.values():
