@@ -79,8 +79,10 @@ struct Service {
   std::atomic<bool> is_draining = false;
   // kUnavailable while the data folder is not where and what it was: then nothing may be stored.
   std::function<Result<void>()> storage_in_place = [] { return Result<void>(); };
-  // Where other machines reach this server, the likeliest first; none: it listens to its own machine alone.
-  std::function<std::vector<std::string>()> addresses_for_others = [] { return std::vector<std::string>(); };
+  // Where other machines reach this server, the likeliest first, as far as who asks from this machine, or
+  // from another, is to be told; none: it listens to its own machine alone, or only its operator knows.
+  std::function<std::vector<std::string>(bool is_from_this_machine)> addresses_for_others =
+      [](bool /*is_from_this_machine*/) { return std::vector<std::string>(); };
   // Lets this network see the server: it listens at the machine's addresses besides, until it ends, and who
   // asks there needs a token (Request::needs_token). Empty: how others reach it is the operator's choice.
   std::function<Result<void>()> open_network = nullptr;

@@ -83,7 +83,7 @@ Result<Response> ListShares(Service& service, const Request& request) {
   const bool needs_token = set.requires_token || service.is_network_open;
   return JsonOf(200, {{"needs_token", needs_token},
                       {"may_open_network", MayOpenNetwork(service, request)},
-                      {"addresses", service.addresses_for_others()},
+                      {"addresses", service.addresses_for_others(request.is_from_this_machine)},
                       {"shares", items}});
 }
 
@@ -141,7 +141,7 @@ Result<Response> OpenNetwork(Service& service, const Request& request) {
     return Error{ErrorCode::kConflict, "How others reach this server was said when it was started."};
   }
   SKYQUILT_TRY(service.open_network());
-  return JsonOf(200, {{"addresses", service.addresses_for_others()}});
+  return JsonOf(200, {{"addresses", service.addresses_for_others(request.is_from_this_machine)}});
 }
 
 }  // namespace

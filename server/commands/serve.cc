@@ -295,8 +295,8 @@ void RunServer(const ServeOptions& options) {
   });
   const std::unique_ptr<HttpServer> server =
       OrFail("skyquilt serve", HttpServer::Listen(settings, router, service));
-  service.addresses_for_others = [&settings, &server = *server] {
-    std::vector<std::string> addresses = AddressesForOthers(settings, server.port());
+  service.addresses_for_others = [&settings, &server = *server](bool is_from_this_machine) {
+    std::vector<std::string> addresses = AddressesForOthers(settings, server.port(), is_from_this_machine);
     return addresses.empty() ? server.NetworkAddresses() : addresses;
   };
   if (IsForThisMachineAlone(settings))

@@ -76,11 +76,12 @@ std::vector<std::string> NetworkHosts() {
   return hosts;
 }
 
-std::vector<std::string> AddressesForOthers(const HttpSettings& settings, int port) {
+std::vector<std::string> AddressesForOthers(const HttpSettings& settings, int port,
+                                            bool is_from_this_machine) {
   if (!settings.public_url.empty()) return {PublicAddressOf({}, "", settings).base_url};
   std::vector<std::string> hosts = {settings.address};
   if (settings.address == "0.0.0.0" || settings.address == "::") {
-    hosts = NetworkHosts();
+    hosts = is_from_this_machine ? NetworkHosts() : std::vector<std::string>();
   } else if (IsLoopback(settings.address)) {
     hosts.clear();
   }

@@ -24,7 +24,9 @@ std::vector<std::string> NetworkHosts();
 
 // "http://192.168.1.20:8080/skyquilt", without a slash at the end, the likeliest first: what links begin with
 // that are handed to others. The operator's --public-url alone where there is one; none where the server
-// listens to its own machine alone.
-std::vector<std::string> AddressesForOthers(const HttpSettings& settings, int port);
+// listens to its own machine alone, nor where it listens everywhere and is asked from another machine, which
+// may come by the port of a container: the machine's own addresses lead nobody there.
+std::vector<std::string> AddressesForOthers(const HttpSettings& settings, int port,
+                                            bool is_from_this_machine);
 
 }  // namespace skyquilt::server

@@ -153,7 +153,7 @@ TEST_F(HttpServerTest, LetsAnyPageWithATokenReadWhateverTheAnswer) {
 
 TEST_F(HttpServerTest, IsOpenedToTheNetworkForReadingLinksAlone) {
   service_.open_network = [this] { return server_->OpenNetwork(); };
-  service_.addresses_for_others = [this] { return server_->NetworkAddresses(); };
+  service_.addresses_for_others = [this](bool) { return server_->NetworkAddresses(); };
   Start();
   const std::vector<std::string> hosts = NetworkHosts();
   const std::string open = "POST /api/v1/network HTTP/1.1\r\nContent-Length: 0\r\n" + kHost;

@@ -39,23 +39,24 @@ TEST(NetworkAddresses, AreThoseThatOthersReach) {
   HttpSettings settings;
   for (const char* own : {"127.0.0.1", "127.0.0.2", "::1"}) {
     settings.address = own;
-    EXPECT_TRUE(AddressesForOthers(settings, 8080).empty()) << own;
+    EXPECT_TRUE(AddressesForOthers(settings, 8080, true).empty()) << own;
   }
   settings.base_path = "/skyquilt";
   settings.address = "192.168.1.20";
-  EXPECT_EQ(AddressesForOthers(settings, 8080),
+  EXPECT_EQ(AddressesForOthers(settings, 8080, true),
             std::vector<std::string>{"http://192.168.1.20:8080/skyquilt"});
   settings.address = "fd00::1";
-  EXPECT_EQ(AddressesForOthers(settings, 80), std::vector<std::string>{"http://[fd00::1]:80/skyquilt"});
+  EXPECT_EQ(AddressesForOthers(settings, 80, true), std::vector<std::string>{"http://[fd00::1]:80/skyquilt"});
   settings.address = "0.0.0.0";
-  for (const std::string& address : AddressesForOthers(settings, 8080)) {
+  for (const std::string& address : AddressesForOthers(settings, 8080, true)) {
     EXPECT_FALSE(address.starts_with("http://127.")) << address;
     EXPECT_TRUE(address.ends_with(":8080/skyquilt")) << address;
   }
+  EXPECT_TRUE(AddressesForOthers(settings, 8080, false).empty()) << "by a container's port, perhaps";
   const std::vector<std::string> own = AddressesOfThisMachine();
   EXPECT_NE(std::find(own.begin(), own.end(), "127.0.0.1"), own.end());
   settings.public_url = "https://maps.example.org";
-  EXPECT_EQ(AddressesForOthers(settings, 8080),
+  EXPECT_EQ(AddressesForOthers(settings, 8080, false),
             std::vector<std::string>{"https://maps.example.org/skyquilt"});
 }
 

@@ -415,7 +415,7 @@ export const flight_words = {
     title: (name) => `„${name}“ teilen`,
     text: 'Wer den Link hat, kann diesen Flug ansehen und herunterladen, sonst nichts auf diesem Server.',
     open: 'Der Link zeigt nur. Dieser Server verlangt aber von niemandem ein Token: Wer ihn erreicht, kann Flüge auch ändern und löschen.',
-    local: 'Dieser Link gilt nur auf diesem Computer: Niemand sonst erreicht Skyquilt hier.',
+    local: 'Dieser Link gilt nur auf diesem Computer.',
     open_network: 'In diesem Netz sichtbar machen',
     open_network_hint: 'Bis Skyquilt beendet wird, erreichen es dann andere Geräte in diesem Netz. Jedes braucht einen Link, der nur zeigt, oder ein Token.',
     opened: (address) => `Für dieses Netz offen unter ${address}, bis Skyquilt beendet wird. Hinein kommt nur, wer einen Link oder ein Token hat.`,

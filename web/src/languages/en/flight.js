@@ -410,7 +410,7 @@ export const flight_words = {
     title: (/** @type {string} */ name) => `Share “${name}”`,
     text: 'Anyone with the link can view and download this flight, and nothing else on this server.',
     open: 'The link only shows. But this server asks nobody for a token: anyone who can reach it can also change and delete flights.',
-    local: 'This link works on this computer only: nobody else can reach Skyquilt here.',
+    local: 'This link works on this computer only.',
     open_network: 'Let others on this network see it',
     open_network_hint: 'Until Skyquilt is ended, other devices on this network then reach it. Each needs a link, which only shows, or a token.',
     opened: (/** @type {string} */ address) => `Open to this network at ${address} until Skyquilt is ended. Only who has a link or a token gets in.`,

@@ -417,7 +417,8 @@ class ListSharesAnswer(TypedDict):
     needs_token: bool
     # true: openNetwork lets this network see the server, and whoever asks may do it
     may_open_network: bool
-    # Where other machines reach this server, the likeliest first; empty: it listens to its own machine alone
+    # Where other machines reach this server, the likeliest first; empty: it listens to its own machine alone, or was
+    # asked from another one and not told its public address
     addresses: List[str]
     shares: List[ListSharesAnswerSharesItem]
 
