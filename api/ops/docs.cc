@@ -1,5 +1,9 @@
 // The contract as a page to read: made from openapi.json, without a script.
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "api/http/responses.h"
 #include "api/routes.h"
@@ -19,7 +23,7 @@ constexpr const char* kHead = R"(<!doctype html>
 <meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Skyquilt API</title></head><body>
 <h1>Skyquilt API</h1>
-<p>The same for programs: <a href="/openapi.json">openapi.json</a> (OpenAPI 3.1).
+<p>The same for programs: <a href="openapi.json">openapi.json</a> (OpenAPI 3.1).
 Errors are problem documents (RFC 9457).</p>
 )";
 
@@ -32,6 +36,42 @@ std::string Parameters(const Value& operation) {
   }
   if (rows.empty()) return "";
   return "<table><tr><th>Parameter</th><th>In</th><th>What</th></tr>\n" + rows + "</table>\n";
+}
+
+// Of an object, with what they are: "options.gsd_m" of one within it, "points[].x" of those in a list.
+std::string Members(const Value& contract, const Value& schema, const std::string& before = "") {
+  if (const std::string place = schema.value("$ref", ""); !place.empty())
+    return Members(contract, contract.at(Value::json_pointer(place.substr(1))), before);
+  std::string rows;
+  const Value members = schema.value("properties", Value::object());
+  for (const auto& [name, member] : members.items()) {
+    const std::string path = before + name;
+    rows += "<tr><td><code>" + XmlText(path) + "</code></td><td>" + XmlText(member.value("description", "")) +
+            "</td></tr>\n";
+    rows += Members(contract, member, path + ".");
+    if (member.contains("items")) rows += Members(contract, member.at("items"), path + "[].");
+  }
+  return rows;
+}
+
+std::string Body(const Value& contract, const Value& operation) {
+  const Value content = operation.value("requestBody", Value::object()).value("content", Value::object());
+  std::vector<std::pair<std::string, std::string>> bodies;  // what is in them, and their types
+  for (const auto& [type, media] : content.items()) {
+    const Value schema = media.value("schema", Value::object());
+    const std::string rows = Members(contract, schema);
+    std::string what = " " + XmlText(schema.value("description", "")) + "</p>\n";
+    if (!rows.empty()) what += "<table><tr><th>In the body</th><th>What</th></tr>\n" + rows + "</table>\n";
+    const std::string code = " <code>" + XmlText(type) + "</code>";
+    if (!bodies.empty() && bodies.back().first == what) {
+      bodies.back().second += code;
+    } else {
+      bodies.emplace_back(what, code);
+    }
+  }
+  std::string text;
+  for (const auto& [what, types] : bodies) text += "<p>Body:" + types + what;
+  return text;
 }
 
 std::string Responses(const Value& operation) {
@@ -59,8 +99,10 @@ std::string Page() {
         std::string upper = method;
         for (char& c : upper) c = static_cast<char>(c - 'a' + 'A');
         page += "<h3><code>" + upper + " " + XmlText(path) + "</code></h3>\n<p>" +
-                XmlText(operation.value("summary", "")) + "</p>\n" + Parameters(operation) +
-                Responses(operation);
+                XmlText(operation.value("summary", "")) + "</p>\n";
+        if (const std::string more = operation.value("description", ""); !more.empty())
+          page += "<p>" + XmlText(more) + "</p>\n";
+        page += Parameters(operation) + Body(contract, operation) + Responses(operation);
       }
     }
   }

@@ -415,6 +415,15 @@ TEST(Jobs, TellThoseWhoRunTheServerWhichWorkerHasWhichPart) {
   EXPECT_FALSE(to_reader.contains("workers_aside"));
 }
 
+TEST(OpenApi, IsReadWithWhatToKnowAndWithWhatBodiesHold) {
+  SampleService sample;
+  const std::string page = sample.Get("/docs").body;
+  for (const char* wanted :
+       {"X-Skyquilt-Signature is ", "<code>options.gsd_m</code></td><td>Ground size of a pixel",
+        "<code>points[].marks[].photo</code>", "at most 100 km", "<a href=\"openapi.json\">"})
+    EXPECT_NE(page.find(wanted), std::string::npos) << wanted;
+}
+
 TEST(OpenApi, DescribesEveryRouteAndNoOther) {
   SampleService sample;
   const json document = JsonOf(sample.Get("/openapi.json"));
