@@ -3,13 +3,14 @@
 #   ./run.sh               the demo flight (simulated), served until Ctrl-C
 #   ./run.sh PATH...       your own photos and logs (files or folders), served until Ctrl-C
 #   ./run.sh --once [PATH...]   ends when the map is there
-# Settings: SKYQUILT_LISTEN (default 127.0.0.1:8080, or a free port if that is taken), SKYQUILT_DATA_DIR (default ./data)
+# Settings: SKYQUILT_LISTEN (default 127.0.0.1:8080, or a free port if that is taken), SKYQUILT_DATA_DIR (default: data beside this file)
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '2,6p' "$0" | cut -c3-; exit 0 ;; esac
 once=false
 if [ "${1:-}" = --once ]; then once=true; shift; fi
 inputs=()
 for path in "$@"; do inputs+=("$(realpath -e -- "$path")"); done
+data=${SKYQUILT_DATA_DIR:+$(realpath -m -- "$SKYQUILT_DATA_DIR")}
 cd "$(dirname "$(realpath "$0")")"
 
 source cmake/install_packages.sh
@@ -23,7 +24,7 @@ wait "$installing_npm"
 cmake --build --preset release --target skyquilt_web
 program=build/release/bin/skyquilt
 
-data=${SKYQUILT_DATA_DIR:-$PWD/data}
+data=${data:-$PWD/data}
 mkdir -p "$data"
 title="My flight"
 if [ ${#inputs[@]} -eq 0 ]; then
