@@ -161,5 +161,39 @@ class Catalogue(unittest.TestCase):
             self.assertRegex(said, rf"[ ,]{option}\b")
 
 
+class Worker(unittest.TestCase):
+    """What Kubernetes starts, with a program that ends as it is told in place of ours."""
+
+    def setUp(self):
+        try:
+            import yaml
+        except ImportError:
+            self.skipTest("python3-yaml is not here")
+        _, scaled = yaml.safe_load_all((ROOT / "docker/keda-worker.yaml").read_text())
+        container, = scaled["spec"]["jobTargetRef"]["template"]["spec"]["containers"]
+        self.command = container["command"]
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def start(self, script):
+        program = self.folder / "skyquilt"
+        program.write_text(f"#!/bin/sh\n{script}\n")
+        program.chmod(0o755)
+        return subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True,
+                                env={**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}"})
+
+    def test_nothing_to_do_is_no_failure_and_a_failure_is_one(self):
+        for code, told in ((0, 0), (3, 0), (1, 1)):
+            with self.start(f"exit {code}") as started:
+                self.assertEqual(started.wait(timeout=60), told, code)
+
+    def test_a_worker_that_is_to_end_is_told_and_waited_for(self):
+        with self.start("trap 'sleep 0.2; echo given back; exit 0' TERM; echo works; while :; do sleep 0.1; done") as started:
+            self.assertEqual(started.stdout.readline(), "works\n")
+            started.terminate()
+            self.assertEqual((started.stdout.read(), started.wait(timeout=60)), ("given back\n", 0))
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)
