@@ -1,8 +1,8 @@
 // WriteSurface: the heights of a map that was just made, dsm.tif, dsm_photos.tif and dsm_hillshade.tif in its
 // folder, where options.heights says so also dtm.tif, dtm_ground.tif and the contours of that, and what came
-// of them in its report, also why there are none (beyond UTM, fields far apart). Over the rectangle around the
-// map, also where that is cut to a boundary. Blocking; uses all the threads asked for. Errors: kCancelled,
-// kOutOfSpace, kIo.
+// of them in its report, also why there are none (beyond UTM, fields far apart). Over the rectangle around
+// the map, also where that is cut to a boundary. Blocking; uses all the threads asked for. Errors:
+// kCancelled, kOutOfSpace, kIo.
 #pragma once
 
 #include <filesystem>
