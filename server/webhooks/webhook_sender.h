@@ -1,6 +1,6 @@
 // WebhookSender: delivers signed webhook messages, and what clients of the NodeODM-compatible node want to
-// hear of their tasks, and retries until they are received; a receiver that does not answer holds up no
-// other. A thread of its own, for as long as it lives.
+// hear of their tasks, and retries until they are received; receivers that do not answer hold up others for
+// one message's time, not for that of all of theirs. A thread of its own, for as long as it lives.
 #pragma once
 
 #include "api/service.h"
