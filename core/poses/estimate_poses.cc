@@ -260,25 +260,35 @@ void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& opt
   posed.report.method = "none: no photo records where it was taken";
 }
 
+// By name the one after each; of the last one nothing.
+std::map<std::string, std::string> NextOfEach(const std::vector<PosedPhoto>& photos) {
+  std::map<std::string, std::string> next_of;
+  for (std::size_t i = 0; i < photos.size(); ++i)
+    next_of.emplace(photos[i].photo.name, i + 1 < photos.size() ? photos[i + 1].photo.name : std::string());
+  return next_of;
+}
+
+// What a photo shared with the next one goes where that is another now.
+void ForgetOtherNexts(const std::map<std::string, std::string>& next_of, std::vector<PosedPhoto>& photos) {
+  const std::map<std::string, std::string> next_now = NextOfEach(photos);
+  for (PosedPhoto& photo : photos) {
+    if (next_of.at(photo.photo.name) != next_now.at(photo.photo.name)) photo.covariance_with_next.setZero();
+  }
+}
+
 // Photos beside a log come before, between and after those on it.
 void SortByCapture(std::vector<PosedPhoto>& photos) {
-  const auto comes_before = [](const PosedPhoto& a, const PosedPhoto& b) {
+  const std::map<std::string, std::string> next_of = NextOfEach(photos);
+  std::stable_sort(photos.begin(), photos.end(), [](const PosedPhoto& a, const PosedPhoto& b) {
     return flight::ComesBefore(a.photo, b.photo);
-  };
-  if (std::is_sorted(photos.begin(), photos.end(), comes_before)) return;
-  std::stable_sort(photos.begin(), photos.end(), comes_before);
-  for (PosedPhoto& photo : photos) photo.covariance_with_next.setZero();  // the next one is another now
+  });
+  ForgetOtherNexts(next_of, photos);
 }
 
 // What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what
 // such photos show may place them all the same.
 void FilterOutliers(bool keep_unplaced, PosedFlight& posed) {
-  const auto next_name = [&](std::size_t i) {
-    return i + 1 < posed.photos.size() ? posed.photos[i + 1].photo.name : std::string();
-  };
-  std::map<std::string, std::string> next_of;
-  for (std::size_t i = 0; i < posed.photos.size(); ++i)
-    next_of.emplace(posed.photos[i].photo.name, next_name(i));
+  const std::map<std::string, std::string> next_of = NextOfEach(posed.photos);
   std::map<std::string, Photo> all;
   if (keep_unplaced) {
     for (const PosedPhoto& photo : posed.photos) all.emplace(photo.photo.name, photo.photo);
@@ -297,9 +307,7 @@ void FilterOutliers(bool keep_unplaced, PosedFlight& posed) {
     if (photo.position && std::abs(photo.position->position.lat_deg) > kHighestLatDeg) continue;
     posed.unplaced.push_back(std::move(photo));
   }
-  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
-    if (next_of[posed.photos[i].photo.name] != next_name(i)) posed.photos[i].covariance_with_next.setZero();
-  }
+  ForgetOtherNexts(next_of, posed.photos);
 }
 
 }  // namespace

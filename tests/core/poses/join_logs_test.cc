@@ -327,13 +327,16 @@ TEST(EstimatePoses, LeavesPhotosInAHoleOfTheLogToWhatTheyRecord) {
 TEST(EstimatePoses, KeepsTheOrderOfCaptureBesideALog) {
   flight::Flight flight = PhotosInAHole();
   flight.logs[1].events[0].t_s = -100.0;  // before the log begins
-  flight.logs[1].events[1].t_s = 0.0;
+  flight.logs[1].events[1].t_s = -5.0;
+  flight.logs[1].events[2].t_s = 0.0;
   flight.photos[0].position = flight.photos[2].position;
   flight.photos[0].position->position.lat_deg -= 2e-4;
   const auto posed = test::ValueOf(EstimatePoses(flight, {}));
-  EXPECT_EQ(posed.report.photos_by_log, 1);
+  EXPECT_EQ(posed.report.photos_by_log, 2);
   ASSERT_EQ(posed.photos.size(), 9u);
   for (std::size_t k = 0; k < 9; ++k) EXPECT_EQ(posed.photos[k].photo.name, flight.photos[k].name);
+  EXPECT_GT(posed.photos[1].covariance_with_next.norm(), 0.0) << "still one after the other on the log";
+  EXPECT_EQ(posed.photos[2].covariance_with_next.norm(), 0.0);
 }
 
 TEST(EstimatePoses, CountsAbsoluteHeightsBesideALogFromItsZero) {
