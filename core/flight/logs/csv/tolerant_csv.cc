@@ -195,10 +195,12 @@ void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>
 void SettleLogHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview) {
   CsvColumn* column = FindOpenHeight(columns);
   if (column == nullptr || HasColumn(columns, M::kHeightAmsl)) return;
-  const auto is_low = [](const CsvRow& row) {
-    return row[M::kHeightAboveTakeoff] && *row[M::kHeightAboveTakeoff] <= kHighestFlightM;
-  };
-  if (std::none_of(preview.begin(), preview.end(), is_low)) column->meaning = M::kHeightEllipsoid;
+  std::optional<double> lowest_m;  // nothing: they begin behind the rows looked at
+  for (const CsvRow& row : preview) {
+    const auto height_m = row[M::kHeightAboveTakeoff];
+    if (height_m && (!lowest_m || *height_m < *lowest_m)) lowest_m = height_m;
+  }
+  if (lowest_m && *lowest_m > kHighestFlightM) column->meaning = M::kHeightEllipsoid;
 }
 
 // "altura" and "hauteur" by themselves: tables of receivers write heights above the sea so, which taken for

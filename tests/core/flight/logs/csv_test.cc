@@ -260,6 +260,11 @@ TEST(ParseTolerantCsv, TakesHeightsThatNeverComeDownForThoseOfAReceiver) {
     ASSERT_EQ(flown.baro.size(), 3u);
     EXPECT_EQ(flown.baro[1].height_above_takeoff_m, 547.5);
   }
+  // A recorder of inertial samples that knows no height before it is armed.
+  std::string late = "time_s,lat,lon,height_m\n";
+  for (int row = 0; row < 5010; ++row)
+    late += std::to_string(0.01 * row) + ",46.8,7.1," + (row < 5005 ? "" : "1") + "\n";
+  EXPECT_EQ(ValueOf(ParseLog("track.csv", BytesOf(late))).baro.size(), 5u);
 }
 
 TEST(ParseTolerantCsv, CountsAltitudesThatBeginAtZeroFromTheTakeoff) {
