@@ -93,8 +93,13 @@ bool ContradictCorrected(const FlightFacts& known, const std::vector<alignment::
   });
 }
 
-// One of them may be wrong, and nothing tells which.
+// One of them may be wrong, and nothing tells which. Against a scale or north that is a guess, or somebody's
+// word, they do not stand: there they are too few.
 bool AreTwo(const FlightFacts& known, const std::vector<alignment::ControlPoint>& control) {
+  if (known.is_by_hand) return false;
+  if (known.align_report && (known.align_report->by_images.is_scale_guessed.value_or(false) ||
+                             known.align_report->by_images.is_north_guessed.value_or(false)))
+    return false;
   std::vector<alignment::ControlReport> ignored;
   return control.size() <= kMaxPoints && TiePoints(known, control, ignored).size() == 2;
 }

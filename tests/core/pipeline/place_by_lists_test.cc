@@ -267,10 +267,12 @@ TEST(PlaceByLists, SaysWhatIsSoNowAndNotWhatWasSoBefore) {
 }
 
 TEST(PlaceByLists, NamesTwoPointsThatContradictEachOther) {
-  const Shifted flight;
+  Shifted flight;
   std::vector<flight::GcpList> lists = flight.Survey(2);
   std::swap(lists[0].points[0].position, lists[0].points[1].position);
   EXPECT_THAT(ErrorOf(PlaceByLists(flight.known, lists)).message, HasSubstr("contradict each other"));
+  flight.known.is_by_hand = true;  // its scale and north may be guesses
+  EXPECT_THAT(ErrorOf(PlaceByLists(flight.known, lists)).message, HasSubstr("are needed"));
 }
 
 TEST(PlaceByLists, LeavesAMapWhereItIsForCheckPointsAlone) {
