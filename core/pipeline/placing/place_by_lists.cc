@@ -342,10 +342,10 @@ Result<FlightFacts> NotElsewhere(FlightFacts placed, const std::vector<flight::G
 Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists,
                                  bool* contradict) {
   if (ControlPointsOf(lists).empty()) {
-    // What placed it may be the same points, which then bear themselves out.
-    const bool is_surveyed = known.align_report && PointsUsed(*known.align_report) > 0;
-    if (known.is_placed && !is_surveyed && !CheckPointsOf(lists).empty())
-      return ComparedAlone(std::move(known));
+    // What placed it may be the same points, which then bear themselves out. Photos that lie by their poses
+    // alone show no point where it is.
+    const bool is_told = known.is_placed && known.align_report && PointsUsed(*known.align_report) == 0;
+    if (is_told && !CheckPointsOf(lists).empty()) return ComparedAlone(std::move(known));
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailNoPointMarked);
   }
   std::erase_if(known.flight.warnings, IsOfControl);

@@ -276,7 +276,7 @@ TEST(PlaceByLists, NamesTwoPointsThatContradictEachOther) {
 }
 
 TEST(PlaceByLists, LeavesAMapWhereItIsForCheckPointsAlone) {
-  const Shifted flight;
+  Shifted flight;
   std::vector<flight::GcpList> checks = flight.Survey(3);
   for (flight::GcpPoint& point : checks[0].points) point.name += "_check";
   auto compared = ValueOf(PlaceByLists(flight.known, checks));
@@ -289,6 +289,8 @@ TEST(PlaceByLists, LeavesAMapWhereItIsForCheckPointsAlone) {
   // Points that placed it tell nothing of how far off it is.
   const auto by_points = ValueOf(PlaceByLists(flight.known, flight.Survey(3)));
   EXPECT_THAT(ErrorOf(PlaceByLists(by_points, checks)).message, HasSubstr("check points alone"));
+  flight.known.align_report.reset();  // of poses alone, which show no point where it is
+  EXPECT_THAT(ErrorOf(PlaceByLists(flight.known, checks)).message, HasSubstr("check points alone"));
 }
 
 // Of a flight by its log this is all that is left of where its records had it.
