@@ -21,23 +21,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The catalogue, if it can be gone on with; else null, and `why` says what it is.
-std::unique_ptr<CatalogueDb> UsableCatalogue(const DataDir& dir, const std::optional<std::string>& marker,
-                                             std::string& why) {
+// The catalogue, if it can be gone on with; null where it is to be made anew, and `why` says what it is. An
+// error where it may be whole: it is a newer version's, the disk is full, another program has it.
+Result<std::unique_ptr<CatalogueDb>> UsableCatalogue(const DataDir& dir,
+                                                     const std::optional<std::string>& marker,
+                                                     std::string& why) {
   Result<std::unique_ptr<CatalogueDb>> db = CatalogueDb::OpenExisting(dir.Catalogue());
+  if (!db && db.error().code != ErrorCode::kNotFound && db.error().code != ErrorCode::kCorrupt)
+    return db.error();
   why = "is missing, empty or damaged";
-  if (!db || !CheckWhole(dir, **db)) return nullptr;
+  if (!db || !CheckWhole(dir, **db)) return std::unique_ptr<CatalogueDb>();
   const Result<std::optional<std::string>> owner = CatalogueId(*(*db)->Lock());
-  if (!owner) return nullptr;
+  if (!owner) return std::unique_ptr<CatalogueDb>();
   why = "belongs to another data folder";
-  if (marker && *owner && *marker != **owner) return nullptr;
-  return *std::move(db);
+  if (marker && *owner && *marker != **owner) return std::unique_ptr<CatalogueDb>();
+  return db;
 }
 
 Result<std::unique_ptr<CatalogueDb>> TakeCatalogue(const DataDir& dir, std::optional<std::string>& marker,
                                                    LostFolder& lost, RepairReport& report) {
   std::string why;
-  std::unique_ptr<CatalogueDb> db = UsableCatalogue(dir, marker, why);
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, UsableCatalogue(dir, marker, why));
   if (db != nullptr) {
     SKYQUILT_TRY_ASSIGN(const std::optional<std::string> owner, CatalogueId(*db->Lock()));
     if (!marker) marker = owner;

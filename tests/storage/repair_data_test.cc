@@ -4,9 +4,11 @@
 
 #include <fstream>
 #include <functional>
+#include <string>
 #include <tuple>
 
 #include "storage/db/ids.h"
+#include "storage/db/schema.h"
 #include "storage/folder/check_data.h"
 #include "storage/folder/lost_folder.h"
 #include "storage/folder/open_data_folder.h"
@@ -211,6 +213,24 @@ TEST(RepairData, RecoversPhotosOfFlightsWithoutARecordUnderTheirStoredNames) {
   ASSERT_EQ(files.size(), 1u);
   EXPECT_EQ(files[0].name, files[0].stored_name + ".jpg");
   EXPECT_TRUE((*ReadFlightRecord(dir.Flight(sample.plain)))->is_whole);
+}
+
+// No repair could make its tokens, webhooks and jobs anew.
+TEST(RepairData, LeavesACatalogueOfANewerVersionAsItIs) {
+  test::TemporaryFolder scratch;
+  const FilledFolder sample = Fill(scratch.path());
+  const auto set_version = [&](int version) {
+    SqliteDb db = test::ValueOf(SqliteDb::Open(scratch.path() / "catalogue.db", OpenMode::kReadWriteCreate));
+    EXPECT_TRUE(db.Exec("PRAGMA user_version=" + std::to_string(version)));
+  };
+  set_version(999);
+  const Error refused = test::ErrorOf(RepairData(scratch.path(), Now()));
+  EXPECT_EQ(refused.code, ErrorCode::kConflict);
+  EXPECT_NE(refused.message.find("newer Skyquilt"), std::string::npos) << refused.message;
+  EXPECT_FALSE(fs::exists(scratch.path() / "lost"));
+  set_version(kSchemaVersion);
+  EXPECT_FALSE(test::ValueOf(RepairData(scratch.path(), Now())).made_catalogue);
+  ExpectAllBack(scratch.path(), sample);
 }
 
 TEST(RepairData, RefusesFoldersOfOthersAndThoseInUse) {
