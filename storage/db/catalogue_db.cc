@@ -1,8 +1,12 @@
 #include "storage/db/catalogue_db.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -31,6 +35,19 @@ void KeepFromOthers(const std::filesystem::path& path) {
     // user's care.
     (void)chmod((path.string() + ending).c_str(), 0600);
   }
+}
+
+// SQLite cannot tell what may not be opened from what is missing.
+Result<void> CheckMayBeUsed(const std::filesystem::path& path) {
+  for (const char* ending : {"", "-wal", "-shm"}) {
+    const std::string file = path.string() + ending;
+    if (access(file.c_str(), R_OK | W_OK) == 0 || errno == ENOENT) continue;
+    return Error{ErrorCode::kIo,
+                 fmt::format("The file {} cannot be used by this user: {}. Change its owner or mode.", file,
+                             std::strerror(errno)),
+                 ""};
+  }
+  return {};
 }
 
 Result<bool> IsCatalogue(SqliteDb& db) {
@@ -94,6 +111,7 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenExisting(const std::filesy
   const Error none{ErrorCode::kNotFound, "There is no catalogue at " + path.string() + ".", ""};
   if (stat(path.c_str(), &status) != 0 || status.st_size == 0) return none;
   if (!S_ISREG(status.st_mode)) return none;
+  SKYQUILT_TRY(CheckMayBeUsed(path));
   GiveRoom(path);
   SKYQUILT_TRY_ASSIGN(SqliteDb db, SqliteDb::Open(path, OpenMode::kReadWrite));
   // Before anything is changed in it: it may be another program's.

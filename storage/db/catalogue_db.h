@@ -43,7 +43,7 @@ class CatalogueDb {
   // one of them.
   static Result<std::unique_ptr<CatalogueDb>> Open(const std::filesystem::path& path, int readers = 2);
   // Never makes one. Errors: kNotFound (no file, an empty one, or one that is no catalogue of ours),
-  // kCorrupt.
+  // kCorrupt, kIo (also where this user may not read and write it).
   static Result<std::unique_ptr<CatalogueDb>> OpenExisting(const std::filesystem::path& path,
                                                            int readers = 2);
   // In PostgreSQL. `node`: this server among those of the catalogue, the same after a restart; part of the

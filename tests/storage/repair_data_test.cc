@@ -1,6 +1,7 @@
 #include "storage/folder/repair_data.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <functional>
@@ -230,6 +231,25 @@ TEST(RepairData, LeavesACatalogueOfANewerVersionAsItIs) {
   EXPECT_FALSE(fs::exists(scratch.path() / "lost"));
   set_version(kSchemaVersion);
   EXPECT_FALSE(test::ValueOf(RepairData(scratch.path(), Now())).made_catalogue);
+  ExpectAllBack(scratch.path(), sample);
+}
+
+// As after a backup that another user put back.
+TEST(RepairData, LeavesACatalogueThatThisUserMayNotUseAsItIs) {
+  if (geteuid() == 0) GTEST_SKIP() << "who may use everything";
+  test::TemporaryFolder scratch;
+  const FilledFolder sample = Fill(scratch.path());
+  const fs::path catalogue = scratch.path() / "catalogue.db";
+  for (const fs::perms mode : {fs::perms::none, fs::perms::owner_read}) {
+    fs::permissions(catalogue, mode);
+    for (const Error& refused :
+         {test::ErrorOf(OpenDataFolder(scratch.path())), test::ErrorOf(RepairData(scratch.path(), Now()))}) {
+      EXPECT_EQ(refused.code, ErrorCode::kIo);
+      EXPECT_NE(refused.message.find("catalogue.db cannot be used by this user"), std::string::npos)
+          << refused.message;
+    }
+  }
+  fs::permissions(catalogue, fs::perms::owner_read | fs::perms::owner_write);
   ExpectAllBack(scratch.path(), sample);
 }
 
