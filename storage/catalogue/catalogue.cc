@@ -419,4 +419,10 @@ Result<std::vector<std::int64_t>> Catalogue::Revisions(const std::string& flight
                  "SELECT revision FROM revision WHERE flight_id=? ORDER BY revision", flight_id);
 }
 
+Result<std::int64_t> Catalogue::NextRevision(const std::string& flight_id) const {
+  const auto db = db_.Read();
+  return db->One(FirstColumn<std::int64_t>, NoSuchFlight(flight_id),
+                 "SELECT next_revision FROM flight WHERE id=?", flight_id);
+}
+
 }  // namespace skyquilt::storage

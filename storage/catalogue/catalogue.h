@@ -151,6 +151,8 @@ class Catalogue {
   Result<std::optional<Revision>> ActiveRevision(const std::string& flight_id) const;
   // Also of a flight in the trash.
   Result<std::vector<std::int64_t>> Revisions(const std::string& flight_id) const;
+  // The number of its next map: none has been given out from there on.
+  Result<std::int64_t> NextRevision(const std::string& flight_id) const;
 
  private:
   // Before the commit: a file that the catalogue knows is in the record.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -38,16 +40,34 @@ Result<std::set<std::string>> EndDeletions(BlobStore& blobs, const std::set<std:
   return gone;
 }
 
+// Of what is in a flight's folder in the store, a map that the catalogue never made.
+std::string OfNewerCatalogue(const BlobStore& blobs, const std::string& flight_id, std::int64_t revision) {
+  return fmt::format(
+      "{}{} is a map that the catalogue never made: the catalogue is an older copy, or another server uses the "
+      "same store",
+      blobs.Address(), RevisionPrefix(flight_id, revision));
+}
+
 }  // namespace
 
 Result<int> SweepRevisionBlobs(BlobStore& blobs, const Catalogue& catalogue, const std::string& flight_id) {
   // Listed before the catalogue is read: what comes meanwhile is not in the list.
   SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> products, blobs.List(FlightPrefix(flight_id) + "r"));
   SKYQUILT_TRY_ASSIGN(const std::set<std::string> shown, ShownFolders(catalogue, flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t next, catalogue.NextRevision(flight_id));
   std::set<std::string> unshown;
   for (const BlobInfo& product : products) {
     const std::optional<FlightBlob> name = FlightBlobOf(product.key);
-    if (name && RevisionOfFolder(name->folder) && !shown.contains(name->folder)) unshown.insert(name->folder);
+    const std::optional<std::int64_t> revision = name ? RevisionOfFolder(name->folder) : std::nullopt;
+    if (!revision) continue;
+    if (*revision >= next)
+      return Error{
+          ErrorCode::kConflict,
+          OfNewerCatalogue(blobs, flight_id, *revision) +
+              ". Nothing was removed or made. Whoever runs the server can put back the latest copy of "
+              "the catalogue.",
+          ""};
+    if (!shown.contains(name->folder)) unshown.insert(name->folder);
   }
   int removed = 0;
   for (const std::string& folder : unshown) {
@@ -71,10 +91,14 @@ Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, con
                       EndDeletions(blobs, known, store_time - orphan_age, report));
 
   std::map<std::string, std::vector<std::pair<FlightBlob, std::string>>> old;  // by flight: names and keys
+  std::map<std::string, std::int64_t> newest;                                  // map of a flight, at any age
   std::set<std::string> unknown;
   for (const BlobInfo& blob : all) {
     const std::optional<FlightBlob> name = FlightBlobOf(blob.key);
-    if (!name || gone.contains(name->flight_id) || store_time - blob.changed < orphan_age) continue;
+    if (!name) continue;
+    std::int64_t& of_flight = newest[name->flight_id];
+    of_flight = std::max(of_flight, RevisionOfFolder(name->folder).value_or(0));
+    if (gone.contains(name->flight_id) || store_time - blob.changed < orphan_age) continue;
     if (!known.contains(name->flight_id)) {
       unknown.insert(name->flight_id);
     } else {
@@ -86,6 +110,12 @@ Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, con
   for (const std::string& units_of : of_use) cut.insert(UnitsFolderName(units_of));
   const std::string lost = fmt::format("lost/{}/", ToUs(now) / 1'000'000);
   for (const auto& [flight_id, blobs_of_flight] : old) {
+    SKYQUILT_TRY_ASSIGN(const std::int64_t next, catalogue.NextRevision(flight_id));
+    if (newest[flight_id] >= next) {
+      report.moved.push_back(OfNewerCatalogue(blobs, flight_id, newest[flight_id]) +
+                             "; all that is there of its flight stays");
+      continue;
+    }
     SKYQUILT_TRY_ASSIGN(const std::set<std::string> shown, ShownFolders(catalogue, flight_id));
     SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> files, catalogue.ListFiles(flight_id));
     std::set<std::string> stored;

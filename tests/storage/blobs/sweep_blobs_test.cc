@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "storage/blobs/blob_store.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
@@ -16,6 +19,10 @@ namespace {
 class SweptBlobs : public CatalogueFixture {
  protected:
   void Put(const std::string& key) { ASSERT_TRUE(blobs_.Put(key, dir_.Write("file", "x"))); }
+  // As if its maps had been made and replaced.
+  void GiveOut(std::int64_t revision) {
+    ASSERT_TRUE(db_->Lock()->Change("UPDATE flight SET next_revision=?2 WHERE id=?1", flight_, revision + 1));
+  }
   bool Has(const std::string& key) { return blobs_.Find(key).ok(); }
   SweepReport Sweep(std::chrono::seconds age) {
     const auto report = SweepBlobs(blobs_, catalogue_, queue_, Now(), age);
@@ -31,6 +38,7 @@ class SweptBlobs : public CatalogueFixture {
 TEST_F(SweptBlobs, KeepsWhatIsShownAndTakesWhatIsNobodys) {
   ASSERT_TRUE(catalogue_.AddFile(flight_, {"a.jpg", photo_, 1}, Now()));
   const std::string stray = NewId(), other_flight = NewId();
+  GiveOut(3);
   Put(FilesPrefix(flight_) + photo_);
   Put(FilesPrefix(flight_) + stray);
   Put(RevisionPrefix(flight_, 3) + "mosaic.tif");
@@ -90,12 +98,29 @@ TEST_F(SweptBlobs, LeavesAloneWhatIsYoung) {
 }
 
 TEST_F(SweptBlobs, LeavesRevisionsAloneWhileAJobRuns) {
+  GiveOut(3);
   Put(RevisionPrefix(flight_, 3) + "mosaic.tif");
   Begun(flight_, Now());
   EXPECT_EQ(Sweep(std::chrono::seconds(0)).removed, 0);
   EXPECT_TRUE(Has(RevisionPrefix(flight_, 3) + "mosaic.tif"));
   // The worker itself, at the beginning of its job.
   EXPECT_EQ(*SweepRevisionBlobs(blobs_, catalogue_, flight_), 1);
+}
+
+// The catalogue is an older copy, or a copied data folder's beside the one that was copied.
+TEST_F(SweptBlobs, LeavesAFlightAloneWithAMapThatTheCatalogueNeverMade) {
+  GiveOut(2);
+  const std::vector<std::string> keys = {FilesPrefix(flight_) + photo_,
+                                         RevisionPrefix(flight_, 2) + "mosaic.tif",
+                                         RevisionPrefix(flight_, 3) + "mosaic.tif"};
+  for (const std::string& key : keys) Put(key);
+  const SweepReport report = Sweep(std::chrono::seconds(0));
+  EXPECT_EQ(report.removed, 0);
+  ASSERT_EQ(report.moved.size(), 1U);
+  EXPECT_NE(report.moved[0].find("older copy"), std::string::npos) << report.moved[0];
+  Begun(flight_, Now());
+  EXPECT_EQ(SweepRevisionBlobs(blobs_, catalogue_, flight_).error().code, ErrorCode::kConflict);
+  for (const std::string& key : keys) EXPECT_TRUE(Has(key)) << key;
 }
 
 TEST_F(SweptBlobs, EndsADeletionThatWasCutOff) {
