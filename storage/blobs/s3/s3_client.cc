@@ -59,6 +59,12 @@ bool IsWholeRange(const HttpAnswer& answer, std::int64_t offset, std::int64_t le
   return bytes < 0 || got == std::clamp<std::int64_t>(bytes - offset, 0, length);
 }
 
+// Of these keys, at this time, or in this region.
+bool IsRefusal(const HttpAnswer& answer) {
+  return answer.status == 400 || answer.status == 401 || answer.status == 403 || answer.status == 301 ||
+         answer.status == 307;
+}
+
 S3Object ObjectOf(const HttpAnswer& answer) {
   return {IntegerOf(answer.Header("content-length")), answer.Header("etag"), answer.Header(kSha256Header),
           answer.Header(kWriterHeader), HttpDate(answer.Header("last-modified"))};
@@ -164,8 +170,7 @@ bool S3Client::Adapt(const HttpAnswer& answer, const S3Refusal& refusal) {
 }
 
 Error S3Client::Meaning(const Ask& ask, const HttpAnswer& answer, bool& may_retry) {
-  // A HEAD has no body that could say more.
-  S3Refusal refusal = ParseRefusal(answer.body).value_or(S3Refusal());
+  const S3Refusal refusal = ParseRefusal(answer.body).value_or(S3Refusal());
   const std::string place = settings_.Address();
   const std::string detail = fmt::format("{} {}{}: {} {} {}", ask.method, place, ask.key, answer.status,
                                          refusal.code, refusal.message);
@@ -196,8 +201,7 @@ Error S3Client::Meaning(const Ask& ask, const HttpAnswer& answer, bool& may_retr
   }
   if (answer.status == 416)
     return {ErrorCode::kRangeNotSatisfiable, "The range lies outside the object.", detail};
-  if (answer.status == 400 || answer.status == 401 || answer.status == 403 || answer.status == 301 ||
-      answer.status == 307) {
+  if (IsRefusal(answer)) {
     may_retry = Adapt(answer, refusal) || refusal.code == "RequestTimeout";
     return {
         has_worked_ ? ErrorCode::kUnavailable : ErrorCode::kForbidden,
@@ -224,6 +228,13 @@ Result<HttpAnswer> S3Client::Perform(Ask ask, int* attempts_made) {
   for (int attempt = 1;; ++attempt) {
     if (attempts_made != nullptr) *attempts_made = attempt;
     Result<HttpAnswer> answer = PerformOnce(ask, payload, attempt);
+    if (answer && ask.method == "HEAD" && IsRefusal(*answer)) {
+      // It has no body that could say why: that the clock is wrong, or the keys have expired.
+      Ask aloud{"GET", ask.key};
+      aloud.headers = {{"Range", "bytes=0-0"}};
+      Result<HttpAnswer> told = PerformOnce(aloud, payload, attempt);
+      if (told && IsRefusal(*told)) answer = std::move(told);
+    }
     if (answer && answer->IsGood()) {
       has_worked_ = true;
       return answer;

@@ -110,6 +110,29 @@ TEST(S3Client, SignsByTheStoresClockWhereItsOwnIsWrong) {
   EXPECT_NE(store.requests()[1].find("x-amz-date: 20440105"), std::string::npos);
 }
 
+// The answer to a HEAD has no body: as where the clock was put right since the store's was learnt.
+TEST(S3Client, LearnsWhyAHeadIsRefused) {
+  const std::string date = "Date: Tue, 05 Jan 2044 10:00:00 GMT\r\n";
+  ScriptedStore store([&](int n, const std::string&) {
+    if (n == 0) return HttpText(403, "", date);
+    return n == 1 ? HttpText(403, Refusal("RequestTimeTooSkewed"), date) : HttpText(200);
+  });
+  EXPECT_TRUE(store->Head("k"));
+  const std::vector<std::string> requests = store.requests();
+  ASSERT_EQ(requests.size(), 3U);
+  EXPECT_TRUE(requests[1].starts_with("GET /maps/p/k HTTP/1.1")) << requests[1];
+  EXPECT_TRUE(requests[2].starts_with("HEAD /maps/p/k HTTP/1.1")) << requests[2];
+  EXPECT_NE(requests[2].find("x-amz-date: 20440105"), std::string::npos);
+}
+
+TEST(S3Client, SaysWhyAHeadIsRefused) {
+  ScriptedStore store([](int n, const std::string&) {
+    return n == 0 ? HttpText(403) : HttpText(403, Refusal("InvalidAccessKeyId"));
+  });
+  EXPECT_NE(test::ErrorOf(store->Head("k")).message.find("InvalidAccessKeyId"), std::string::npos);
+  EXPECT_EQ(store.requests().size(), 2U);
+}
+
 TEST(S3Client, SignsForTheRegionThatTheBucketIsIn) {
   ScriptedStore store([](int n, const std::string&) {
     if (n == 0) return HttpText(400, Refusal("AuthorizationHeaderMalformed", "<Region>eu-west-1</Region>"));
