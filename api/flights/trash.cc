@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "api/auth/flight_access.h"
@@ -12,6 +13,7 @@
 #include "api/json/json_codec.h"
 #include "api/routes.h"
 #include "core/base/try.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/catalogue/trash.h"
 
 namespace skyquilt::api {
@@ -78,8 +80,18 @@ Result<void> RemoveFlight(Service& service, const std::string& id,
                           std::optional<storage::Time> trashed_until) {
   // What they have made waits for their next attempts; without them nobody could tell whose it was.
   SKYQUILT_TRY_ASSIGN(const std::vector<std::string> jobs, service.queue.JobsOf(id));
+  // A store that hears nothing of it would keep all of the flight for ever.
+  storage::BlobStore& blobs = service.store.blobs();
+  bool is_marked = false;
+  if (!blobs.IsFolder()) {
+    SKYQUILT_TRY_ASSIGN(is_marked, storage::MarkDeleted(blobs, id));
+  }
   // The catalogue first: what is then left on the disk is garbage that any start-up removes.
-  SKYQUILT_TRY(service.db.Free([&] { return service.catalogue.DeleteFlight(id, trashed_until); }));
+  const Result<void> deleted =
+      service.db.Free([&] { return service.catalogue.DeleteFlight(id, trashed_until); });
+  if (!deleted && is_marked && service.catalogue.OwnerOf(id))  // it stays
+    (void)blobs.Remove(std::string(storage::kDeletedPrefix) + id).ok();
+  if (!deleted) return deleted;
   service.tilesets.Forget(id);
   service.store.RemoveFlight(id, jobs);
   service.db.FillReserve();

@@ -15,7 +15,7 @@ namespace skyquilt::api {
 Result<void> DeleteFlight(Service& service, const std::string& id);
 
 // The flight with all that is on the disk, at once. `trashed_until`: as Catalogue::DeleteFlight. Errors: as
-// above.
+// above, and those of the store of photos and maps, with which the flight stays.
 Result<void> RemoveFlight(Service& service, const std::string& id,
                           std::optional<storage::Time> trashed_until = std::nullopt);
 

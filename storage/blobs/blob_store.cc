@@ -28,10 +28,14 @@ Result<std::chrono::system_clock::time_point> TimeOfStore(BlobStore& blobs) {
   return put->changed;
 }
 
-Result<void> RemoveFlightBlobs(BlobStore& blobs, const std::string& flight_id) {
-  const std::string marker = std::string(kDeletedPrefix) + flight_id;
-  const Result<void> marked = blobs.PutIfAbsent(marker, "deleted");
+Result<bool> MarkDeleted(BlobStore& blobs, const std::string& flight_id) {
+  const Result<void> marked = blobs.PutIfAbsent(std::string(kDeletedPrefix) + flight_id, "deleted");
   if (!marked && marked.error().code != ErrorCode::kConflict) return marked.error();
+  return marked.ok();
+}
+
+Result<void> RemoveFlightBlobs(BlobStore& blobs, const std::string& flight_id) {
+  SKYQUILT_TRY(MarkDeleted(blobs, flight_id));
   SKYQUILT_TRY(blobs.RemoveBelow(FlightPrefix(flight_id)));
   return {};
 }

@@ -93,6 +93,10 @@ inline constexpr std::string_view kDeletedPrefix = "deleted/";
 // What time it is where the blobs are: a small one is put and looked at.
 Result<std::chrono::system_clock::time_point> TimeOfStore(BlobStore& blobs);
 
+// Before the catalogue forgets a flight: what is there of it, SweepBlobs removes then, whatever comes
+// between. False: it was said before.
+Result<bool> MarkDeleted(BlobStore& blobs, const std::string& flight_id);
+
 // All blobs of a flight that the catalogue no longer knows; any process, several at once do no harm. What
 // fails, is cut off or comes later, SweepBlobs ends.
 Result<void> RemoveFlightBlobs(BlobStore& blobs, const std::string& flight_id);

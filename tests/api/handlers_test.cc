@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 
+#include "api/flights/trash.h"
 #include "tests/api/sample_service.h"
+#include "tests/storage/blobs/far_folder.h"
 
 namespace skyquilt::api {
 namespace {
@@ -66,6 +70,25 @@ TEST(Flights, RemovedForGoodTakeAlongWhatTheirJobHadMade) {
     }
     EXPECT_EQ(CountIn(sample.dir().Work()), 0) << trash_days;
   }
+}
+
+TEST(Flights, StayWhileTheStoreOfPhotosCannotBeToldThatTheyGo) {
+  SampleService sample;
+  const auto far = std::make_shared<test::FarFolder>(sample.dir().root() / "far");
+  storage::PhotoStore store(sample.dir(), far);
+  Metrics metrics;
+  Service service{sample.catalogue, sample.queue,        store,  sample.service().tilesets,
+                  metrics,          sample.service().db, "1.2.3"};
+  const std::string flight = sample.NewFlight();
+  far->puts_left = 0;
+  EXPECT_EQ(RemoveFlight(service, flight).error().code, ErrorCode::kUnavailable);
+  EXPECT_TRUE(*sample.catalogue.HasFlight(flight));
+  far->puts_left = 1;
+  EXPECT_EQ(RemoveFlight(service, flight, storage::Time()).error().code, ErrorCode::kNotFound);
+  EXPECT_FALSE(far->Find("deleted/" + flight));  // it was restored meanwhile
+  EXPECT_TRUE(RemoveFlight(service, flight));
+  EXPECT_FALSE(*sample.catalogue.HasFlight(flight));
+  EXPECT_TRUE(far->Find("deleted/" + flight));
 }
 
 TEST(Flights, RefuseBadParameters) {

@@ -25,6 +25,7 @@ class FarFolder final : public storage::BlobStore {
     return {};
   }
   Result<void> PutIfAbsent(const std::string& key, std::string_view bytes) override {
+    if (puts_left <= 0) return Error{ErrorCode::kUnavailable, "away", ""};
     return folder_.PutIfAbsent(key, bytes);
   }
   Result<std::string> ReadRange(const std::string& key, std::int64_t offset, std::int64_t length) override {
