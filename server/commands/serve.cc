@@ -248,6 +248,7 @@ void RunServer(const ServeOptions& options) {
     if (written > 0)
       LogEvent(
           fmt::format("{} of an earlier version got a record, flight.jsonl", Counted(written, "flight")));
+    OrFail("skyquilt serve", storage::SettleRecords(opened.dir, *opened.db));
     records.emplace(opened.dir);
   }
   storage::Catalogue catalogue(*opened.db, std::move(records));

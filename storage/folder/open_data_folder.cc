@@ -123,6 +123,17 @@ Result<std::map<std::string, KnownFlight>> KnownFlights(CatalogueDb& db) {
   return flights;
 }
 
+// By stored name.
+std::map<std::string, RecordedFile> RecordedAlone(const fs::path& flight_folder, const KnownFlight& known) {
+  const Result<std::optional<FlightRecord>> record = ReadFlightRecord(flight_folder);
+  if (!record || !*record) return {};
+  std::map<std::string, RecordedFile> files = (*record)->files;
+  std::erase_if(files, [&](const auto& file) {
+    return file.second.is_removed || known.stored_names.contains(file.first);
+  });
+  return files;
+}
+
 // Files that the flight's record knows and the catalogue does not. `is_elsewhere`: they are not on the disk.
 int UnknownFiles(const DiskFlight& flight, const KnownFlight& known, bool is_elsewhere) {
   std::set<std::string> unknown;
@@ -130,15 +141,10 @@ int UnknownFiles(const DiskFlight& flight, const KnownFlight& known, bool is_els
     if (!known.stored_names.contains(file.stored_name)) unknown.insert(file.stored_name);
   }
   if (unknown.empty() && !is_elsewhere) return 0;
-  const Result<std::optional<FlightRecord>> record = ReadFlightRecord(flight.folder);
-  if (!record || !*record) return 0;
-  int count = 0;
-  for (const auto& [stored_name, file] : (*record)->files) {
-    const bool is_there =
-        is_elsewhere ? !known.stored_names.contains(stored_name) : unknown.contains(stored_name);
-    if (is_there && !file.is_removed) ++count;
-  }
-  return count;
+  const std::map<std::string, RecordedFile> alone = RecordedAlone(flight.folder, known);
+  return static_cast<int>(std::count_if(alone.begin(), alone.end(), [&](const auto& file) {
+    return is_elsewhere || unknown.contains(file.first);
+  }));
 }
 
 // No crash leaves a flight with files that the catalogue never heard of (it is in the catalogue before its
@@ -226,6 +232,26 @@ Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db) {
     ++written;
   }
   return written;
+}
+
+Result<void> SettleRecords(const DataDir& dir, CatalogueDb& db) {
+  std::error_code none;
+  if (!fs::exists(dir.BlobsMarker(), none)) return {};  // the sweep takes their bytes away
+  const FlightRecords records(dir);
+  SKYQUILT_TRY_ASSIGN(const auto flights, KnownFlights(db));
+  for (const auto& [id, known] : flights) {
+    if (!IsId(id)) continue;
+    const std::map<std::string, RecordedFile> alone = RecordedAlone(dir.Flight(id), known);
+    if (alone.empty()) continue;
+    SKYQUILT_TRY_ASSIGN(const FlightRecord whole, Catalogue(db).RecordOf(id));
+    for (const auto& [stored_name, file] : alone) {
+      (void)records.RemoveFile(id, stored_name).ok();  // on a full disk the next start does it
+      for (const auto& [kept_name, kept] : whole.files) {
+        if (kept.name == file.name) (void)records.AddFile(id, kept_name, kept).ok();
+      }
+    }
+  }
+  return {};
 }
 
 Result<FolderSurvey> SurveyFolder(const DataDir& dir) {

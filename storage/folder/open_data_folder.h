@@ -41,6 +41,10 @@ Result<OpenedDataFolder> OpenOrJoinDataFolder(const std::filesystem::path& root,
 // Flights of versions that wrote no records get theirs while the catalogue still knows their names; how many.
 // For the server of a folder with the flights' files, once nothing can refuse it.
 Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db);
+// Where photos lie elsewhere, the records alone say what a catalogue lacks: what killed servers recorded and
+// did not commit is said to be removed, so that it does not add up. For the same server, before it takes
+// requests.
+Result<void> SettleRecords(const DataDir& dir, CatalogueDb& db);
 
 // "Run "skyquilt data repair --data DIR"...": what helps where the catalogue and the flights do not agree.
 std::string RepairAdvice(const DataDir& dir, const CataloguePlace& place = {});

@@ -211,6 +211,25 @@ TEST(OpenDataFolder, GoesOnAfterCrashesThatLeaveThingsOnDisk) {
   EXPECT_TRUE(opened) << opened.error().message;
 }
 
+// Photos lie in a store: nothing on the disk tells what was recorded and not committed from what is missing.
+TEST(OpenDataFolder, GoesOnAfterAnyNumberOfKillsBesideAStore) {
+  test::TemporaryFolder scratch;
+  const std::string flight = FillWithOneFlight(scratch.path());
+  const auto dir = DataDir::At(scratch.path());
+  std::ofstream(dir.BlobsMarker()) << R"({"blobs":"s3://far/"})";
+  for (int kills = 0; kills < 3; ++kills) {
+    const std::string killed = NewId();
+    ASSERT_TRUE(FlightRecords(dir).AddFile(flight, killed, {"a.jpg", 5, Now(), false}));
+    const auto opened = test::ValueOf(OpenDataFolder(scratch.path()));
+    ASSERT_TRUE(SettleRecords(opened.dir, *opened.db));
+    const auto record = test::ValueOf(*ReadFlightRecord(dir.Flight(flight)));
+    EXPECT_TRUE(record.files.at(killed).is_removed);
+    const RecordedFile& kept = record.files.at(Catalogue(*opened.db).ListFiles(flight)->at(0).stored_name);
+    EXPECT_FALSE(kept.is_removed);
+    EXPECT_EQ(kept.replaced_by, "");
+  }
+}
+
 TEST(OpenDataFolder, AdoptsAFolderOfAVersionWithoutMarkers) {
   test::TemporaryFolder scratch;
   const std::string flight = FillWithOneFlight(scratch.path());
