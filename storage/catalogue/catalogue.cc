@@ -338,8 +338,12 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
     if (expected && *expected != removed.stored_name) return ChangedElsewhere(name);
     // Before the catalogue: a process that dies between the two must not leave a record that brings the file
     // back. A record that cannot take it (a full disk) still names a file that is about to go, which does no
-    // harm.
-    const bool is_recorded = records_ && records_->RemoveFile(flight_id, removed.stored_name);
+    // harm where a start sees that it is gone.
+    const Result<void> recorded =
+        records_ ? records_->RemoveFile(flight_id, removed.stored_name) : Result<void>();
+    const bool is_without = !recorded && recorded.error().code == ErrorCode::kNotFound;
+    if (!recorded && !is_without && records_->AreAllThatIsHere()) return recorded.error();
+    const bool is_recorded = records_ && recorded;
     const Result<void> committed = transaction.Commit();
     if (!committed) {
       if (is_recorded) (void)Record(flight_id, removed, created).ok();  // what it would say is not so

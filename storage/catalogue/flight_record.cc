@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 
 #include "core/base/process/file_descriptor.h"
@@ -141,6 +142,11 @@ Result<std::optional<FlightRecord>> ReadFlightRecord(const std::filesystem::path
 bool FlightRecords::Has(const std::string& flight_id) const {
   std::error_code none;
   return std::filesystem::exists(dir_.Flight(flight_id) / kFlightRecordName, none);
+}
+
+bool FlightRecords::AreAllThatIsHere() const {
+  std::error_code none;
+  return std::filesystem::exists(dir_.BlobsMarker(), none);
 }
 
 Result<void> FlightRecords::Begin(const std::string& flight_id, const FlightRecord& record) const {

@@ -62,6 +62,8 @@ class FlightRecords {
 
   const DataDir& dir() const { return dir_; }
   bool Has(const std::string& flight_id) const;
+  // Photos and maps lie elsewhere: a start knows by the records alone what a catalogue lacks.
+  bool AreAllThatIsHere() const;
   // Makes the flight's folder with its record in it, or writes the whole record anew.
   Result<void> Begin(const std::string& flight_id, const FlightRecord& record) const;
   // What is set in `change` of name, options, owner, created, tags and is_kept.

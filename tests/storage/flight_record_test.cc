@@ -100,6 +100,24 @@ TEST(FlightRecord, NamesNoFileWhoseCommitFailed) {
   EXPECT_EQ(catalogue.FindFile(flight, "a.jpg")->value().stored_name, kept);
 }
 
+// Where photos lie elsewhere a few of such keep each start from its catalogue; here removing is to make room.
+TEST(FlightRecord, IsNoLongerTrueOfWhatWasRemovedOnlyWhereThatIsSeen) {
+  test::TemporaryFolder scratch;
+  const auto dir = *DataDir::Open(scratch.path());
+  const auto db = *CatalogueDb::Open(dir.Catalogue());
+  Catalogue catalogue(*db, FlightRecords(dir));
+  const std::string flight = catalogue.AddFlight("f", "{}", Now())->id;
+  ASSERT_TRUE(catalogue.AddFile(flight, {"a.jpg", NewId(), 1}, Now()));
+  const auto record = dir.Flight(flight) / kFlightRecordName;
+  std::filesystem::remove(record);
+  std::filesystem::create_directory(record);  // takes nothing, as on a full disk
+  std::ofstream(dir.BlobsMarker()) << R"({"blobs":"s3://far/"})";
+  EXPECT_FALSE(catalogue.RemoveFile(flight, "a.jpg"));
+  EXPECT_EQ(catalogue.ListFiles(flight)->size(), 1u);
+  std::filesystem::remove(dir.BlobsMarker());
+  EXPECT_TRUE(catalogue.RemoveFile(flight, "a.jpg"));
+}
+
 TEST(FlightRecord, TakesAnyBytes) {
   for (const char* bad : {"", "\n\n", "null\n[]\n{}\n", "{\"flight\":{\"name\":7,\"created_us\":\"x\"}}\n",
                           "{\"file\":{\"stored\":\"a\",\"name\":\"b\",\"bytes\":1,\"created_us\":2}}\n"})
