@@ -1,15 +1,19 @@
 #include "server/jobs/out_folder.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/file.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "core/base/digest.h"
 #include "core/base/text/printable.h"
@@ -210,6 +214,18 @@ Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<fs::path>
                Counted(passed_over.size(), "file"), Printable(passed_over.front().string()));
   }
   return files;
+}
+
+Result<FileDescriptor> TakeOutFolder(const fs::path& out_dir) {
+  FileDescriptor folder(open(out_dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder.is_open() && flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    return Error{
+        ErrorCode::kConflict,
+        fmt::format("{}: another run makes its map just now. Nothing was changed. Wait until that has "
+                    "ended, or choose another folder.",
+                    out_dir.string())};
+  }
+  return Result<FileDescriptor>(std::move(folder));
 }
 
 Result<void> CheckNoInputIsReplaced(const fs::path& out_dir, const std::vector<flight::InputFile>& files) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/result.h"
 #include "core/flight/bytes/input_file.h"
 #include "core/pipeline/mosaic_options.h"
@@ -25,6 +26,11 @@ bool IsOfMap(const std::filesystem::path& file, const std::filesystem::path& roo
 // What is given of a flight, without what in its folders IsOfMap. A file that is given by itself counts. Says
 // on stderr that there were such, or folders that may not be read. Errors: kNotFound, kIo.
 Result<std::vector<flight::InputFile>> FilesOfFlight(const std::vector<std::filesystem::path>& inputs);
+
+// A folder in which a map is made, for as long as what is returned lives: of two runs at once one would
+// publish what the other has half written. Nothing is held where there is no folder yet, or its disk knows no
+// locks. Errors: kConflict (another run has it).
+Result<FileDescriptor> TakeOutFolder(const std::filesystem::path& out_dir);
 
 // Even where the user said to overwrite: no file that the map is to be made from. Errors: kConflict.
 Result<void> CheckNoInputIsReplaced(const std::filesystem::path& out_dir,

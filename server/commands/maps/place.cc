@@ -116,6 +116,7 @@ StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
 
 void Run(const PlaceArguments& arguments) {
   const pipeline::PlaceRequest request = RequestOf(arguments);
+  const FileDescriptor taken = OrFail(kCommand, TakeOutFolder(arguments.map_dir));
   const auto files = OrFail(kCommand, FilesOfMap(arguments.map_dir));
   for (const flight::InputFile& file : files) {
     if (fs::exists(file.path)) continue;

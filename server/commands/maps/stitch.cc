@@ -194,6 +194,9 @@ void Run(StitchArguments& arguments) {
   if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
     Fail("skyquilt", possible.error());
   auto files = OrFail("skyquilt", FilesOfFlight(arguments.inputs));
+  std::error_code unmade;  // the map says why
+  if (!arguments.append) std::filesystem::create_directories(arguments.out_dir, unmade);
+  const FileDescriptor taken = OrFail("skyquilt", TakeOutFolder(arguments.out_dir));
   if (arguments.append) {
     OrFail("skyquilt", CheckListStays(arguments.out_dir));
     AddFinishedFiles(arguments.out_dir, files);

@@ -1,6 +1,8 @@
 """A finished map and files of others in the folder of -o are replaced only by those who say so."""
 import contextlib
+import fcntl
 import json
+import os
 import pathlib
 import shutil
 import sqlite3
@@ -166,6 +168,19 @@ class OutFolder(ScratchCase):
         self.check_refused(photos, self.stitch(photos, photos), "geo.txt")
         self.check_refused(photos, self.stitch(photos, photos, "--overwrite"), "geo.txt", "one of the files given")
         self.assertEqual((photos / "geo.txt").read_text(), "EPSG:4326\n")
+
+    def test_a_folder_in_which_a_map_is_made_is_left_alone(self):
+        out = self.copy_of_map("at_work")
+        before = contents(out)
+        other_run = os.open(out, os.O_RDONLY)
+        self.addCleanup(os.close, other_run)
+        fcntl.flock(other_run, fcntl.LOCK_EX)
+        for words in ((), ("--overwrite",), ("--append",)):
+            self.check_refused(out, self.stitch(self.scratch / "one", out, *words), "another run makes its map")
+        self.check_refused(out, run("place", out, "--point", "46,7=46.1,7.1", "--again", code=None), "another run makes its map")
+        self.assertEqual(contents(out), before)
+        fcntl.flock(other_run, fcntl.LOCK_UN)
+        self.stitch(self.scratch / "other", out, "--overwrite", code=0)
 
     def test_a_list_that_somebody_put_beside_the_map_is_read_and_stays(self):
         photos = self.scratch / "with_map_and_list"
