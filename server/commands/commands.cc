@@ -1,6 +1,6 @@
 #include "server/commands/commands.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -11,6 +11,7 @@
 
 #include "server/commands/config_file.h"
 #include "server/manual/manual_command.h"
+#include "server/terminal/tell.h"
 #include "server/usage/explain_usage.h"
 #include "server/usage/option_values.h"
 
@@ -58,7 +59,7 @@ int RunCommandLine(int argc, const char* const* argv) {
     return app.exit(error);
   } catch (const std::exception& error) {
     // The machine is out of something (memory, disk, threads); input errors never come this way.
-    fmt::print(stderr, "skyquilt: {}\n", error.what());
+    Tell(fmt::format("skyquilt: {}\n", error.what()));
     return 70;
   }
   return 0;

@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
+
+#include "server/terminal/tell.h"
 
 namespace skyquilt::server {
 
 void Fail(const char* program, const Error& error) {
-  fmt::print(stderr, "{}: {}\n", program, error.message);
+  Tell(fmt::format("{}: {}\n", program, error.message));
   throw CLI::RuntimeError(error.code == ErrorCode::kCancelled ? 130 : 1);
 }
 

@@ -1,12 +1,14 @@
 #include "server/terminal/terminal_progress.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
+#include <cstdlib>
+
+#include "server/terminal/tell.h"
 
 namespace skyquilt::server {
 namespace {
@@ -48,11 +50,13 @@ std::string Seconds(double seconds) {
 TerminalProgress::TerminalProgress() : is_terminal_(isatty(STDERR_FILENO) != 0), stage_start_(Clock::now()) {
   interrupted = 0;
   std::signal(SIGINT, OnInterrupt);
+  std::signal(SIGPIPE, SIG_IGN);  // whoever reads what is told here may be gone
 }
 
 TerminalProgress::~TerminalProgress() {
   EndStage();
   std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGPIPE, SIG_DFL);
 }
 
 bool TerminalProgress::IsCancelled() const { return interrupted != 0; }
@@ -70,7 +74,7 @@ void TerminalProgress::EndStage() {
   std::lock_guard lock(mutex_);
   if (stage_.empty()) return;
   const double took_s = std::chrono::duration<double>(Clock::now() - stage_start_).count();
-  fmt::print(stderr, "{}{}: {:.1f} s\n", is_terminal_ ? "\r\x1b[K" : "", StageWords(stage_), took_s);
+  Tell(fmt::format("{}{}: {:.1f} s\n", is_terminal_ ? "\r\x1b[K" : "", StageWords(stage_), took_s));
   stage_.clear();
 }
 
@@ -87,7 +91,7 @@ void TerminalProgress::Report(double fraction, std::string_view message) {
   if (tenth <= last_tenth_ || now - last_drawn_ < std::chrono::seconds(2)) return;
   last_tenth_ = tenth;
   last_drawn_ = now;
-  fmt::print(stderr, "{}: {:.0f} % ({})\n", StageWords(stage_), 100.0 * fraction, message);
+  Tell(fmt::format("{}: {:.0f} % ({})\n", StageWords(stage_), 100.0 * fraction, message));
 }
 
 void TerminalProgress::Draw(double fraction, std::string_view message) {
@@ -96,9 +100,8 @@ void TerminalProgress::Draw(double fraction, std::string_view message) {
   std::string left;
   const double elapsed_s = std::chrono::duration<double>(Clock::now() - stage_start_).count();
   if (fraction > 0.03 && elapsed_s > 1.0) left = Seconds(elapsed_s * (1.0 - fraction) / fraction) + " left";
-  fmt::print(stderr, "\r\x1b[K{:<20} [{}{}] {:3.0f} %  {}  {}", StageWords(stage_), std::string(filled, '#'),
-             std::string(kWidth - filled, '.'), 100.0 * fraction, message, left);
-  std::fflush(stderr);
+  Tell(fmt::format("\r\x1b[K{:<20} [{}{}] {:3.0f} %  {}  {}", StageWords(stage_), std::string(filled, '#'),
+                   std::string(kWidth - filled, '.'), 100.0 * fraction, message, left));
 }
 
 }  // namespace skyquilt::server

@@ -1,12 +1,13 @@
 #include "server/watch/watch_talk.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <cstdio>
 
 #include "core/base/text/printable.h"
+#include "server/terminal/tell.h"
 
 namespace skyquilt::server {
 namespace {
@@ -36,7 +37,7 @@ WatchTalk::~WatchTalk() {
 
 void WatchTalk::Say(const std::string& line) {
   EndProgress();
-  fmt::print("{}\n", Printable(line));
+  std::puts(Printable(line).c_str());  // a log that cannot be written ends no watch
   std::fflush(stdout);
 }
 
@@ -65,20 +66,19 @@ void WatchTalk::Report(double fraction, std::string_view message) {
     if (now - drawn_at_ < std::chrono::milliseconds(100) && fraction < 1.0) return;
     drawn_at_ = now;
     has_open_line_ = true;
-    fmt::print(stderr, "\r\x1b[K  {:3.0f} %  {}", 100.0 * fraction, Printable(std::string(message)));
-    std::fflush(stderr);
+    Tell(fmt::format("\r\x1b[K  {:3.0f} %  {}", 100.0 * fraction, Printable(std::string(message))));
     return;
   }
   const int quarter = static_cast<int>(fraction * 4.0);
   if (quarter <= last_quarter_ || now - drawn_at_ < std::chrono::seconds(2)) return;
   last_quarter_ = quarter;
   drawn_at_ = now;
-  fmt::print(stderr, "  {:.0f} % ({})\n", 100.0 * fraction, Printable(std::string(message)));
+  Tell(fmt::format("  {:.0f} % ({})\n", 100.0 * fraction, Printable(std::string(message))));
 }
 
 void WatchTalk::EndProgress() {
   const std::lock_guard lock(mutex_);
-  if (has_open_line_) fmt::print(stderr, "\r\x1b[K");
+  if (has_open_line_) Tell("\r\x1b[K");
   has_open_line_ = false;
 }
 

@@ -1,0 +1,37 @@
+"""What a command says to who watches it: at a terminal, into a log, to nobody any more."""
+import os
+import pathlib
+import pty
+import subprocess
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from program import BINARY, ScratchCase  # noqa: E402
+
+
+class Terminal(ScratchCase):
+    def simulate(self, name):
+        """The words of a command that ends within a second and tells how far it is."""
+        return [BINARY, "simulate", "-o", self.scratch / name, "--photos", "2", "--size", "320x240", "--no-world"]
+
+    def test_work_goes_on_where_nobody_can_be_told(self):
+        reader, without_reader = os.pipe()
+        os.close(reader)
+        ours, gone_terminal = pty.openpty()
+        os.close(ours)
+        full_disk = os.open("/dev/full", os.O_WRONLY)
+        for name, told in (("without_reader", without_reader), ("gone_terminal", gone_terminal), ("full_disk", full_disk)):
+            self.addCleanup(os.close, told)
+            done = subprocess.run(self.simulate(name), stdout=subprocess.DEVNULL, stderr=told)
+            self.assertEqual(done.returncode, 0, name)
+            self.assertEqual(len(list((self.scratch / name / "photos").iterdir())), 2, name)
+
+    def test_how_a_command_ends_is_told_by_its_code_alone_there(self):
+        with open("/dev/full", "w") as full_disk:
+            refused = subprocess.run([BINARY, "report", self.scratch, "-o", self.scratch / "none.html"], stderr=full_disk)
+        self.assertEqual(refused.returncode, 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
