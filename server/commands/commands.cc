@@ -1,9 +1,12 @@
 #include "server/commands/commands.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <string>
 #include <utility>
@@ -26,9 +29,7 @@ constexpr void (*kCommands[])(CLI::App&) = {
     AddValidateCommand, AddImportCommand, AddInspectCommand, AddSimulateCommand,
     AddTokenCommand,    AddDataCommand,   AddWorkerCommand,  AddSandboxedCommands};
 
-}  // namespace
-
-int RunCommandLine(int argc, const char* const* argv) {
+int RunCommand(int argc, const char* const* argv) {
   CLI::App app{"Skyquilt: from a drone's SD card to a map in the browser"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("skyquilt ") + SKYQUILT_VERSION);
@@ -63,6 +64,17 @@ int RunCommandLine(int argc, const char* const* argv) {
     return 70;
   }
   return 0;
+}
+
+}  // namespace
+
+int RunCommandLine(int argc, const char* const* argv) {
+  const int code = RunCommand(argc, argv);
+  // What was printed may have waited until now to be written. Who closed stdout wants none of it.
+  const bool is_written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (is_written || fcntl(STDOUT_FILENO, F_GETFD) < 0) return code;
+  Tell("skyquilt: what it printed could not all be written; the disk may be full.\n");
+  return code == 0 ? 1 : code;
 }
 
 }  // namespace skyquilt::server

@@ -32,6 +32,16 @@ class Terminal(ScratchCase):
             refused = subprocess.run([BINARY, "report", self.scratch, "-o", self.scratch / "none.html"], stderr=full_disk)
         self.assertEqual(refused.returncode, 1)
 
+    def test_what_is_printed_is_written_or_said_not_to_be(self):
+        for words in (["--version"], self.simulate("printed")[1:]):
+            with open("/dev/full", "w") as full_disk:
+                done = subprocess.run([BINARY, *words], stdout=full_disk, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(done.returncode, 1, words)
+            self.assertIn("what it printed could not all be written", done.stderr)
+        # Where stdout is closed, nobody asked for it.
+        closed = subprocess.run(["sh", "-c", 'exec "$0" --version >&-', BINARY], stderr=subprocess.PIPE, text=True)
+        self.assertEqual((closed.returncode, closed.stderr), (0, ""))
+
 
 if __name__ == "__main__":
     unittest.main()
