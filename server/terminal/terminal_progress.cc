@@ -1,6 +1,7 @@
 #include "server/terminal/terminal_progress.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "core/base/text/plain_text.h"
 #include "server/terminal/tell.h"
 
 namespace skyquilt::server {
@@ -38,6 +40,13 @@ std::string StageWords(std::string_view stage) {
   if (stage == "move") return "Copying and comparing";
   if (stage == "compare") return "Comparing maps";
   return std::string(stage);
+}
+
+// What wraps into the next row stays when the line is drawn anew.
+std::string CutToRow(const std::string& line) {
+  winsize size{};
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return line;  // it does not say
+  return CutToBytes(line, size.ws_col - 1U);
 }
 
 std::string Seconds(double seconds) {
@@ -99,9 +108,11 @@ void TerminalProgress::Draw(double fraction, std::string_view message) {
   const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kWidth);
   std::string left;
   const double elapsed_s = std::chrono::duration<double>(Clock::now() - stage_start_).count();
-  if (fraction > 0.03 && elapsed_s > 1.0) left = Seconds(elapsed_s * (1.0 - fraction) / fraction) + " left";
-  Tell(fmt::format("\r\x1b[K{:<20} [{}{}] {:3.0f} %  {}  {}", StageWords(stage_), std::string(filled, '#'),
-                   std::string(kWidth - filled, '.'), 100.0 * fraction, message, left));
+  if (fraction > 0.03 && elapsed_s > 1.0) left = Seconds(elapsed_s * (1.0 - fraction) / fraction) + " left  ";
+  const std::string line =
+      fmt::format("{:<20} [{}{}] {:3.0f} %  {}{}", StageWords(stage_), std::string(filled, '#'),
+                  std::string(kWidth - filled, '.'), 100.0 * fraction, left, message);
+  Tell("\r\x1b[K" + CutToRow(line));
 }
 
 }  // namespace skyquilt::server

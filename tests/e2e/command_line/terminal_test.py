@@ -1,9 +1,14 @@
 """What a command says to who watches it: at a terminal, into a log, to nobody any more."""
+import contextlib
+import fcntl
 import os
 import pathlib
 import pty
+import re
+import struct
 import subprocess
 import sys
+import termios
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
@@ -41,6 +46,21 @@ class Terminal(ScratchCase):
         # Where stdout is closed, nobody asked for it.
         closed = subprocess.run(["sh", "-c", 'exec "$0" --version >&-', BINARY], stderr=subprocess.PIPE, text=True)
         self.assertEqual((closed.returncode, closed.stderr), (0, ""))
+
+    def test_a_line_of_progress_stays_in_its_row(self):
+        ours, theirs = pty.openpty()
+        self.addCleanup(os.close, ours)
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 40, 0, 0))
+        with subprocess.Popen(self.simulate("drawn"), stdout=subprocess.DEVNULL, stderr=theirs) as job:
+            os.close(theirs)
+            told = b""
+            with contextlib.suppress(OSError):  # where its end is gone
+                while part := os.read(ours, 1 << 16):
+                    told += part
+        self.assertEqual(job.returncode, 0)
+        rows = re.split(r"\r\x1b\[K|\r\n", told.decode())
+        self.assertTrue([row for row in rows if "[...." in row], rows)
+        self.assertLess(max(len(row) for row in rows), 40, rows)
 
 
 if __name__ == "__main__":
