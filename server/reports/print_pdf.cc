@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/base/text/percent.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "server/sandbox/spawn_process.h"
@@ -47,7 +48,7 @@ std::vector<std::string> WordsFor(Printer kind, const fs::path& html, const fs::
                                     "--print-to-pdf=" + pdf.string()};
   // Root has no user namespace to put it into; the page is ours and holds no script.
   if (geteuid() == 0) words.emplace_back("--no-sandbox");
-  words.push_back("file://" + html.string());
+  words.push_back("file://" + PercentEncoded(html.string(), "/-._~"));
   return words;
 }
 

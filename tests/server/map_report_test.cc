@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "core/flight/remarks/because.h"
@@ -79,6 +80,27 @@ TEST(PrintPdf, SaysWhatKeptItFromPrinting) {
   const Error late = ReportNotPrinted({ErrorCode::kTimeout, "weasyprint took more than 2 minutes.", ""});
   EXPECT_EQ(late.code, ErrorCode::kTimeout);
   EXPECT_EQ(late.message, "weasyprint took more than 2 minutes.");
+}
+
+TEST(PrintPdf, GivesABrowserTheAddressOfThePageWhateverItsFolderIsCalled) {
+  const test::TemporaryFolder folder;
+  std::filesystem::permissions(
+      folder.Write(
+          "chromium",
+          "#!/bin/sh\nfor word in \"$@\"; do case $word in --print-to-pdf=*) pdf=${word#*=};; esac; done\n"
+          "echo \"$word\" > \"$pdf\"\n"),
+      std::filesystem::perms::owner_all);
+  const std::filesystem::path field = folder / "Field #3 50%20";
+  std::filesystem::create_directory(field);
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", folder.path().c_str(), 1);
+  const auto printed = PrintPdf(field / "report.html", field / "report.pdf", field);
+  setenv("PATH", path.c_str(), 1);
+  ASSERT_TRUE(printed) << printed.error().message;
+  std::ifstream pdf(field / "report.pdf");
+  std::string address;
+  std::getline(pdf, address);
+  EXPECT_TRUE(address.ends_with("/Field%20%233%2050%2520/report.html")) << address;
 }
 
 TEST(MapPixels, AreBelievedOnlyWhereTheyAreAsManyAsTheySay) {
