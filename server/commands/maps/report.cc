@@ -44,7 +44,8 @@ bool IsPdf(const fs::path& out) {
 Result<void> WritePdf(const std::string& page, const fs::path& out, const fs::path& work_dir) {
   const fs::path html = work_dir / "report.html", pdf = work_dir / "report.pdf";
   SKYQUILT_TRY(storage::WriteFileAtomically(html, page));
-  SKYQUILT_TRY(PrintPdf(html, pdf, work_dir));
+  const TerminalProgress progress;  // hears Ctrl-C
+  SKYQUILT_TRY(PrintPdf(html, pdf, work_dir, [&] { return !progress.IsCancelled(); }));
   std::error_code error;
   fs::rename(pdf, out, error);
   if (error) return storage::FileError("cannot write", out, error.value());

@@ -5,10 +5,12 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import sqlite3
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
@@ -129,6 +131,20 @@ class ReportPage(ScratchCase):
         self.assertIn("weasyprint could not print the report", done.stderr)
         self.assertIn("out of paper", done.stderr)
         self.assertFalse((self.scratch / "report.pdf").exists())
+
+    def test_ctrl_c_ends_the_printing_and_leaves_nothing(self):
+        programs, begun = self.scratch / "bin", self.scratch / "begun"
+        programs.mkdir()
+        (programs / "weasyprint").write_text(f"#!/bin/sh\n: > '{begun}'\nexec /bin/sleep 60\n")
+        (programs / "weasyprint").chmod(0o755)
+        job = subprocess.Popen([BINARY, "report", self.scratch / "map", "-o", self.scratch / "report.pdf"],
+                               env={**os.environ, "PATH": str(programs)}, stderr=subprocess.DEVNULL)
+        while not begun.exists():
+            self.assertIsNone(job.poll())
+            time.sleep(0.05)
+        job.send_signal(signal.SIGINT)
+        self.assertEqual(job.wait(), 130)
+        self.assertEqual(sorted(path.name for path in self.scratch.iterdir()), ["begun", "bin", "map", "sim"])
 
     def test_a_folder_without_a_map(self):
         self.assertIn("stitch", run("report", self.scratch / "sim", "-o", self.scratch / "a.html", code=1).stderr)
