@@ -69,7 +69,7 @@ void Run(const ReportArguments& arguments) {
   const MapPicture picture = EncodeMapPicture(pixels);
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   const std::string page =
-      OrFail(kReportCommand, ReportPage(*report, picture, fmt::format("{:%Y-%m-%d}", fmt::gmtime(now))));
+      OrFail(kReportCommand, ReportPage(*report, picture, fmt::format("{:%Y-%m-%d}", fmt::localtime(now))));
   OrFail(kReportCommand, is_pdf ? WritePdf(page, out, work.path()) : storage::WriteFileAtomically(out, page));
   fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out)) / 1e6);
 }

@@ -1,5 +1,6 @@
 """report.json keeps to its schema, whatever was stitched, and its counts agree with the map; and the report on one page, as HTML and as PDF."""
 import base64
+import datetime
 import json
 import os
 import pathlib
@@ -106,6 +107,15 @@ class ReportPage(ScratchCase):
         self.assertIn("--overwrite", self.report(code=None).stderr)
         self.report("--overwrite", "--picture-px", "300")
         self.assertLess((self.scratch / "report.html").stat().st_size, len(page))
+
+    def test_it_is_dated_by_the_clock_on_the_wall(self):
+        for zone, ahead_h in (("EAST-14", 14), ("WEST12", -12)):  # on no day of the other
+            def today():
+                return f"{datetime.datetime.now(datetime.timezone.utc) + datetime.timedelta(hours=ahead_h):%Y-%m-%d}"
+            began = today()
+            run("report", self.scratch / "map", "-o", self.scratch / "report.html", "--overwrite", env={**os.environ, "TZ": zone})
+            dated = re.search(r"Report of (\S+),", (self.scratch / "report.html").read_text()).group(1)
+            self.assertIn(dated, (began, today()))
 
     def pdf(self, path=None, code=0):
         return run("report", self.scratch / "map", "-o", self.scratch / "report.pdf", code=code, env={**os.environ, **({} if path is None else {"PATH": path})})
