@@ -12,13 +12,13 @@
 #include "core/base/parallel_for.h"
 #include "core/base/text/printable.h"
 #include "core/camera/footprint.h"
-#include "core/flight/bytes/written_time.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/ground/ground_surface.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/report/judge_map.h"
+#include "core/pipeline/report/mosaic_report.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/lists/compare_sources.h"
 #include "core/render/plan_mosaic.h"
@@ -143,6 +143,7 @@ void CountSources(const poses::PosedFlight& posed, const flight::Flight& flight,
 // What the photos record; all their megapixels.
 double DescribePictures(const flight::Flight& flight, FlightVerdict& verdict) {
   double input_megapixels = 0.0;
+  std::vector<const flight::Photo*> photos;
   for (const flight::Photo& photo : flight.photos) {
     const auto& lens = photo.intrinsics;
     ++verdict.cameras[fmt::format("{}, {} x {} px, focal {:.0f} px ({})", flight::MakeAndModel(photo),
@@ -151,10 +152,11 @@ double DescribePictures(const flight::Flight& flight, FlightVerdict& verdict) {
     ++verdict.position_sources[photo.position ? photo.position->source : "none"];
     ++verdict.attitude_sources[photo.attitude ? photo.attitude->source : "none"];
     input_megapixels += 1e-6 * lens.width_px * lens.height_px;
-    if (!photo.captured_at) continue;
-    const std::string time = flight::WrittenSecond(*photo.captured_at);
-    if (verdict.first_capture.empty() || time < verdict.first_capture) verdict.first_capture = time;
-    verdict.last_capture = std::max(verdict.last_capture, time);
+    photos.push_back(&photo);
+  }
+  if (const auto captured = CaptureSpanOf(photos)) {
+    verdict.first_capture = captured->first;
+    verdict.last_capture = captured->last;
   }
   return input_megapixels;
 }

@@ -33,7 +33,7 @@ struct FlightVerdict {
   std::vector<std::string> gcp_lists;         // "gcp_list.txt: 5 points, 23 sightings"
   std::vector<std::string> elevation_models;  // names of files
   poses::PoseReport poses;                    // how the poses were found; empty when none could be
-  std::string first_capture, last_capture;    // ISO 8601, empty when unknown
+  std::string first_capture, last_capture;    // as CaptureSpan has them; empty when unknown
   std::string height_rule;
   double lowest_m = 0.0, highest_m = 0.0;  // above ground
   double gsd_m = 0.0;

@@ -73,6 +73,12 @@ class Report(ScratchCase):
         report = self.stitch("--method=imu")
         self.assertEqual((report["photos"]["pose_only"], report["alignment"]), (5, None))
 
+    def test_inspect_says_alike_when_photos_were_taken(self):
+        captured = self.stitch("--method=imu")["captured"]
+        inspected = json.loads(run("inspect", self.scratch / "sim" / "photos", "--json").stdout)
+        self.assertRegex(captured["first"], r"(Z|[+-]\d\d:\d\d)$")
+        self.assertEqual((inspected["first_capture"], inspected["last_capture"]), (captured["first"], captured["last"]))
+
 
 class ReportPage(ScratchCase):
     @classmethod
