@@ -182,6 +182,21 @@ bool IsOfMap(const fs::path& file, const fs::path& root) {
   return is_named_so && fs::exists(folder / "mosaic.state", none) && (name != kGeoTxt || IsGeoTxtOfMap(file));
 }
 
+Result<void> CheckPhotosStay(const fs::path& out_dir, const std::vector<flight::InputFile>& files) {
+  SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::MapKeeper::StatedFacts(out_dir));
+  SKYQUILT_TRY_ASSIGN(const pipeline::FlightFacts facts, pipeline::ParseFacts(bytes));
+  const Missing missing = MissingOf(out_dir, facts, files);
+  if (missing.photos.empty()) return {};
+  return Error{
+      ErrorCode::kConflict,
+      fmt::format(
+          "{}: {} of the map there {} now (first {}), as on a card that was emptied. Nothing was changed. A "
+          "map can only be added to where its photos still are; for one of others choose another folder "
+          "with -o.",
+          out_dir.string(), Counted(missing.photos.size(), "photo"),
+          missing.photos.size() == 1 ? "is another file" : "are other files", missing.photos.front())};
+}
+
 Result<void> CheckListStays(const fs::path& out_dir) {
   const fs::path list = out_dir / kGeoTxt;
   std::error_code none;

@@ -36,6 +36,11 @@ Result<FileDescriptor> TakeOutFolder(const std::filesystem::path& out_dir);
 Result<void> CheckNoInputIsReplaced(const std::filesystem::path& out_dir,
                                     const std::vector<flight::InputFile>& files);
 
+// That the photos and films of the finished map are what lies in their places still, which are among `files`:
+// a card that was emptied has other photos of the same names. Errors: kConflict.
+Result<void> CheckPhotosStay(const std::filesystem::path& out_dir,
+                             const std::vector<flight::InputFile>& files);
+
 // That no geo.txt but the map's own lies where that is written. Errors: kConflict.
 Result<void> CheckListStays(const std::filesystem::path& out_dir);
 

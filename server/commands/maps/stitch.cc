@@ -126,6 +126,7 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
          {ErrorCode::kNotFound,
           file.path.string() + " is gone; a map can only be added to where its photos still are"});
   }
+  OrFail("skyquilt", CheckPhotosStay(out_dir, all));
   std::size_t given_again = 0;
   for (flight::InputFile& file : files) {
     const auto same = finished.find(file.name);

@@ -99,6 +99,19 @@ class Append(ScratchCase):
         self.assertEqual(again["blocks"]["kept"], again["blocks"]["total"])
         self.assertEqual(tiles_of(out), after)
 
+    def test_a_card_that_was_emptied_since_does_not_take_the_maps_place(self):
+        card, out = self.scratch / "card", self.scratch / "of_card"
+        shutil.copytree(self.first, card)
+        self.stitch(card, out, "--method", "imu")
+        before = tiles_of(out)
+        first = min(card.iterdir())
+        shutil.copy(self.more / self.new, first)  # as numbers that begin anew
+        for photos in (card, self.more):
+            done = run("stitch", photos, "-o", out, "--append", code=1)
+            self.assertIn(f"1 photo of the map there is another file now (first {first.name})", done.stderr)
+            self.assertNotIn("in the map already", done.stdout)
+        self.assertEqual(tiles_of(out), before)
+
     def test_a_map_with_png_at_its_edge_becomes_the_same_as_one_made_anew(self):
         out = self.scratch / "png"
         self.stitch(self.first, out, "--format", "jpeg-png")
