@@ -7,6 +7,7 @@
 #include <mutex>
 #include <set>
 #include <system_error>
+#include <utility>
 
 #include "core/base/parallel_for.h"
 #include "core/base/text/file_names.h"
@@ -271,11 +272,13 @@ Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths
   std::vector<std::string> whole_paths;  // "./a.jpg" too has a folder of a name
   std::set<fs::path> seen;
   for (const fs::path& path : found) {
-    if (!seen.insert(path.lexically_normal()).second) continue;  // given twice
     std::error_code gone;
-    const fs::path whole = fs::absolute(path, gone);
-    whole_paths.push_back((gone ? path : whole).lexically_normal().generic_string());
-    files.push_back({"", path});
+    fs::path whole = fs::absolute(path, gone);  // what is remembered of a map is asked from any folder
+    if (gone) whole = path;
+    const fs::path normal = whole.lexically_normal();
+    if (!seen.insert(normal).second) continue;  // given twice
+    whole_paths.push_back(normal.generic_string());
+    files.push_back({"", std::move(whole)});
   }
   std::vector<std::string> names = NamesApart(whole_paths);
   for (std::size_t i = 0; i < files.size(); ++i) files[i].name = std::move(names[i]);

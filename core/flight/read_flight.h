@@ -25,7 +25,7 @@ using TellsDenied = std::function<void(const std::filesystem::path& folder)>;
 // Whether a folder may not be looked into.
 bool IsDenied(const std::filesystem::path& folder);
 
-// Folders are walked (sorted, hidden files skipped); files are taken as they are.
+// Folders are walked (sorted, hidden files skipped); files are taken as they are. Their paths are absolute.
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem::path>& paths,
                                               const PassesOver& passes_over = {},
                                               const TellsDenied& tells_denied = {});

@@ -251,6 +251,10 @@ TEST(ListInputFiles, NamesWhatIsMissingAndTakesEachFileOnce) {
   folder.Write("a.jpg", PhotoAt(1.0, ""));
   const auto twice = ValueOf(ListInputFiles({folder.path(), folder.path() / "a.jpg"}));
   EXPECT_EQ(twice.size(), 1u);
+  const auto relative = folder.path().lexically_relative(std::filesystem::current_path());
+  const auto either = ValueOf(ListInputFiles({relative, folder.path()}));
+  ASSERT_EQ(either.size(), 1u);
+  EXPECT_TRUE(either.front().path.is_absolute()) << either.front().path;
 }
 
 TEST(ListInputFiles, PassesOverFoldersOfPrograms) {

@@ -112,6 +112,14 @@ class Append(ScratchCase):
             self.assertNotIn("in the map already", done.stdout)
         self.assertEqual(tiles_of(out), before)
 
+    def test_it_is_added_to_from_any_folder(self):
+        flights = self.scratch / "flights"
+        (flights / "elsewhere").mkdir(parents=True)
+        shutil.copytree(self.first, flights / "photos")
+        run("stitch", "photos", "-o", "map", "--method", "imu", cwd=flights)
+        run("stitch", self.more, "-o", "../map", "--append", cwd=flights / "elsewhere")
+        self.assertEqual(report_of(flights / "map")["photos"]["total"], 20)
+
     def test_a_map_with_png_at_its_edge_becomes_the_same_as_one_made_anew(self):
         out = self.scratch / "png"
         self.stitch(self.first, out, "--format", "jpeg-png")
