@@ -34,7 +34,8 @@ class TemporaryFile {
   std::filesystem::path path_;
 };
 
-// What was made, renamed or removed in a folder stays so through a power cut. Errors: kIo, kOutOfSpace.
+// What was made, renamed or removed in a folder stays so through a power cut, where the disk can do that.
+// Errors: kIo, kOutOfSpace.
 Result<void> SyncFolder(const std::filesystem::path& folder);
 
 // fsync(temporary), rename to `path`, fsync of the folder. Errors: kIo, kOutOfSpace.

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "storage/db/ids.h"
+#include "storage/files/publish_file.h"
 #include "storage/folder/data_dir_watch.h"
 #include "storage/folder/data_marker.h"
 #include "storage/folder/open_data_folder.h"
@@ -309,6 +310,11 @@ TEST(DataMarker, TakesAnyBytes) {
                           R"({"format": 1, "id": "../../etc"})", R"({"format": 1, "id": []})", "\xff\xfe"}) {
     EXPECT_EQ(ParseMarker(bad).error().code, ErrorCode::kCorrupt) << bad;
   }
+}
+
+TEST(SyncFolder, TakesADiskThatCannotForOneThatNeedNot) {
+  EXPECT_TRUE(SyncFolder("/proc"));
+  EXPECT_FALSE(SyncFolder("/nonexistent/folder"));
 }
 
 }  // namespace
