@@ -21,12 +21,12 @@ using Json = nlohmann::ordered_json;
 std::string Counts(const std::map<std::string, int>& counts) {
   std::string text;
   for (const auto& [what, count] : counts)
-    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", what, count);
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", Printable(what), count);
   return text;
 }
 
 std::string LogText(const flight::LogFacts& log) {
-  std::string text = fmt::format("Log         {} ({})", log.file_name, log.format);
+  std::string text = fmt::format("Log         {} ({})", Printable(log.file_name), log.format);
   if (log.events_by_name > 0)
     text += fmt::format(", {} a photo", Counted(log.events_by_name, "row that names", "rows that name"));
   if (!log.begins_at.empty()) text += ", from " + log.begins_at;
@@ -35,8 +35,8 @@ std::string LogText(const flight::LogFacts& log) {
     text += fmt::format("            {:<9} {:>7} at {:.4g} Hz, {:.0f} s, longest gap {:.2f} s\n", name,
                         series.count, series.rate_hz, series.end_s - series.begin_s, series.longest_gap_s);
   }
-  for (const std::string& column : log.mapping) text += fmt::format("            {}\n", column);
-  for (const std::string& advice : log.advice) text += fmt::format("            {}\n", advice);
+  for (const std::string& column : log.mapping) text += fmt::format("            {}\n", Printable(column));
+  for (const std::string& advice : log.advice) text += fmt::format("            {}\n", Printable(advice));
   return text;
 }
 
@@ -113,16 +113,17 @@ Json RecordsJson(const FlightVerdict& v) {
 std::string VerdictText(const FlightVerdict& v) {
   std::string text = fmt::format("Photos      {} readable, {} can be placed, {} left out\n",
                                  v.photos_readable, v.photos_placeable, Counted(v.left_out.size(), "file"));
-  for (const auto& [camera, count] : v.cameras) text += fmt::format("Camera      {} ({})\n", camera, count);
+  for (const auto& [camera, count] : v.cameras)
+    text += fmt::format("Camera      {} ({})\n", Printable(camera), count);
   if (!v.first_capture.empty())
     text += fmt::format("Taken       {} to {}\n", v.first_capture, v.last_capture);
   if (!v.position_sources.empty()) text += "Positions   " + Counts(v.position_sources) + "\n";
   if (!v.attitude_sources.empty()) text += "Angles      " + Counts(v.attitude_sources) + "\n";
   for (const flight::LogFacts& log : v.logs) text += LogText(log);
   text += UsesText(v);
-  for (const std::string& list : v.gcp_lists) text += fmt::format("Control     {}\n", list);
+  for (const std::string& list : v.gcp_lists) text += fmt::format("Control     {}\n", Printable(list));
   for (const std::string& model : v.elevation_models)
-    text += fmt::format("Heights     {}: an elevation model of the ground\n", model);
+    text += fmt::format("Heights     {}: an elevation model of the ground\n", Printable(model));
   if (!v.poses.time_match.empty()) {
     text += fmt::format("Clock       {}", v.poses.time_match);
     if (v.poses.camera_ahead_of_utc_s) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/flight/remarks/remark_json.h"
+#include "core/pipeline/inspect_flight.h"
 #include "core/pipeline/report/report_codec.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "tests/core/pipeline/full_reports.h"
@@ -303,6 +304,19 @@ flight::Photo At(flight::UtcTime time, std::optional<minutes> zone = {}, bool is
 }
 
 constexpr flight::UtcTime kEvening = sys_days(2015y / 10 / 27) + 23h + 50min + 2s + 900ms;
+
+TEST(VerdictText, KeepsWhatFilesCallThingsWithinTheirLines) {
+  FlightVerdict verdict;
+  verdict.cameras["DJI\x1b[2J FC220"] = 1;
+  verdict.gcp_lists = {"a\nStatus      Ready to use.txt: 5 points"};
+  verdict.logs.resize(1);
+  verdict.logs[0].file_name = "a\nb.csv";
+  verdict.logs[0].mapping = {"\"t\r\" is the time"};
+  const std::string text = VerdictText(verdict);
+  EXPECT_EQ(text.find_first_of("\x1b\r"), std::string::npos) << text;
+  EXPECT_EQ(text.find("\nStatus      Ready"), std::string::npos) << text;
+  EXPECT_NE(text.find("Log         a?b.csv"), std::string::npos) << text;
+}
 
 TEST(CaptureSpan, IsWrittenInTheZoneOfTheCamerasClock) {
   const flight::Photo late = At(kEvening + 20min, -4h), early = At(kEvening, -4h), untimed;
