@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/text/plain_text.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
@@ -23,6 +24,7 @@ namespace {
 
 constexpr std::int64_t kMaxImportedTiles = 4'000'000;
 constexpr int kMinSidePx = 64, kMaxSidePx = 1024;
+constexpr std::size_t kMaxAttributionBytes = 4096;
 
 // What is wrong with a file, as a person names it.
 class Refusals {
@@ -96,6 +98,9 @@ class TileTaker {
 
   Result<void> Take(const geo::TileId& tile, std::string_view bytes) {
     const std::string name = fmt::format("{}/{}/{}", tile.z(), tile.x(), tile.y());
+    if (bytes.size() > storage::kMaxTileBytes)
+      return refusals_.Made(ErrorCode::kCorrupt, flight::RemarkCode::kImportTileDamaged, {{"tile", name}},
+                            fmt::format("{} bytes", bytes.size()));
     const auto format = image::PictureFormatOf(bytes);
     if (!format) return refusals_.Kind(flight::RemarkCode::kImportTileNoPicture, {{"tile", name}});
     auto picture = image::DecodePicture(bytes);
@@ -195,7 +200,8 @@ Result<void> ImportTiles(const flight::InputFile& file, const std::filesystem::p
   }
   taker.Tell(report);
   NarrowBounds(metadata, report.bounds);
-  return writer->Publish(MetadataOfImport(report, TilesetText(metadata, "attribution")));
+  return writer->Publish(
+      MetadataOfImport(report, CutToBytes(TilesetText(metadata, "attribution"), kMaxAttributionBytes)));
 }
 
 }  // namespace skyquilt::server

@@ -147,6 +147,8 @@ std::optional<std::string> SqliteBlobs::Read(std::int64_t row_id) {
     code = sqlite3_blob_open(db_, "main", table_.c_str(), column_.c_str(), row_id, 0, &opened);
     blob_.reset(opened);
   }
+  if (code == SQLITE_OK && sqlite3_blob_bytes(blob_.get()) > sqlite3_limit(db_, SQLITE_LIMIT_LENGTH, -1))
+    code = SQLITE_TOOBIG;
   std::string bytes;
   if (code == SQLITE_OK) {
     bytes.resize(static_cast<std::size_t>(sqlite3_blob_bytes(blob_.get())));
@@ -211,6 +213,10 @@ Result<Statement> SqliteDb::Prepare(std::string_view sql) {
                                       SQLITE_PREPARE_PERSISTENT, &handle, nullptr);
   if (code != SQLITE_OK) return SqliteError(code, sql, sqlite3_errmsg(handle_.get()));
   return Statement(std::make_unique<SqliteStatement>(handle));
+}
+
+void SqliteDb::LimitValues(std::uint64_t max_bytes) {
+  sqlite3_limit(handle_.get(), SQLITE_LIMIT_LENGTH, static_cast<int>(max_bytes));
 }
 
 std::int64_t SqliteDb::Changes() const { return sqlite3_changes64(handle_.get()); }

@@ -29,7 +29,8 @@ enum class OpenMode {
 
 // SqliteBlobs: values of one column of a table with row ids, read straight into the caller's memory, where a
 // statement copies them once more. After the first one that it cannot read (no such row or table, no bytes,
-// a damaged file) it reads none: a statement says what is wrong. Must not outlive its database.
+// more of them than LimitValues lets, a damaged file) it reads none: a statement says what is wrong. Must not
+// outlive its database.
 class SqliteBlobs {
  public:
   SqliteBlobs() = default;
@@ -59,6 +60,8 @@ class SqliteDb final : public SqlConnection {
   SqliteBlobs Blobs(std::string table, std::string column) const {
     return {handle_.get(), std::move(table), std::move(column)};
   }
+  // Of larger values none is read: kTooLarge.
+  void LimitValues(std::uint64_t max_bytes);
   Dialect dialect() const override { return Dialect::kSqlite; }
   bool is_open() const { return handle_ != nullptr; }
   // Closes now, so that a failure to flush can be seen. Statements must be gone.

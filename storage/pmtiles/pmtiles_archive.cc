@@ -13,6 +13,7 @@
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/image/picture_format.h"
+#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -99,8 +100,6 @@ namespace {
 // A leaf of our own has four thousand entries as a rule; one of any writer that is read has up to a million.
 constexpr std::size_t kMaxUnpackedBytes = std::size_t{16} << 20;
 constexpr std::uint64_t kMaxEntries = 1'000'000;
-// Tiles of 1024 pixels are below two megabytes.
-constexpr std::uint64_t kMaxTileBytes = std::uint64_t{32} << 20;
 constexpr std::uint64_t kMaxLeafBytes = std::uint64_t{4} << 20;
 constexpr std::uint64_t kMaxArchiveBytes = std::uint64_t{1} << 50;
 

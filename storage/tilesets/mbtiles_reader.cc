@@ -27,6 +27,40 @@ constexpr const char* kHasIntegerKeys =
     " OR (name='tile_data_id' AND upper(type)='INTEGER' AND pk=1))";
 constexpr int kColumnsOfIntegerKeys = 6;
 
+// Of all that it says of itself.
+constexpr std::size_t kMaxTilesetFactsBytes = std::size_t{4} << 20;
+
+Result<SqliteDb> OpenTileset(const std::filesystem::path& path) {
+  Result<SqliteDb> db = SqliteDb::Open(path, OpenMode::kReadOnlyImmutable);
+  if (db) db->LimitValues(kMaxTileBytes);
+  return db;
+}
+
+Error DamagedTileset(std::string detail) {
+  return {ErrorCode::kCorrupt, "The stored tiles of the map are damaged. Stitch the flight again.",
+          std::move(detail)};
+}
+
+// What is larger than any tile is none.
+Result<bool> NextRow(Statement& statement) {
+  Result<bool> row = statement.Step();
+  if (row || row.error().code != ErrorCode::kTooLarge) return row;
+  return DamagedTileset(row.error().detail);
+}
+
+Result<TilesetFacts> ReadMetadata(Statement& rows, const std::filesystem::path& path) {
+  TilesetFacts metadata;
+  std::size_t bytes = 0;
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool more, NextRow(rows));
+    if (!more) return metadata;
+    const std::string_view name = rows.ColumnText(0), value = rows.ColumnText(1);
+    bytes += name.size() + value.size();
+    if (bytes > kMaxTilesetFactsBytes) return DamagedTileset(path.string());
+    metadata[std::string(name)] = std::string(value);
+  }
+}
+
 std::string BlobOf(const Statement& row) {
   const auto blob = row.ColumnBlob(0);
   return std::string(reinterpret_cast<const char*>(blob.data()), blob.size());
@@ -47,15 +81,13 @@ MbtilesReader::~MbtilesReader() = default;
 
 Result<std::shared_ptr<MbtilesReader>> MbtilesReader::Open(const std::filesystem::path& path) {
   std::shared_ptr<MbtilesReader> reader(new MbtilesReader(path));
-  SKYQUILT_TRY_ASSIGN(SqliteDb db, SqliteDb::Open(path, OpenMode::kReadOnlyImmutable));
+  SKYQUILT_TRY_ASSIGN(SqliteDb db, OpenTileset(path));
   {
     SKYQUILT_TRY_ASSIGN(const std::int64_t columns, db.Number(kHasIntegerKeys));
     reader->is_deduplicated_ = columns == kColumnsOfIntegerKeys;
     Result<Statement> metadata = db.Prepare("SELECT name, value FROM metadata");
     if (!metadata) return Error{ErrorCode::kCorrupt, "This is not an MBTiles file.", metadata.error().detail};
-    SKYQUILT_TRY(metadata->Each([&](const Statement& row) {
-      reader->metadata_[std::string(row.ColumnText(0))] = std::string(row.ColumnText(1));
-    }));
+    SKYQUILT_TRY_ASSIGN(reader->metadata_, ReadMetadata(*metadata, path));
   }
   SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> first, reader->Connect());
   reader->idle_.push_back(std::move(first));
@@ -64,7 +96,7 @@ Result<std::shared_ptr<MbtilesReader>> MbtilesReader::Open(const std::filesystem
 
 Result<std::unique_ptr<MbtilesReader::Connection>> MbtilesReader::Connect() const {
   auto connection = std::make_unique<Connection>();
-  SKYQUILT_TRY_ASSIGN(connection->db, SqliteDb::Open(path_, OpenMode::kReadOnlyImmutable));
+  SKYQUILT_TRY_ASSIGN(connection->db, OpenTileset(path_));
   SKYQUILT_TRY_ASSIGN(connection->find, connection->db.Prepare(is_deduplicated_ ? kFindId : kFindBytes));
   if (is_deduplicated_) {
     SKYQUILT_TRY_ASSIGN(connection->load, connection->db.Prepare(kLoadById));
@@ -105,8 +137,8 @@ Result<MbtilesReader::Borrowed> MbtilesReader::Borrow() {
 Result<std::optional<FoundTile>> MbtilesReader::Find(const geo::TileId& tile) {
   SKYQUILT_TRY_ASSIGN(const Borrowed connection, Borrow());
   Statement& find = connection->find;
-  SKYQUILT_TRY_ASSIGN(const bool row,
-                      find.BindAll(tile.z(), std::int64_t{tile.x()}, std::int64_t{tile.TmsRow()}).Step());
+  find.BindAll(tile.z(), std::int64_t{tile.x()}, std::int64_t{tile.TmsRow()});
+  SKYQUILT_TRY_ASSIGN(const bool row, NextRow(find));
   if (!row) return std::optional<FoundTile>();
   FoundTile found;
   if (is_deduplicated_) {
@@ -123,7 +155,7 @@ Result<std::string> MbtilesReader::Load(FoundTile tile) {
   SKYQUILT_TRY_ASSIGN(const Borrowed connection, Borrow());
   const auto id = static_cast<std::int64_t>(tile.content_id);
   if (std::optional<std::string> bytes = connection->bytes.Read(id)) return *std::move(bytes);
-  SKYQUILT_TRY_ASSIGN(const bool row, connection->load.Bind(1, id).Step());
+  SKYQUILT_TRY_ASSIGN(const bool row, NextRow(connection->load.Bind(1, id)));
   if (!row) {
     return Error{ErrorCode::kCorrupt, "The tileset lacks the bytes of a tile. Stitch the flight again.",
                  path_.string()};

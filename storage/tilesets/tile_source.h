@@ -14,6 +14,9 @@
 
 namespace skyquilt::storage {
 
+// More than any tile has: those of 1024 pixels are below two megabytes.
+inline constexpr std::uint64_t kMaxTileBytes = std::uint64_t{32} << 20;
+
 struct FoundTile {
   std::uint64_t content_id = 0;      // equal ids mean equal bytes; stable for a file, so fit for an ETag
   std::optional<std::string> bytes;  // there already when finding it meant reading it

@@ -38,6 +38,25 @@ TEST_P(EverySchema, FindsTilesBytesAndGaps) {
   EXPECT_EQ((*reader)->metadata().at("name"), "small");
 }
 
+TEST_P(EverySchema, ReadsNothingThatIsLargerThanAnyTile) {
+  test::TemporaryFolder dir;
+  const auto path = dir.path() / "a.mbtiles";
+  WriteSmallTileset(path, GetParam(), {{2, 1, 0, std::string(kMaxTileBytes + 1, 'a')}, {2, 1, 3, "north"}});
+  const auto reader = *MbtilesReader::Open(path);
+  const auto large = reader->Find(Tile(2, 1, 3));
+  EXPECT_EQ((large ? reader->Load(**large).error() : large.error()).code, ErrorCode::kCorrupt);
+  EXPECT_EQ(*reader->Load(**reader->Find(Tile(2, 1, 0))), "north");
+}
+
+TEST_P(EverySchema, RefusesMetadataWithoutEnd) {
+  test::TemporaryFolder dir;
+  const auto path = dir.path() / "a.mbtiles";
+  WriteSmallTileset(path, GetParam(), {{2, 1, 0, "south"}});
+  ASSERT_TRUE(SqliteDb::Open(path, OpenMode::kReadWriteCreate)
+                  ->Exec("INSERT INTO metadata VALUES('attribution', hex(zeroblob(3000000)))"));
+  EXPECT_EQ(MbtilesReader::Open(path).error().code, ErrorCode::kCorrupt);
+}
+
 INSTANTIATE_TEST_SUITE_P(MbtilesReader, EverySchema,
                          testing::Values(TilesetSchema::kFlat, TilesetSchema::kIntegerKeys,
                                          TilesetSchema::kTextKeys));

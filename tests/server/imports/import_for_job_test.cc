@@ -24,6 +24,7 @@
 #include "storage/db/sqlite_db.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/files/publish_file.h"
+#include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/support/temporary_folder.h"
@@ -255,6 +256,21 @@ TEST(ImportForJob, SaysByACodeWhyTilesAreNoMap) {
   EXPECT_EQ(why_not("INSERT INTO metadata(name, value) VALUES('scheme', 'xyz')"), "import_rows_from_north");
   EXPECT_EQ(why_not("INSERT INTO metadata(name, value) VALUES('crs', 'EPSG:2056')"), "import_other_system");
   EXPECT_EQ(why_not("DROP TABLE metadata"), "import_no_mbtiles");
+  // A picture with 32 MiB behind its end: each request for it would take as much of the server's memory.
+  EXPECT_EQ(why_not("UPDATE tiles_data SET tile_data=CAST(tile_data || zeroblob(33554432) AS BLOB)"
+                    " WHERE tile_data_id=(SELECT min(tile_data_id) FROM tiles_data)"),
+            "import_tile_damaged");
+}
+
+TEST(ImportForJob, TakesNoMoreOfAnAttributionThanAnybodyReads) {
+  const test::TemporaryFolder in, out;
+  const flight::InputFile file{"field.mbtiles", in.path() / "0k2j"};
+  test::WritePaintedTileset(file.path, {17, 256, 68125, 46175, 3, 3});
+  ASSERT_TRUE((*storage::SqliteDb::Open(file.path, storage::OpenMode::kReadWriteCreate))
+                  .Exec("INSERT OR REPLACE INTO metadata VALUES('attribution', hex(zeroblob(3000000)))"));
+  ASSERT_TRUE(Import(file, file.name, {out.path(), false}).ok());
+  const auto made = *storage::MbtilesReader::Open(out.path() / "mosaic.mbtiles");
+  EXPECT_EQ(storage::TilesetText(made->metadata(), "attribution"), std::string(4096, '0'));
 }
 
 TEST(ImportForJob, EndsWhereTheDiskHasNoRoomForTheMap) {
