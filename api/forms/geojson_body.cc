@@ -17,25 +17,25 @@ bool IsGeoJson(const Request& request) {
 
 void AddGeoJsonRoute(Router& router, std::string_view pattern, std::string what,
                      std::function<Result<GeoJsonAnswer>(const Request&)> prepare) {
-  router
-      .AddUpload(
-          Method::kPost, pattern,
-          [what = std::move(what), prepare = std::move(prepare)](const Request& request) -> UploadBegun {
-            if (!IsGeoJson(request)) {
-              return Error{ErrorCode::kUnsupportedFormat,
-                           fmt::format("Send the {} as GeoJSON: curl -H 'Content-Type: "
-                                       "application/geo+json' -d @FILE.geojson ...",
-                                       what)};
-            }
-            SKYQUILT_TRY_ASSIGN(GeoJsonAnswer prepared, prepare(request));
-            return CollectBody(
-                request,
-                [answer = std::move(prepared)](const Request&, const std::string& body) -> Result<Response> {
-                  SKYQUILT_TRY_ASSIGN(std::string told, answer(body));
-                  return Json(200, std::move(told));
-                });
-          })
-      .scope = storage::Scope::kRead;
+  Route& route = router.AddUpload(
+      Method::kPost, pattern,
+      [what = std::move(what), prepare = std::move(prepare)](const Request& request) -> UploadBegun {
+        if (!IsGeoJson(request)) {
+          return Error{ErrorCode::kUnsupportedFormat,
+                       fmt::format("Send the {} as GeoJSON: curl -H 'Content-Type: "
+                                   "application/geo+json' -d @FILE.geojson ...",
+                                   what)};
+        }
+        SKYQUILT_TRY_ASSIGN(GeoJsonAnswer prepared, prepare(request));
+        return CollectBody(
+            request,
+            [answer = std::move(prepared)](const Request&, const std::string& body) -> Result<Response> {
+              SKYQUILT_TRY_ASSIGN(std::string told, answer(body));
+              return Json(200, std::move(told));
+            });
+      });
+  route.scope = storage::Scope::kRead;
+  route.work = Work::kCompute;
 }
 
 }  // namespace skyquilt::api

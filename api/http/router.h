@@ -57,7 +57,9 @@ struct Route {
   std::optional<storage::Scope> scope;
   std::function<Response(const Request&)> handler;  // exactly one of the two is set
   UploadHandler upload;
-  Work work = Work::kRead;  // where it begins; an answer may ask for more (Response::wants)
+  // Where it begins; an answer may ask for more (Response::wants). Of an upload, where it is finished: kWrite
+  // goes on where its bytes were written, kCompute waits for its turn.
+  Work work = Work::kRead;
 };
 
 class Router {

@@ -244,13 +244,20 @@ class Session : public std::enable_shared_from_this<Session> {
       co_return;
     }
     const bool arrived = !has_body || co_await ReceiveBody(*sink, request, &response);
+    const auto finish = [&] {
+      response = Guarded(request, [&] {
+        auto refused = RefusedUnlessStored(request);  // the folder may have gone while the body came
+        return refused ? *std::move(refused) : sink->Finish();
+      });
+    };
+    const bool is_computed = arrived && route.work == api::Work::kCompute;
+    if (is_computed) {
+      RequestPool& compute = context_.pools.compute;
+      const RequestPool::Answer computed = co_await connection_->RunOnPool(compute, request.client, finish);
+      if (computed != RequestPool::Answer::kTaken) response = TooMany(computed, compute, request);
+    }
     co_await connection_->OnPool(pool, [&] {
-      if (arrived) {
-        response = Guarded(request, [&] {
-          auto refused = RefusedUnlessStored(request);  // the folder may have gone while the body came
-          return refused ? *std::move(refused) : sink->Finish();
-        });
-      }
+      if (arrived && !is_computed) finish();
       sink.reset();  // an upload that broke is undone here, before anyone hears of it
     });
     if (connection_->has_failed()) co_return;

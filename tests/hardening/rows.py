@@ -168,6 +168,8 @@ LOAD = ("Load", [
      ["TurnsTest.AreFoundWithoutLookingAtAllWhoWait"]),
     ("24 WMS pictures at once", "the API stood for a minute", "a bounded queue, 429 with Retry-After, a share for each address",
      ["load_test.py test_too_many_pictures_are_refused_and_the_rest_is_made", "RequestPool.GivesAClientNoMoreThanItsShare"]),
+    ("250 statistics or volumes at once, by a link that only reads", "worked on by the threads that write: no upload went on for minutes",
+     "they have their turn among pictures, by the same bounds", ["LoadedServerTest.WorksOnWhatABodyAsksForBesideThatWhichWrites"]),
     ("many connections and listeners of one address", "no bound", "bounded; `--trusted-proxy` names whose header counts",
      ["load_test.py test_one_address_takes_no_more_than_its_share", "load_test.py test_listeners_of_one_address_are_bounded",
       "ClientAddress.BelievesNoHeaderOfAStranger"]),

@@ -32,6 +32,10 @@ class LoadedServerTest : public ServedFolder {
     router_.Add(Method::kGet, "/api/v1/read", hang);
     router_.AddCompute(Method::kGet, "/api/v1/compute", hang);
     router_.Add(Method::kDelete, "/api/v1/write", hang);
+    router_
+        .AddBody(Method::kPost, "/api/v1/compute",
+                 [hang](const api::Request& request, const std::string&) { return hang(request); })
+        .work = api::Work::kCompute;
     router_.AddQuick(Method::kGet, "/api/v1/more", [](const api::Request& request) {
       api::Response response = api::Text(200, std::to_string(static_cast<int>(request.work)), "text/plain");
       if (request.work == api::Work::kQuick) response.wants = api::Work::kRead;
@@ -128,6 +132,24 @@ TEST_F(LoadedServerTest, GivesAnAddressNoMoreThanItsShare) {
   EXPECT_EQ(first->Receive().status, 200);
   EXPECT_EQ(other->Receive().status, 200);
   EXPECT_EQ(own->Receive().status, 200);
+}
+
+TEST_F(LoadedServerTest, WorksOnWhatABodyAsksForBesideThatWhichWrites) {
+  settings_.max_of_client = 1;
+  settings_.trusted_proxies = {*AddressRange::From("127.0.0.1")};
+  Start();
+  const std::string post =
+      "POST /api/v1/compute HTTP/1.1\r\nHost: localhost\r\nX-Forwarded-For: 192.0.2.1\r\n"
+      "Content-Length: 2\r\n\r\n{}";
+  const auto first = Client(), second = Client(), writer = Client();
+  first->Send(post);
+  WaitForHanging(1);
+  EXPECT_EQ(second->Ask(post).status, 429);
+  writer->Send("DELETE /api/v1/write HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  WaitForHanging(2);
+  Open();
+  EXPECT_EQ(first->Receive().body, "done");
+  EXPECT_EQ(writer->Receive().body, "done");
 }
 
 TEST_F(LoadedServerTest, GoesOnWhereAnAnswerAsksFor) {
