@@ -24,11 +24,15 @@ Result<void> IdempotentAnswers::Keep(const IdempotencyKey& key, const Idempotent
   SKYQUILT_TRY(db->Change("DELETE FROM idempotent_answer WHERE created_us<=?", ToUs(now - kKeptFor)));
   const std::span<const std::uint8_t> fingerprint(
       reinterpret_cast<const std::uint8_t*>(answer.fingerprint.data()), answer.fingerprint.size());
-  return db->Change(
+  SKYQUILT_TRY(db->Change(
       "INSERT INTO idempotent_answer VALUES(?,?,?,?,?,?,?,?) ON CONFLICT(owner,key,route) DO UPDATE SET"
       " fingerprint=excluded.fingerprint, status=excluded.status, location=excluded.location,"
       " body=excluded.body, created_us=excluded.created_us",
-      key.owner, key.key, key.route, fingerprint, answer.status, answer.location, answer.body, ToUs(now));
+      key.owner, key.key, key.route, fingerprint, answer.status, answer.location, answer.body, ToUs(now)));
+  return db->Change(
+      "DELETE FROM idempotent_answer WHERE owner=?1 AND created_us<(SELECT created_us FROM idempotent_answer"
+      " WHERE owner=?1 ORDER BY created_us DESC LIMIT 1 OFFSET ?2)",
+      key.owner, kMaxOfOwner - 1);
 }
 
 }  // namespace skyquilt::storage

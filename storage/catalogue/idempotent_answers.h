@@ -1,6 +1,7 @@
 // IdempotentAnswers: answers to requests under a key that the client chose, so that the same request sent
 // again (because its answer was lost) is answered the same and not carried out twice. Each token has its own
-// keys. Kept for a day of the AgeClock. Any thread. Errors: kUnavailable, kOutOfSpace, kIo.
+// keys, and the newest of them are kept, for a day of the AgeClock. Any thread. Errors: kUnavailable,
+// kOutOfSpace, kIo.
 #pragma once
 
 #include <chrono>
@@ -30,9 +31,11 @@ struct IdempotentAnswer {
 class IdempotentAnswers {
  public:
   static constexpr std::chrono::hours kKeptFor{24};
+  // A link that only reads has keys, too: of exports.
+  static constexpr int kMaxOfOwner = 1000;
   explicit IdempotentAnswers(CatalogueDb& db) : db_(db) {}
   Result<std::optional<IdempotentAnswer>> Find(const IdempotencyKey& key, Time now) const;
-  // Also forgets those that are too old.
+  // Also forgets those that are too old or too many.
   Result<void> Keep(const IdempotencyKey& key, const IdempotentAnswer& answer, Time now);
 
  private:

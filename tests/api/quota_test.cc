@@ -4,6 +4,7 @@
 
 #include "api/auth/limits.h"
 #include "api/http/digest.h"
+#include "storage/catalogue/idempotent_answers.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {
@@ -178,6 +179,27 @@ TEST(IdempotencyKeys, AreOfOneFormWhateverItsBoundary) {
                     f.With(f.admin, {{"Idempotency-Key", "key"}, {"Content-Type", "application/json"}}));
   EXPECT_EQ(by_json.status, 422);
   EXPECT_EQ(f.sample.catalogue.FlightIds()->size(), 2u);  // that of the fixture, and the first form's
+}
+
+TEST(IdempotencyKeys, AreForgottenOldestFirstWhereOneTokenSendsTooMany) {
+  using storage::IdempotentAnswers;
+  SampleService sample;
+  storage::CatalogueDb& db = sample.service().db;
+  IdempotentAnswers answers(db);
+  const storage::Time now = db.ages().Now();
+  ASSERT_TRUE(answers.Keep({"other", "key-1", "POST /x"}, {}, now - std::chrono::hours(1)));
+  ASSERT_TRUE(db.Lock()->Change(
+      "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i+1 FROM n WHERE i<?1) INSERT INTO idempotent_answer"
+      " SELECT 'link', 'key-'||i, 'POST /x', x'00', 202, '', '{}', ?2+i FROM n",
+      IdempotentAnswers::kMaxOfOwner, storage::ToUs(now - std::chrono::minutes(1))));
+  ASSERT_TRUE(answers.Keep({"link", "newest", "POST /x"}, {}, now));
+  const auto is_kept = [&](const std::string& owner, const std::string& key) {
+    return answers.Find({owner, key, "POST /x"}, now)->has_value();
+  };
+  EXPECT_FALSE(is_kept("link", "key-1"));
+  EXPECT_TRUE(is_kept("link", "key-2"));
+  EXPECT_TRUE(is_kept("link", "newest"));
+  EXPECT_TRUE(is_kept("other", "key-1"));
 }
 
 }  // namespace
