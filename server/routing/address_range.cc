@@ -15,7 +15,8 @@ constexpr int kMappedBits = 96;  // before the bits of an IPv4 address
 }  // namespace
 
 std::optional<AddressBytes> ParseAddress(std::string_view text) {
-  const std::string address(text);
+  // Of a link-local address the system says the network, too: fe80::1%eth0.
+  const std::string address(text.substr(0, text.find('%')));
   AddressBytes bytes{};
   if (inet_pton(AF_INET6, address.c_str(), bytes.data()) == 1) return bytes;
   bytes = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};

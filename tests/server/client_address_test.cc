@@ -41,6 +41,11 @@ TEST(ClientAddress, CountsAHouseholdOfIpv6AsOne) {
   EXPECT_NE(Of("2001:db8:1:2::1"), Of("2001:db8:1:3::1"));
 }
 
+TEST(ClientAddress, IsKnownOfANeighbourToo) {
+  EXPECT_EQ(Of("fe80::1%eth0"), "fe80::");
+  EXPECT_EQ(Of("fe80::1%2", "198.51.100.1", {"fe80::/10"}), "198.51.100.1");
+}
+
 TEST(ClientAddress, BelievesNoHeaderOfAStranger) {
   EXPECT_EQ(Of("192.0.2.7", "198.51.100.1"), "192.0.2.7");
   EXPECT_EQ(Of("127.0.0.1", "198.51.100.1"), "");
