@@ -216,7 +216,13 @@ Result<void> MultipartParser::Emit(std::size_t count) {
 }
 
 Result<bool> MultipartParser::StepBody() {
-  const std::size_t at = buffer_.find(delimiter_);
+  std::size_t at = buffer_.find(delimiter_), end = 0;
+  Delimiter kind = Delimiter::kNone;
+  // What only looks like one is content, and goes on with what follows: a body may be made of nothing else.
+  for (; at != std::string::npos; at = buffer_.find(delimiter_, at + 2)) {
+    kind = Classify(at, &end);
+    if (kind != Delimiter::kNone) break;
+  }
   if (at == std::string::npos) {
     // All but what could be the start of a delimiter is surely content.
     const std::size_t keep = delimiter_.size() - 1;
@@ -225,11 +231,8 @@ Result<bool> MultipartParser::StepBody() {
     }
     return false;
   }
-  std::size_t end = 0;
-  const Delimiter kind = Classify(at, &end);
-  SKYQUILT_TRY(Emit(kind == Delimiter::kNone ? at + 2 : at));
+  SKYQUILT_TRY(Emit(at));
   if (kind == Delimiter::kUndecided) return false;
-  if (kind == Delimiter::kNone) return true;
   if (state_ == State::kBody) {
     SKYQUILT_TRY(receiver_.EndPart());
   }

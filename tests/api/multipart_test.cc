@@ -21,6 +21,7 @@ class Recorder final : public PartReceiver {
     return {};
   }
   Result<void> PartBytes(std::span<const std::uint8_t> bytes) override {
+    ++pieces;
     open_.bytes.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     return {};
   }
@@ -29,6 +30,7 @@ class Recorder final : public PartReceiver {
     return {};
   }
   std::vector<Part> parts;
+  int pieces = 0;
 
  private:
   Part open_;
@@ -73,6 +75,19 @@ TEST(Multipart, GivesEveryPartItsBytes) {
   const Outcome outcome = Parse("XyZ", kTwoFiles);
   EXPECT_TRUE(outcome.ok);
   EXPECT_EQ(outcome.parts, kTwoFilesParts);
+}
+
+// Each piece is written to the disk by itself.
+TEST(Multipart, HandsOnAtOnceWhatOnlyLooksLikeDelimiters) {
+  std::string bytes;
+  for (int i = 0; i < 10'000; ++i) bytes += "\r\n--bx";
+  const std::string body = FilePart("b", "a.jpg", bytes) + "--b--\r\n";
+  Recorder recorder;
+  MultipartParser parser("b", recorder);
+  ASSERT_TRUE(parser.Push({reinterpret_cast<const std::uint8_t*>(body.data()), body.size()}));
+  ASSERT_TRUE(parser.Finish());
+  EXPECT_EQ(recorder.parts, (std::vector<Part>{{"f", "a.jpg", bytes}}));
+  EXPECT_EQ(recorder.pieces, 1);
 }
 
 TEST(Multipart, DoesNotCareWhereTheBodyIsCut) {
