@@ -15,6 +15,8 @@
 namespace skyquilt::server {
 namespace {
 
+constexpr int kMaxPiecesInARow = 4;  // while something waits that has not begun
+
 struct Waiting {
   RequestPool::Work work;
   RequestPool::Clock::time_point since;
@@ -53,7 +55,8 @@ struct RequestPool::State {
       news.wait(lock, [&] { return is_closed || !pieces.empty() || waiting > 0; });
       if (is_closed) return;
       ++running;
-      if (!pieces.empty()) {
+      if (!pieces.empty() && (waiting == 0 || pieces_in_a_row < kMaxPiecesInARow)) {
+        pieces_in_a_row = waiting == 0 ? 0 : pieces_in_a_row + 1;
         std::function<void()> piece = std::move(pieces.front());
         pieces.pop_front();
         lock.unlock();
@@ -61,6 +64,7 @@ struct RequestPool::State {
         piece = nullptr;
         lock.lock();
       } else {
+        pieces_in_a_row = 0;
         auto [name, next] = TakeNext();
         const bool is_late = Clock::now() - next.since > settings.max_wait;
         if (is_late) ++refused;
@@ -84,6 +88,7 @@ struct RequestPool::State {
   std::size_t waiting = 0;
   std::size_t running = 0;
   std::uint64_t refused = 0;
+  int pieces_in_a_row = 0;
   int threads_left = 0;
   bool is_closed = false;
 };

@@ -39,8 +39,8 @@ class RequestPool {
 
   // `client` empty: no share is counted, but turns are taken as for one more client.
   Answer Submit(std::string_view client, Work work);
-  // The next piece of what was begun: never refused, never late, and before what has not begun. Bounded by
-  // its caller, who has one piece under way at a time.
+  // The next piece of what was begun: never refused, never late, and before what has not begun, of which some
+  // goes between. Bounded by its caller, who has one piece under way at a time.
   void Continue(std::function<void()> work);
   // Takes nothing more, drops what waits, and waits for what runs. False: something still runs at `until`;
   // the process is to end without destroying what that work uses.

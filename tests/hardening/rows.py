@@ -173,6 +173,8 @@ LOAD = ("Load", [
     ("many connections and listeners of one address", "no bound", "bounded; `--trusted-proxy` names whose header counts",
      ["load_test.py test_one_address_takes_no_more_than_its_share", "load_test.py test_listeners_of_one_address_are_bounded",
       "ClientAddress.BelievesNoHeaderOfAStranger"]),
+    ("more uploads at once than threads write, faster than the disk", "nothing else that writes began, nor was it refused, until they ended",
+     "between their pieces others are begun", ["RequestPool.BeginsWhatWaitsHoweverMuchIsUnderWay"]),
     ("a body slower than 128 KiB a minute", "cut without an answer", "408 with the reason; resumable uploads go on",
      ["HttpServerTest.TellsWhoeverSendsABodyTooSlowly", "HttpServerTest.KeepsWhatCameTooSlowlyOfAResumableUpload"]),
     ("SIGTERM while something computes", "waited for it", "ends within nine seconds",

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <future>
 #include <thread>
 #include <vector>
@@ -82,6 +83,24 @@ TEST(RequestPool, LetsClientsTakeTurns) {
   gate.Open();
   WaitForIdle(pool);
   EXPECT_EQ(order, "!abcaba");
+}
+
+TEST(RequestPool, BeginsWhatWaitsHoweverMuchIsUnderWay) {
+  RequestPool pool({.name = "t", .threads = 1, .max_waiting = 10});
+  Gate gate;
+  ASSERT_EQ(pool.Submit("", gate.Work()), Answer::kTaken);
+  gate.WaitUntilHeld();
+  constexpr int kPieces = 1000;
+  int pieces = 0, pieces_before = kPieces;
+  const std::function<void()> next = [&] {
+    if (++pieces < kPieces) pool.Continue(next);
+  };
+  pool.Continue(next);
+  EXPECT_EQ(pool.Submit("a", [&](bool) { pieces_before = pieces; }), Answer::kTaken);
+  gate.Open();
+  WaitForIdle(pool);
+  EXPECT_LT(pieces_before, 10);
+  EXPECT_EQ(pieces, kPieces);
 }
 
 TEST(RequestPool, TellsThoseWhoWaitedTooLong) {
