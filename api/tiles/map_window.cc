@@ -33,8 +33,7 @@ struct PixelPlace {
 class ZoomPicture {
  public:
   // Beyond the budget, which always has room for four tiles, all but the last one reached are forgotten.
-  ZoomPicture(const storage::Tileset& tileset, int zoom,
-              std::size_t budget_bytes = std::numeric_limits<std::size_t>::max());
+  ZoomPicture(const storage::Tileset& tileset, int zoom, const TileBudget& budget);
 
   int side_px() const { return side_px_; }
   // Where tiles may be, in pixels of the picture's corners. Absent: anywhere.
@@ -56,6 +55,7 @@ class ZoomPicture {
   int side_px_;
   bool is_across_antimeridian_;  // then its tiles go on at the other end of the world
   std::size_t budget_bytes_;
+  std::int64_t left_px_;  // that may still be decoded
   std::optional<geo::Bounds2> reach_px_;
   // By row, then column; empty: no tile.
   std::map<std::pair<std::int64_t, std::int64_t>, image::RgbaImage> tiles_ = {};
@@ -91,12 +91,13 @@ PixelPlace PixelPlaceOf(double position) {
   return {static_cast<std::int64_t>(first), position - first};
 }
 
-ZoomPicture::ZoomPicture(const storage::Tileset& tileset, int zoom, std::size_t budget_bytes)
+ZoomPicture::ZoomPicture(const storage::Tileset& tileset, int zoom, const TileBudget& budget)
     : reader_(*tileset.reader),
       zoom_(zoom),
       side_px_(TileSizePx(tileset)),
       is_across_antimeridian_(tileset.revision.bounds.east_deg > 180.0),
-      budget_bytes_(budget_bytes),
+      budget_bytes_(budget.kept_bytes),
+      left_px_(budget.decoded_px),
       reach_px_(ReachOf(tileset.revision, zoom, side_px_)) {
   const auto side = static_cast<std::size_t>(side_px_);
   budget_bytes_ = std::max(budget_bytes_, kMinTiles * (side * side * 4 + kBesideTileBytes));
@@ -166,6 +167,12 @@ Result<const image::RgbaImage*> ZoomPicture::TileAt(std::int64_t x, std::int64_t
     SKYQUILT_TRY_ASSIGN(stored, reader_.Find(*id));
   }
   if (stored) {
+    left_px_ -= std::int64_t{side_px_} * side_px_;
+    if (left_px_ < 0)
+      return Error{
+          ErrorCode::kTooLarge,
+          "The map has no tiles coarse enough for a picture of so much of it. Ask for a smaller part, "
+          "or for fewer pixels."};
     SKYQUILT_TRY_ASSIGN(const std::string bytes, reader_.Load(*std::move(stored)));
     SKYQUILT_TRY_ASSIGN(pixels, image::DecodePicture(bytes));
     if (pixels.width_px != side_px_ || pixels.height_px != side_px_)
@@ -313,8 +320,9 @@ Result<void> RenderSquare(ZoomPicture& picture, WarpedPlaces& places, const Squa
 // that is off by more than a fiftieth of a pixel of the map: then the square is divided. Precondition: the
 // window has merc_of. `zoom`: the one that is read.
 Result<image::RgbaImage> RenderWarpedWindow(const storage::Tileset& tileset, int zoom,
-                                            const MapWindow& window) {
-  ZoomPicture picture(tileset, zoom, kMaxWarpedTilesBytes);
+                                            const MapWindow& window, TileBudget budget) {
+  budget.kept_bytes = std::min(budget.kept_bytes, kMaxWarpedTilesBytes);
+  ZoomPicture picture(tileset, zoom, budget);
   WarpedPlaces places(picture, zoom, window);
   image::RgbaImage out = image::RgbaImage::Transparent(window.width_px, window.height_px);
   constexpr int kBlockPx = kSquarePx * kSquaresInBlock;
@@ -367,10 +375,11 @@ MapWindow WindowOfFinestPixel(const storage::Tileset& tileset, const Eigen::Vect
   return window;
 }
 
-Result<image::RgbaImage> RenderWindow(const storage::Tileset& tileset, const MapWindow& window) {
+Result<image::RgbaImage> RenderWindow(const storage::Tileset& tileset, const MapWindow& window,
+                                      const TileBudget& budget) {
   const int zoom = ZoomFor(tileset, window.pixel_m);
-  if (window.merc_of) return RenderWarpedWindow(tileset, zoom, window);
-  ZoomPicture picture(tileset, zoom);
+  if (window.merc_of) return RenderWarpedWindow(tileset, zoom, window, budget);
+  ZoomPicture picture(tileset, zoom, budget);
   const double source_pixel_m = geo::PixelSizeInMercM(zoom, picture.side_px());
   image::RgbaImage out = image::RgbaImage::Transparent(window.width_px, window.height_px);
   std::vector<PixelPlace> columns;

@@ -1,11 +1,13 @@
 // RenderWindow: any window of a tileset as pixels, at any size: what WMS, OGC API Maps, tiles of other grids
 // and 512-pixel tiles need. Bilinear with premultiplied alpha; where the window's pixels are the map's own,
-// their values are exactly those of the tiles. Memory: the window and one row of tiles; of a window in
-// another coordinate system, decoded tiles up to 64 MiB or four of the largest kind. Any thread. Errors:
-// kCorrupt, kIo.
+// their values are exactly those of the tiles. Memory: the window and one row of tiles, up to the budget; of
+// a window in another coordinate system, decoded tiles up to 64 MiB or four of the largest kind. Any thread.
+// Errors: kTooLarge (beyond the budget), kCorrupt, kIo.
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 
 #include "core/image/rgba_image.h"
@@ -30,6 +32,14 @@ struct MapWindow {
 MapWindow WindowOfFinestPixel(const storage::Tileset& tileset, const Eigen::Vector2d& merc);
 MapWindow WindowOfTile(const geo::TileId& tile, int side_px);
 
-Result<image::RgbaImage> RenderWindow(const storage::Tileset& tileset, const MapWindow& window);
+// What a window may take of a map. One with overviews needs a hundredth of it; a picture of all of one of a
+// single zoom, as others make them, would be made of each of its tiles.
+struct TileBudget {
+  std::size_t kept_bytes = std::size_t{1} << 30;    // of decoded tiles; what is forgotten is decoded anew
+  std::int64_t decoded_px = std::int64_t{1} << 32;  // over all tiles
+};
+
+Result<image::RgbaImage> RenderWindow(const storage::Tileset& tileset, const MapWindow& window,
+                                      const TileBudget& budget = {});
 
 }  // namespace skyquilt::api

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "api/tiles/map_window.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 #include "tests/support/value_of.h"
@@ -22,6 +23,21 @@ image::RgbaImage Slopes(int side_px, bool has_hole) {
     }
   }
   return picture;
+}
+
+// A picture of all of a map of one zoom is made of each of its tiles.
+TEST(RenderWindow, DecodesNoMoreThanItsBudget) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const std::string tile = EncodeTile(Slopes(256, false), image::PictureFormat::kPng);
+  sample.Publish(flight, {{1, 0, 0, tile}, {1, 1, 0, tile}, {1, 0, 1, tile}, {1, 1, 1, tile}});
+  const auto tileset = test::ValueOf(sample.service().tilesets.Get(flight));
+  const MapWindow window = WindowOfTile(*geo::TileId::Make(0, 0, 0), 256);
+  constexpr std::int64_t kTilePx = 256 * 256;
+  const image::RgbaImage whole = test::ValueOf(RenderWindow(*tileset, window));
+  EXPECT_EQ(test::ValueOf(RenderWindow(*tileset, window, {.decoded_px = 4 * kTilePx})).rgba, whole.rgba);
+  EXPECT_EQ(test::ErrorOf(RenderWindow(*tileset, window, {.decoded_px = 4 * kTilePx - 1})).code,
+            ErrorCode::kTooLarge);
 }
 
 TEST(CutDepth, IsHowOftenTheSideIsHalved) {
