@@ -9,16 +9,14 @@ import re
 import shlex
 import shutil
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 import urllib.request
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/e2e"))
-from flights import made_flights  # noqa: E402
+from flights import made_flights
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text()
 NAMED = [shlex.split(os.environ["SKYQUILT_CONTAINER_ENGINE"])] if "SKYQUILT_CONTAINER_ENGINE" in os.environ else [["docker"], ["podman"]]
 ADDRESS = "http://127.0.0.1:8080"
@@ -116,7 +114,3 @@ class BuiltImage(unittest.TestCase):
             self.execute(words_of(f"{line}{folder} .", "SKYQUILT_CONTAINER_BUILD", self.engine))
             (package,) = pathlib.Path(folder).glob("skyquilt_*.deb")
             self.assertTrue(package.read_bytes().startswith(b"!<arch>"))
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -7,16 +7,14 @@ import pathlib
 import re
 import ssl
 import subprocess
-import sys
 import tempfile
 import threading
 import time
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/support"))
 from nginx import NGINX, OPENSSL, free_port, http_of, start_nginx
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 BINARY = pathlib.Path(os.environ.get("SKYQUILT_BINARY", ROOT / "build/release/bin/skyquilt")).resolve()
 NODES = ("api1", "api2", "tiles1", "tiles2")
 WAIT_S = 30
@@ -237,7 +235,3 @@ class Front(unittest.TestCase):
         self.start()
         self.assertEqual(self.get("/metrics")[0], 404)
         self.assertEqual(self.asked(), [])
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

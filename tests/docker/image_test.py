@@ -6,14 +6,12 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/support"))
 from nginx import NGINX, OPENSSL, free_port, http_of, start_nginx
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 BINARY = pathlib.Path(os.environ.get("SKYQUILT_BINARY", ROOT / "build/release/bin/skyquilt")).resolve()
 
 
@@ -154,7 +152,3 @@ class Image(unittest.TestCase):
         written = (folder / "access.log").read_text() + (folder / "error.log").read_text()
         self.assertEqual(written.count("/tiles/x/1/2/3"), 2, written)
         self.assertNotIn("sq_secret", written)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -5,16 +5,14 @@ import os
 import pathlib
 import re
 import subprocess
-import sys
 import tempfile
 import unittest
 import urllib.request
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BINARY = pathlib.Path(os.environ.get("SKYQUILT_BINARY", ROOT / "build/release/bin/skyquilt")).resolve()
-sys.path.insert(0, str(ROOT / "tests/support"))
 from postgres_server import PostgresServer, find_binaries
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BINARY = pathlib.Path(os.environ.get("SKYQUILT_BINARY", ROOT / "build/release/bin/skyquilt")).resolve()
 DASHBOARD = json.loads((ROOT / "docker/grafana-skyquilt.json").read_text())
 TARGETS = [target for panel in DASHBOARD["panels"] for target in panel["targets"]]
 IN_POSTGRES = [target["rawSql"] for target in TARGETS if "rawSql" in target]
@@ -193,7 +191,3 @@ class Worker(unittest.TestCase):
             self.assertEqual(started.stdout.readline(), "works\n")
             started.terminate()
             self.assertEqual((started.stdout.read(), started.wait(timeout=60)), ("given back\n", 0))
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

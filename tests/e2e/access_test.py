@@ -5,7 +5,6 @@ import json
 import pathlib
 import re
 import time
-import unittest
 import zipfile
 
 from program import run
@@ -236,7 +235,3 @@ class Secrets(AccessCase):
         for line in logs:
             for variable in ("$request ", '$request"', "$request_uri", "$args", "$query_string", "$http_referer"):
                 self.assertNotIn(variable, line)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -8,7 +8,6 @@ import signal
 import struct
 import tarfile
 import threading
-import unittest
 import zipfile
 
 from server_support import CHUNK, ServerTestCase, children_called, limits_of, photos_of, tus_metadata, wait_until
@@ -148,7 +147,3 @@ class Archives(ServerTestCase):
         self.assertEqual(self.put("b.jpg", b"hellO", digest(b"hello"))[0], 422)
         self.assertEqual(self.put("b.jpg", b"hello", {"Content-Digest": "sha-256=nonsense"})[0], 400)
         self.assertEqual(self.listed(), {"a.jpg": 5})
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -11,7 +11,6 @@ import struct
 import subprocess
 import tempfile
 import threading
-import unittest
 import xml.etree.ElementTree as xml_parser
 import zipfile
 
@@ -363,7 +362,3 @@ class BadInput(ServerTestCase):
             small.terminate()
             self.assertEqual(small.wait(timeout=120), 0)
             small.stdout.close()
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -211,7 +211,3 @@ class Confinement(ServerTestCase):
         _, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
         self.assertEqual(status_of(self.find(server, "stitch-sandboxed"))["NoNewPrivs"].strip(), "1")
         server.ended(job["id"])
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -78,7 +78,3 @@ class CurlSlips(ServerTestCase):
         wrong = self.curl(self.server, "/api/v1/flights", "-H", "Authorization: Bearer sq_mistyped")
         self.assertIn("asks for a token", none["detail"])
         self.assertIn("mistyped", wrong["detail"])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -231,7 +231,3 @@ class DataSafety(ServerTestCase):
             finally:
                 worker.terminate()
                 self.assertEqual(worker.wait(timeout=60), 0)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -6,7 +6,6 @@ import socket
 import subprocess
 import tempfile
 import threading
-import unittest
 
 from server_support import ServerTestCase, fill_disk, middle_of, path_of, wait_until
 
@@ -128,7 +127,3 @@ class Endurance(ServerTestCase):
         finally:
             for client in slow:
                 client.close()
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -171,7 +171,3 @@ class Load(ServerTestCase):
         # Nothing is lost, and the next one starts.
         stored.unlink()
         self.assertEqual(self.serve("--workers", "0").json("GET", f"/api/v1/flights/{flight}")[1]["id"], flight)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

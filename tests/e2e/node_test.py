@@ -4,7 +4,6 @@ import json
 import re
 import subprocess
 import sys
-import unittest
 import urllib.parse
 import uuid as uuids
 import zipfile
@@ -307,7 +306,3 @@ class Node(ServerTestCase):
         [removed] = server.json("GET", "/api/v1/trash")[1]["flights"]
         self.assertEqual(server.request("DELETE", f"/api/v1/trash/{removed['id']}")[0], 204)
         self.assertEqual(kept_of_flights(server.data), {})
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -4,7 +4,6 @@ import json
 import pathlib
 import threading
 import time
-import unittest
 
 from program import run
 from server_support import ServerTestCase, in_catalogue, middle_tile, parts_of, photos_in, storage_words, wait_until
@@ -158,7 +157,3 @@ class Preview(ServerTestCase):
         # One that stays until the queue is empty waits half a minute for the catalogue, and then says so too.
         said = run("worker", "--data", self.data, *storage_words(self.data), "--until-empty", code=1, timeout=240)
         self.assertIn("skyquilt worker: ", said.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -15,7 +15,6 @@ import sqlite3
 import subprocess
 import threading
 import time
-import unittest
 import urllib.parse
 import zipfile
 
@@ -333,7 +332,3 @@ class RandomKills(ServerTestCase):
                 for flight, content in before.items():
                     self.assertEqual(after.get(flight), content, f"flight {flight} after repair: {repaired.stdout}")
                 self.assertEqual(self.server.stop(), 0)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

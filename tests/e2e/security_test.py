@@ -4,7 +4,6 @@ import pathlib
 import socket
 import subprocess
 import time
-import unittest
 
 from program import BINARY, run
 from server_support import AS_JSON, ServerTestCase, add_token, bearer, catalogue_words, storage_words, wait_until
@@ -171,7 +170,3 @@ class Events(ServerTestCase):
             began = time.monotonic()
             self.assertEqual(server.stop(), 0)
             self.assertLess(time.monotonic() - began, 9)  # not only at the end of the drain
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

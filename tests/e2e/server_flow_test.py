@@ -2,7 +2,6 @@
 import gzip
 import json
 import socket
-import unittest
 
 from server_support import ServerTestCase, kept_of_flights, middle_of, path_of
 
@@ -158,7 +157,3 @@ class Flow(ServerTestCase):
 
     def test_an_address_for_all_needs_a_clear_word(self):
         self.assertIn("--open", self.refusal("--listen", "0.0.0.0:0"))
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -3,7 +3,6 @@ import os
 import signal
 import socket
 import sqlite3
-import unittest
 
 from server_support import POSTGRES, ServerTestCase, kept_of_flights, limits_of, open_files_of, parts_of, wait_until
 
@@ -99,7 +98,3 @@ class Kills(ServerTestCase):
     def test_two_servers_do_not_share_a_folder(self):
         self.serve()
         self.assertIn("Another server", self.refusal("--listen", "127.0.0.1:0"))
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -11,7 +11,6 @@ import ssl
 import subprocess
 import threading
 import time
-import unittest
 from unittest import mock
 
 from server_support import AS_JSON, TUS, ServerTestCase, bearer, path_of, tus_metadata, wait_until
@@ -208,7 +207,3 @@ class Sharing(ServerTestCase):
         time.sleep(0.5)
         self.assertEqual(receiver.heard, [])
         receiver.shutdown()
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

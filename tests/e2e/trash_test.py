@@ -322,7 +322,3 @@ class Restarts(TrashCase):
         ended = server.json("GET", f"/api/v1/jobs/{job}")[1]
         self.assertEqual(ended["state"], "failed")
         self.assertIn("interrupted 10 times by restarts", ended["error"]["message"])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -10,7 +10,6 @@ import socket
 import subprocess
 import tempfile
 import time
-import unittest
 
 from npm_clients import installed_clients, script
 from server_support import AS_JSON, BLOBS, CHUNK, TUS, ServerTestCase, add_token, photos_of, tus_metadata, wait_until
@@ -236,7 +235,3 @@ class Tus(ServerTestCase):
         step("end again", "DELETE", place, headers=TUS)
         step("create with bytes", "POST", "/api/v1/uploads", b"0123", {**good, **CHUNK, "Upload-Length": "10"}, keep=("Upload-Offset",))
         return told
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

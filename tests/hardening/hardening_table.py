@@ -16,7 +16,7 @@ HEAD = """# Hardening
 What was tried against the program on purpose, what it did before, what it does now, and the test that holds it there.
 Made by `python3 tests/hardening/hardening_table.py`, which fails when one of the named tests does not exist; a test runs it.
 `Suite.Name` is a case of a unit program (`build/release/bin/PROGRAM --gtest_filter=Suite.Name`), `file.py name` an end-to-end test
-(`SKYQUILT_BINARY=... python3 tests/e2e/file.py`), `file.js name` a test of the page.
+(`SKYQUILT_BINARY=... python3 tests/support/cases.py tests/e2e/file.py`), `file.js name` a test of the page.
 
 """
 

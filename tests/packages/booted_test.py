@@ -92,7 +92,3 @@ class Service(unittest.TestCase):
         self.assertFalse(self.answers())
         self.assertNotIn("skyquilt\n", self.booted.run("sh", "-c", "cat /proc/[0-9]*/comm", check=False))
         self.assertIn("catalogue.db", self.booted.run("ls", "/var/lib/skyquilt"))
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -1,17 +1,13 @@
 """The lines of docs/tasks on a bare Debian 12 with the package and nothing else, as they stand: by a user who is not root, against
 a server that is started as the page says."""
 import os
-import pathlib
 import shutil
 import subprocess
-import sys
 import unittest
 
 import bare_debian
-from built_package import ROOT, WHY_NOT, built_package
-
-sys.path[:0] = [str(ROOT / "tests" / "e2e"), str(ROOT / "tests" / "e2e" / "pages")]
-from tasks_test import TaskPages  # noqa: E402
+from built_package import WHY_NOT, built_package
+from pages.tasks_test import TaskPages
 
 REASON = WHY_NOT or bare_debian.why_not()
 HOME = "home/pilot"
@@ -58,7 +54,3 @@ class InstalledTasks(TaskPages, unittest.TestCase):
         said = self.system.run(*AS_PILOT, f"{lines}\necho all lines were run", alone=True, check=False)
         self.assertTrue(said.endswith("all lines were run\n"), f"{text}\n{said}")
         return said
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -175,7 +175,3 @@ def everything(root):
     skipped = ("proc", "sys", "dev", "tmp", "var/cache", "var/log")
     return {name for name in (str(path.relative_to(root)) for path in pathlib.Path(root).rglob("*"))
             if not name.startswith(skipped)}
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -149,7 +149,3 @@ class Package(unittest.TestCase):
             server.wait(timeout=60)
             server.stdout.close()
             self.assertEqual(page, pathlib.Path(prefix, "share/skyquilt/web/index.html").read_text())
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

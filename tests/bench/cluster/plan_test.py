@@ -6,9 +6,9 @@ import subprocess
 import sys
 import unittest
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
 import plan
+
+HERE = pathlib.Path(__file__).resolve().parent
 
 # Four photos of 1 MP and 1.25 GB, which is a second of 10 Gbit/s; two workers of two cores; units of one file.
 COSTS = {
@@ -85,7 +85,3 @@ class Program(unittest.TestCase):
     def test_every_cost_says_where_it_comes_from(self):
         for name, cost in json.loads((HERE / "unit_costs.json").read_text()).items():
             self.assertTrue(name == "about" or cost.get("measured") or cost.get("assumed"), name)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

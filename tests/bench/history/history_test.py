@@ -6,9 +6,9 @@ import sys
 import tempfile
 import unittest
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
 import history
+
+HERE = pathlib.Path(__file__).resolve().parent
 
 
 def line(cores=2, **ratios):
@@ -47,7 +47,3 @@ class Compare(unittest.TestCase):
     def test_every_line_that_is_kept_can_be_read(self):
         for one in history.read(history.LINES):
             self.assertTrue(one["commit"] and one["cores"] and one["ratios"], one)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -5,16 +5,13 @@ import math
 import os
 import pathlib
 import subprocess
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
-from gis_support import WORLD_M, has_gdal  # noqa: E402
-from nginx import free_port  # noqa: E402
-from npm_clients import installed_clients, script  # noqa: E402
-from server_support import AS_JSON, Server, ServerTestCase, add_token, bearer, make_map, put_map  # noqa: E402
+from gis_support import WORLD_M, has_gdal
+from nginx import free_port
+from npm_clients import installed_clients, script
+from server_support import AS_JSON, Server, ServerTestCase, add_token, bearer, make_map, put_map
 
 WEB = pathlib.Path(__file__).resolve().parents[3] / "web"
 CHROMIUM = os.environ.get("SKYQUILT_CHROMIUM", "/usr/bin/chromium")
@@ -142,7 +139,3 @@ class LargeTilesInBrowsers(BrowserTestCase):
         port = free_port()
         self.check_drawn(["leaflet", "openlayers_xyz", "openlayers_tilejson", "openlayers_wmts", "maplibre_tilejson"], port,
                          self.serve_for(port))
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -9,8 +9,7 @@ import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import Server, ServerTestCase, make_map, put_map  # noqa: E402
+from server_support import Server, ServerTestCase, make_map, put_map
 
 WORLD_M = 20037508.342789244
 GDAL_XYZ = """<GDAL_WMS><Service name="TMS"><ServerUrl>{url}</ServerUrl></Service>

@@ -5,16 +5,13 @@ import math
 import pathlib
 import sqlite3
 import subprocess
-import sys
-import unittest
 import urllib.parse
 import urllib.request
 import xml.etree.ElementTree as xml_parser
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-import older_ogcapi  # noqa: E402
-from gis_support import GDAL_XYZ, WORLD_M, GdalTestCase, MapFileTestCase  # noqa: E402
-from npm_clients import installed_clients, script  # noqa: E402
+import older_ogcapi
+from gis_support import GDAL_XYZ, WORLD_M, GdalTestCase, MapFileTestCase
+from npm_clients import installed_clients, script
 
 class Gis(MapFileTestCase):
     def url(self):
@@ -463,7 +460,3 @@ class LargeTiles(GdalTestCase):
         self.assertEqual(quad["tileMatrixSetLimits"][-1]["tileMatrix"], "23")
         maps = self.server.request("GET", "/tms/1.0.0")[2].decode()
         self.assertLess(maps.index(f'{self.flight_id}"'), maps.index(f'{self.flight_id}/512"'))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -5,15 +5,12 @@ import json
 import pathlib
 import re
 import subprocess
-import sys
-import unittest
 import urllib.parse
 import xml.etree.ElementTree as xml_parser
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from gis_support import GDAL_XYZ, WORLD_M, GdalTestCase, MapFileTestCase  # noqa: E402
-from npm_clients import installed_clients, script  # noqa: E402
-from server_support import Server, add_token, middle_of  # noqa: E402
+from gis_support import GDAL_XYZ, WORLD_M, GdalTestCase, MapFileTestCase
+from npm_clients import installed_clients, script
+from server_support import Server, add_token, middle_of
 
 
 def quoted(url):
@@ -158,7 +155,3 @@ class VeryLargeTiles(MapFileTestCase):
         self.assertTrue((want[3:] == 255).all(), "the map ends within the tile")
         tile_m = 2 * WORLD_M / 2**zoom
         self.check_qgis([source], 0.1, (column * tile_m - WORLD_M, WORLD_M - row * tile_m, tile_m / 1024, 1024), want[:3])
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -1,12 +1,9 @@
 """OGC API Maps, and tiles in degrees and in UTM: GDAL and OWSLib get the pixels that GDAL itself warps from the MBTiles."""
 import pathlib
 import subprocess
-import sys
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-import older_ogcapi  # noqa: E402
-from gis_support import MapFileTestCase  # noqa: E402
+import older_ogcapi
+from gis_support import MapFileTestCase
 
 DEGREES = "WorldCRS84Quad"
 
@@ -182,7 +179,3 @@ class Grids(MapFileTestCase):
         height = limits["maxPixels"] // limits["maxWidth"]
         status, headers, content = self.server.request("GET", f"{path}?width={limits['maxWidth']}&height={height}&f=jpeg")
         self.assertEqual((status, headers["Content-Type"]), (200, "image/jpeg"))
-
-
-if __name__ == "__main__":
-    unittest.main()

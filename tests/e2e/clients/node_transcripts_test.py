@@ -8,14 +8,11 @@ import io
 import json
 import pathlib
 import re
-import sys
-import unittest
 import urllib.parse
 import zipfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from node_test import form  # noqa: E402
-from server_support import FORM, ServerTestCase, add_token, side_by_side, wait_until  # noqa: E402
+from node_test import form
+from server_support import FORM, ServerTestCase, add_token, side_by_side, wait_until
 
 TRANSCRIPTS = pathlib.Path(__file__).resolve().parent / "transcripts"
 KINDS = {"any": object, "str": str, "int": int, "list": list, "number": (int, float)}
@@ -158,7 +155,3 @@ class NodeTranscripts(ServerTestCase):
 
     def test_webodms_nodeodm_tests(self):
         self.assertEqual(self.run_transcript("webodm.json", most=2), (9, 9))
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

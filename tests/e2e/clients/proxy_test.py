@@ -3,18 +3,15 @@ import json
 import pathlib
 import re
 import ssl
-import sys
 import tempfile
 import unittest
 import urllib.error
 import urllib.parse
 import urllib.request
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
-from nginx import CONFIGURATIONS, NGINX, OPENSSL, free_port, http_of, start_nginx  # noqa: E402
-from program import run  # noqa: E402
-from server_support import Server, ServerTestCase, add_token, middle_tile, put_map, wait_until  # noqa: E402
+from nginx import CONFIGURATIONS, NGINX, OPENSSL, free_port, http_of, start_nginx
+from program import run
+from server_support import Server, ServerTestCase, add_token, middle_tile, put_map, wait_until
 
 BELOW_PATHS = """
   client_max_body_size 0; proxy_set_header Host $http_host; proxy_request_buffering off; proxy_buffering off;
@@ -212,7 +209,3 @@ class Keeping(ServerTestCase):
             self.assertEqual(fetched() - before, number)
         for path in (self.tile, self.tile.split("?")[0], f"{self.tile}&{query}x", f"/tiles/{self.flight}.json", f"/api/v1/flights/{self.flight}/thumbnail.png"):
             self.check_nobody_gets(path)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -18,8 +18,7 @@ import unittest
 import unittest.mock
 import warnings
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import ServerTestCase, add_token, photos_of  # noqa: E402
+from server_support import ServerTestCase, add_token, photos_of
 
 SOURCE = pathlib.Path(__file__).resolve().parents[3] / "api" / "clients" / "python"
 
@@ -403,7 +402,3 @@ class Package(unittest.TestCase):
         with tempfile.TemporaryDirectory() as cache:
             done = subprocess.run([mypy, "--strict", "--cache-dir", cache, "-p", "skyquilt"], cwd=SOURCE, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -8,10 +8,9 @@ import tempfile
 import unittest
 import zipfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from gis_support import WORLD_M, MapFileTestCase, has_qgis  # noqa: E402
-from program import run  # noqa: E402
-from server_support import add_token, bearer, photos_in  # noqa: E402
+from gis_support import WORLD_M, MapFileTestCase, has_qgis
+from program import run
+from server_support import add_token, bearer, photos_in
 
 HERE = pathlib.Path(__file__).resolve().parent
 QGIS = HERE.parents[2] / "api" / "clients" / "qgis"
@@ -177,7 +176,3 @@ class Plugin(MapFileTestCase):
         rows, said = self.session("http://127.0.0.1:9", ["rows"], ["said"])
         self.assertEqual(rows, [])
         self.assertIn("Nothing answers at http://127.0.0.1:9", said[0])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -5,15 +5,12 @@ import math
 import os
 import pathlib
 import shutil
-import sys
 import tempfile
 import unittest
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent)]
-from flights import made_flights  # noqa: E402
-from gis_support import MapFileTestCase, has_qgis  # noqa: E402
-from server_support import Server, ServerTestCase, photos_in, wait_until  # noqa: E402
+from flights import made_flights
+from gis_support import MapFileTestCase, has_qgis
+from server_support import Server, ServerTestCase, photos_in, wait_until
 
 # Each source is "band,lowest,highest,address": drawn grey between the two; band 0: as QGIS draws it by itself.
 QGIS_DRAW = r"""
@@ -150,7 +147,3 @@ class QgisProducts(MapFileTestCase):
                 self.assertAlmostEqual(lowest + picture[0][row, column] * step, told["dsm_m"], delta=2.0 * step + 0.1, msg=(lon, lat, told))
                 checked += 1
         self.assertGreater(checked, 8)
-
-
-if __name__ == "__main__":
-    unittest.main()

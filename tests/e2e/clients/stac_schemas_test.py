@@ -6,17 +6,15 @@ import json
 import os
 import pathlib
 import re
-import sys
 import tempfile
 import unittest
 import urllib.parse
 
 import jsonschema
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from program import run, without_metadata  # noqa: E402
-from server_support import Server, ServerTestCase, photos_in  # noqa: E402
+from flights import made_flights
+from program import run, without_metadata
+from server_support import Server, ServerTestCase, photos_in
 
 FOLDER = os.environ.get("SKYQUILT_STAC_SCHEMAS")
 SPEC = "https://schemas.stacspec.org/v1.0.0/"
@@ -224,7 +222,3 @@ class StacSchemas(ServerTestCase):
                                     ("/stac/search", "links", 0, "href", "/stac")):
             document = self.server.json("GET", path)[1]
             self.refused(document, lambda spoilt, path=path: self.schemas.check_document(path, spoilt), *steps, value=value)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,23 +1,19 @@
 """Every command of docs/cluster.md does what the page says, on a fresh PostgreSQL and a fresh store; the recipes for Slurm on a Slurm of one
 node. Those of other programs are read and not run."""
 import os
-import pathlib
 import shlex
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
-import s3_store  # noqa: E402
-from cluster.shared_catalogue import NOTHING_TO_DO, SharedCatalogueCase  # noqa: E402
-from page_commands import shell_blocks  # noqa: E402
-from postgres_server import find_binaries, server_for  # noqa: E402
-from program import BINARY  # noqa: E402
-from server_support import wait_until  # noqa: E402
-from slurm_cluster import cluster_for, missing_programs  # noqa: E402
+import s3_store
+from cluster.shared_catalogue import NOTHING_TO_DO, SharedCatalogueCase
+from page_commands import shell_blocks
+from postgres_server import find_binaries, server_for
+from program import BINARY
+from server_support import wait_until
+from slurm_cluster import cluster_for, missing_programs
 
 NOT_HERE = ("sbatch", "export")  # what is exported is in the environment of the test already
 STAYS = ("serve", "worker")  # until they are stopped
@@ -142,7 +138,3 @@ class SlurmTest(SharedCatalogueCase):
         self.slurm.run("scancel", "--batch", "--signal=TERM", array)
         self.wait_for(array)
         self.assertEqual(self.query("SELECT count(*) FROM unit WHERE state = 'running'"), "0")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -10,13 +10,10 @@ import os
 import pathlib
 import random
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import s3_store
 from nginx import NGINX, free_port, start_nginx
 from postgres_server import find_binaries, server_for
@@ -180,7 +177,3 @@ class NodesTest(ServerTestCase):
         status, headers, content = self.get(address)
         self.assertIn(status, (200, 204), (address, content[:200]))
         return (status, hashlib.sha256(content).hexdigest()), "immutable" in headers["Cache-Control"]
-
-
-if __name__ == "__main__":
-    unittest.main()

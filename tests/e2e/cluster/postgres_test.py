@@ -4,12 +4,9 @@ import http.client
 import os
 import pathlib
 import signal
-import sys
 import tempfile
 import time
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from cluster.shared_catalogue import NOTHING_TO_DO, SharedCatalogueCase
 from program import run
 from server_support import children_of, middle_tile, wait_until
@@ -179,7 +176,3 @@ class SharedCatalogue(SharedCatalogueCase):
         self.assertEqual(job["state"], "successful", server.errors())
         self.assertTrue(seen)
         self.assertNotIn("sesame", server.errors())
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,9 +3,6 @@ signature itself. Skipped where there is no such store."""
 import os
 import pathlib
 import re
-import sys
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 import s3_store
 from cluster.store_proxy import StoreProxy

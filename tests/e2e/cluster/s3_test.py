@@ -8,13 +8,9 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import threading
 import time
-import unittest
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 import s3_store
 from cluster.s3_support import KEPT_BY_THE_FOLDER, S3TestCase
@@ -352,7 +348,3 @@ class Faults(S3TestCase):
         self.assertFalse([environ for environ in seen if b"AWS_" in environ])
         server.ended(job_id)
         self.assertNotIn(s3_store.KEY, server.errors())
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -2,10 +2,6 @@
 import http.client
 import pathlib
 import random
-import sys
-import unittest
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from cluster.s3_support import S3TestCase
 from server_support import CHUNK, TUS, tus_metadata
@@ -104,7 +100,3 @@ class Uploads(S3TestCase):
                 self.send(server, place, content, begin, min(begin + 300_000, len(content)))
             self.assertEqual(server.request("GET", f"/api/v1/flights/{flight_id}/files/a.jpg")[2], content)
         self.assertGreater(self.proxy.faults, 3, "the proxy was too kind for this test")
-
-
-if __name__ == "__main__":
-    unittest.main()

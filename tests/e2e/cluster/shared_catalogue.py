@@ -1,12 +1,8 @@
 """What tests of servers and workers on one catalogue in PostgreSQL share. Skipped where it is not installed."""
-import pathlib
 import subprocess
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from postgres_server import LATE_WRITER, find_binaries, server_for
 from program import BINARY
 from server_support import ServerTestCase, children_of, is_running, middle_tile, wait_until

@@ -8,13 +8,10 @@ import random
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import s3_store
 from postgres_server import find_binaries, server_for
 from program import BINARY, ScratchCase, run
@@ -247,7 +244,3 @@ class MachinesTest(SharedCatalogueTest):
     def tilejson_of_first(self, flight, second):
         _, tilejson = self.server.json("GET", f"/tiles/{flight}.json")
         return json.loads(json.dumps(tilejson).replace(f":{self.server.port}/", f":{second.port}/"))
-
-
-if __name__ == "__main__":
-    unittest.main()

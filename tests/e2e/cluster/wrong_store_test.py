@@ -2,11 +2,8 @@
 import os
 import pathlib
 import subprocess
-import sys
 import tempfile
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import s3_store
 from cluster.shared_catalogue import SharedCatalogueCase
 from program import BINARY, run
@@ -98,7 +95,3 @@ class WrongStore(SharedCatalogueCase):
         self.assertEqual(server.stop(), 0)
         subprocess.run([*move, "--from", self.right[1]], check=True)
         self.check_map(self.serve_shared(), flight)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,18 +3,14 @@ nothing is rendered anew."""
 import contextlib
 import json
 import math
-import pathlib
 import shutil
 import signal
 import sqlite3
 import subprocess
-import sys
 import time
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import BINARY, ScratchCase, cameras_of, report_of, run, tiles_of  # noqa: E402
-from server_support import PATIENCE_S  # noqa: E402
+from program import BINARY, ScratchCase, cameras_of, report_of, run, tiles_of
+from server_support import PATIENCE_S
 
 HALO_TILES = 4  # of 256 pixels: as far as a seam evens out the light
 
@@ -329,7 +325,3 @@ class Resume(ScratchCase):
                             "(SELECT max(zoom_level) FROM tiles_shallow)")
         self.assertEqual(self.stitch(out)["blocks"]["kept"], 0)
         self.assertEqual(tiles_of(out), tiles_of(self.reference))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,13 +3,10 @@ report says which of them their records placed and which what they show."""
 import json
 import pathlib
 import shutil
-import sys
 import tempfile
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from program import DATA, ScratchCase, report_of, run, without_metadata  # noqa: E402
+from flights import made_flights
+from program import DATA, ScratchCase, report_of, run, without_metadata
 
 PHOTOS = 12
 
@@ -110,7 +107,3 @@ class BadRecords(ScratchCase):
         self.assertIn("41 of 41", self.report["alignment"]["second_leg"]["outcome"])
         self.assertFalse(self.report["is_placed"])
         self.assertIn("NOT GEOREFERENCED", self.report["warnings"][0])
-
-
-if __name__ == "__main__":
-    unittest.main()

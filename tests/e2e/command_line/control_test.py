@@ -3,15 +3,11 @@ it is."""
 import hashlib
 import json
 import math
-import pathlib
 import shutil
 import subprocess
-import sys
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights.made_flights import gcp_list, metres_a_degree, turned  # noqa: E402
-from program import ScratchCase, cameras_of, report_of, run, tiles_of  # noqa: E402
+from flights.made_flights import gcp_list, metres_a_degree, turned
+from program import ScratchCase, cameras_of, report_of, run, tiles_of
 
 
 class Control(ScratchCase):
@@ -269,7 +265,3 @@ class Place(ScratchCase):
         empty = self.scratch / "empty"
         empty.mkdir()
         self.place(empty, "--origin", "46.8,7.1")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,16 +1,9 @@
 """`stitch --formats dsm,dtm`: heights of a flight over houses against the simulated world, honest where nothing is known, the same
 bytes for any number of threads."""
 import json
-import pathlib
 import shutil
-import sys
-import unittest
 
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
-from program import ScratchCase, checked_report, report_of, run  # noqa: E402
-
+from program import ScratchCase, checked_report, report_of, run
 
 
 class Dsm(ScratchCase):
@@ -138,7 +131,3 @@ class Dsm(ScratchCase):
         (beside / "dsm.tif").write_bytes(own)
         self.stitch(beside)
         self.assertEqual((beside / "dsm.tif").read_bytes(), own)
-
-
-if __name__ == "__main__":
-    unittest.main()

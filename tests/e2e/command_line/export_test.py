@@ -4,13 +4,10 @@ import pathlib
 import shutil
 import sqlite3
 import subprocess
-import sys
 import tempfile
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from program import ScratchCase, run  # noqa: E402
+from flights import made_flights
+from program import ScratchCase, run
 
 
 class Export(ScratchCase):
@@ -78,7 +75,3 @@ class Export(ScratchCase):
         self.assertIn("no finished map", run("export", made_flights.small_flight(), "-o", self.out / "b.tif", code=None).stderr)
         itself = run("export", self.scratch / "map", "-o", self.scratch / "map/mosaic.tif", "--overwrite", code=None)
         self.assertIn("the map itself", itself.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -4,13 +4,10 @@ import json
 import math
 import pathlib
 import subprocess
-import sys
 import tempfile
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import BINARY, ScratchCase, report_of, run  # noqa: E402
-from server_support import Server  # noqa: E402
+from program import BINARY, ScratchCase, report_of, run
+from server_support import Server
 
 FRAMES_PER_S = 5
 
@@ -128,7 +125,3 @@ class Films(ScratchCase):
         report = report_of(out)
         self.look_at(report)
         self.assertTrue(any("broken.MP4" in text for text in report["warnings"]), report["warnings"])
-
-
-if __name__ == "__main__":
-    unittest.main()

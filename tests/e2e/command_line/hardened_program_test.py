@@ -4,13 +4,11 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import BINARY, run  # noqa: E402
-from server_support import Server  # noqa: E402
+from program import BINARY, run
+from server_support import Server
 
 
 @unittest.skipUnless(shutil.which("readelf"), "readelf is not here")
@@ -74,7 +72,3 @@ class HardenedProgram(unittest.TestCase):
         sections = self.read("-S")
         self.assertNotIn(".debug_info", sections)
         self.assertIn(".symtab", sections)  # a backtrace has names
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -3,14 +3,12 @@ import json
 import pathlib
 import shutil
 import sqlite3
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from program import ScratchCase, run, tool  # noqa: E402
-from server_support import Server, middle_of, tile_of  # noqa: E402
+from flights import made_flights
+from program import ScratchCase, run, tool
+from server_support import Server, middle_of, tile_of
 
 HAS_GDAL = all(shutil.which(name) for name in ("gdal_translate", "gdalwarp", "gdalinfo"))
 
@@ -148,7 +146,3 @@ class Import(ScratchCase):
         with sqlite3.connect(path) as db:
             db.execute(sql)
         db.close()
-
-
-if __name__ == "__main__":
-    unittest.main()

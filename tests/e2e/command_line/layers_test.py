@@ -2,12 +2,9 @@
 import json
 import pathlib
 import sqlite3
-import sys
 import tempfile
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import ServerTestCase, middle_of, path_of  # noqa: E402
+from server_support import ServerTestCase, middle_of, path_of
 
 LAYERS = ["photo", "error", "height"]
 
@@ -69,7 +66,3 @@ class Layers(ServerTestCase):
         server = self.serve()
         for layers in ("photo", ["photo", "photo"], ["depth"], [1], {"photo": True}):
             self.assertIn("layers", server.upload(self.photos[:1], options=json.dumps({"layers": layers}), code=422)[1]["detail"])
-
-
-if __name__ == "__main__":
-    unittest.main()

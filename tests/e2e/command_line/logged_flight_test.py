@@ -6,13 +6,11 @@ import json
 import math
 import pathlib
 import shutil
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import ScratchCase, report_of, run, without_metadata  # noqa: E402
-from server_support import Server, photos_in  # noqa: E402
+from program import ScratchCase, report_of, run, without_metadata
+from server_support import Server, photos_in
 
 CLOCK_AHEAD_S = 3607.3
 RADIUS_M = 6371000.0
@@ -294,7 +292,3 @@ class TablesTest(ScratchCase):
         self.assertEqual(result.poses["photos_by_log"], PHOTOS)
         self.assertLess(rms(result.across), 3.0)
         self.assertTrue(any("the one in their names is taken" in text for text in result.report["warnings"]))
-
-
-if __name__ == "__main__":
-    unittest.main()

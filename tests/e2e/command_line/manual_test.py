@@ -5,12 +5,10 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import BINARY  # noqa: E402
+from program import BINARY
 
 
 def run(*command, text=None, **variables):
@@ -207,7 +205,3 @@ class Pages(unittest.TestCase):
         done = subprocess.run([BINARY, "man", "--out", str(self.folder / "file")], capture_output=True, text=True)
         self.assertEqual(done.returncode, 1)
         self.assertIn("cannot be written", done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -6,11 +6,8 @@ import os
 import pathlib
 import shutil
 import sqlite3
-import sys
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import ScratchCase, report_of, run  # noqa: E402
+from program import ScratchCase, report_of, run
 
 
 def contents(folder):
@@ -198,7 +195,3 @@ class OutFolder(ScratchCase):
         self.check_refused(photos, self.stitch(self.scratch / "one", photos), "geo.txt", "Move it")
         self.stitch(self.scratch / "one", photos, "--overwrite", code=0)
         self.assertNotEqual((photos / "geo.txt").read_text(), own)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -9,15 +9,12 @@ import shutil
 import signal
 import sqlite3
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from program import BINARY, ScratchCase, checked_report, run  # noqa: E402
-
+from flights import made_flights
+from program import BINARY, ScratchCase, checked_report, run
 
 
 class Report(ScratchCase):
@@ -165,7 +162,3 @@ class ReportPage(ScratchCase):
     def test_a_folder_without_a_map(self):
         self.assertIn("stitch", run("report", self.scratch / "sim", "-o", self.scratch / "a.html", code=1).stderr)
         self.assertFalse((self.scratch / "a.html").exists())
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -4,11 +4,9 @@ import functools
 import importlib.util
 import json
 import pathlib
-import sys
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import DATA, run  # noqa: E402
+from program import DATA, run
 
 LOGS = DATA / "logs"
 READER = pathlib.Path(__file__).resolve().parents[2] / "core" / "flight" / "logs" / "count_messages.py"
@@ -67,7 +65,3 @@ class SampleLogs(unittest.TestCase):
                         self.assertEqual(sorted(ours.values()), sorted(theirs.values()))
                     else:
                         self.assertEqual(ours, theirs)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -4,14 +4,11 @@ import pathlib
 import re
 import socket
 import subprocess
-import sys
 import tempfile
 import threading
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import BINARY, run  # noqa: E402
-from server_support import ServerTestCase, add_token, wait_until  # noqa: E402
+from program import BINARY, run
+from server_support import ServerTestCase, add_token, wait_until
 
 
 class BreakingProxy:
@@ -159,7 +156,3 @@ class Upload(ServerTestCase):
             self.assertIn(words, run("upload", self.card, "--server", address, "--patience", "1", code=1).stderr)
         (self.card / "a\\b.jpg").write_bytes(b"x")
         self.assertIn("a\\b.jpg: This file name cannot be used", self.upload(server, "--no-map", env={"SKYQUILT_TOKEN": token}, code=1).stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

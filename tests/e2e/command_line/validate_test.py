@@ -1,16 +1,13 @@
 """`skyquilt validate`: maps of ours and of other programs are sound, and each kind of damage is found and named."""
 import contextlib
 import json
-import pathlib
 import shutil
 import sqlite3
 import struct
-import sys
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from program import ScratchCase, report_of, run, tool  # noqa: E402
+from flights import made_flights
+from program import ScratchCase, report_of, run, tool
 
 HAS_GDAL = all(shutil.which(name) for name in ("gdal_translate", "gdaladdo"))
 
@@ -185,7 +182,3 @@ class Validate(ScratchCase):
             done = run("validate", path, code=None)
             self.assertNotEqual(done.returncode, 0)
             self.assertIn(words, done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

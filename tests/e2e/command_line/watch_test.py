@@ -7,14 +7,11 @@ import shutil
 import signal
 import struct
 import subprocess
-import sys
 import tempfile
 import time
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import BINARY, run  # noqa: E402
-from server_support import ServerTestCase, add_token, bearer, is_running, wait_until  # noqa: E402
+from program import BINARY, run
+from server_support import ServerTestCase, add_token, bearer, is_running, wait_until
 
 
 def at_hour(photo, hour):
@@ -303,7 +300,3 @@ class ServeWatch(ServerTestCase):
     def test_the_data_folder_is_not_watched(self):
         for folder in (self.data, pathlib.Path(self.data).parent, pathlib.Path(self.data, "flights")):
             self.assertIn("data folder", self.refusal("--watch", str(folder)))
-
-
-if __name__ == "__main__":
-    unittest.main()

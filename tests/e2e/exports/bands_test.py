@@ -7,7 +7,6 @@ import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench" / "bands"))
 from program import DATA, ScratchCase, checked_report, run  # noqa: E402
 
@@ -223,7 +222,3 @@ class Thermal(ScratchCase):
         report = stitch(self.scratch / "map_of_tiffs", folder)
         self.assertEqual(report["photos"]["aligned"], 12)  # by a hundredth of the levels that 16 bits have
         self.hold_against_truth(self.scratch / "map_of_tiffs")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -4,13 +4,9 @@ import json
 import math
 import re
 import shutil
-import sys
-import unittest
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from program import ScratchCase, report_of, run, tiles_of  # noqa: E402
+from flights import made_flights
+from program import ScratchCase, report_of, run, tiles_of
 
 kMetresPerDegree = 111_320.0
 
@@ -127,7 +123,3 @@ class BoundaryTest(ScratchCase):
         done = self.run_stitch(self.scratch / "none", "--takeoff-height-m", "99999")
         self.assertEqual(done.returncode, 1)
         self.assertIn("between -500 and 9000 metres above sea level", done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

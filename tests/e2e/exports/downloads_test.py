@@ -5,14 +5,11 @@ import pathlib
 import random
 import shutil
 import subprocess
-import sys
 import tempfile
-import unittest
 import zipfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import run  # noqa: E402
-from server_support import ServerTestCase  # noqa: E402
+from program import run
+from server_support import ServerTestCase
 
 LAID = {"download.pmtiles": "mosaic.pmtiles", "download.tif": "mosaic.tif"}
 
@@ -93,7 +90,3 @@ class Downloads(ServerTestCase):
             status, headers, body = server.request("GET", path)
             self.assertEqual((status, body), (200, b"as it was written " + file.encode()))
             self.assertNotEqual(headers["ETag"], laid)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -5,13 +5,11 @@ import pathlib
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import unittest
 import unittest.mock
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import (AS_JSON, BLOBS, ServerTestCase, bearer, children_called, in_catalogue, is_running,  # noqa: E402
+from server_support import (AS_JSON, BLOBS, ServerTestCase, bearer, children_called, in_catalogue, is_running,
                             kept_of_flights, put_map, wait_until)
 
 
@@ -304,7 +302,3 @@ class Exports(ServerTestCase):
         self.assertEqual(server.request("DELETE", f"{shares}/{link}", headers=owner)[0], 204)
         self.assertEqual(server.request("GET", of_guest["href"], headers=owner)[0], 404)
         self.assertEqual(server.json("GET", f"/api/v1/flights/{flight}/exports", headers=owner)[1]["exports"], [])
-
-
-if __name__ == "__main__":
-    unittest.main()

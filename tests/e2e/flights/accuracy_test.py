@@ -5,14 +5,11 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from program import report_of, run  # noqa: E402
-from server_support import ServerTestCase  # noqa: E402
+from flights import made_flights
+from program import report_of, run
+from server_support import ServerTestCase
 
 
 def said_in(text):
@@ -124,7 +121,3 @@ class Accuracy(ServerTestCase):
         _, off, _ = self.stitched(flight / "photos", wrong)
         self.assertGreater(off["quality"]["absolute"]["sigma_m"], 0.8)
         self.assertEqual(off["bounds"], report["bounds"])
-
-
-if __name__ == "__main__":
-    unittest.main()

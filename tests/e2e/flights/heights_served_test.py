@@ -4,17 +4,13 @@ import io
 import json
 import math
 import os
-import pathlib
 import subprocess
 import sys
-import unittest
 import zipfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "clients"))
-from gis_support import has_qgis  # noqa: E402
-from program import ScratchCase, run  # noqa: E402
-from server_support import FORM, Server, form, photos_in  # noqa: E402
+from clients.gis_support import has_qgis
+from program import ScratchCase, run
+from server_support import FORM, Server, form, photos_in
 
 OF_GROUND = ["dtm.tif", "dtm_ground.tif", "contours.gpkg", "contours.geojson", "contours.dxf"]
 OF_SURFACE = ["dsm.tif", "dsm_photos.tif", "dsm_hillshade.tif"]
@@ -337,7 +333,3 @@ class HeightsServed(ScratchCase):
         names = zipfile.ZipFile(io.BytesIO(self.server.request("GET", f"/task/{uuid}/download/all.zip")[2])).namelist()
         self.assertIn("odm_dem/dsm.tif", names)
         self.assertNotIn("odm_dem/dtm.tif", names)
-
-
-if __name__ == "__main__":
-    unittest.main()

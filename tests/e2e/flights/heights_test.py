@@ -3,12 +3,9 @@ ground, of an imported map, and what is no line."""
 import json
 import math
 import pathlib
-import sys
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import run  # noqa: E402
-from server_support import ServerTestCase, photos_in  # noqa: E402
+from program import run
+from server_support import ServerTestCase, photos_in
 
 RELIEF_M = 15
 
@@ -129,7 +126,3 @@ class Heights(ServerTestCase):
         status, told = self.ask(server, flight["id"], {"type": "LineString", "coordinates": self.across(flight)})
         self.assertEqual((status, told["ground"], told["cell_m"]), (200, "plane", None))
         self.assertAlmostEqual(told["highest_m"], told["lowest_m"], delta=0.01)
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

@@ -1,12 +1,10 @@
 """What tests share is there before they begin: `ctest` runs this first. A hand's test makes what it wants by itself."""
 import pathlib
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from server_support import put_map  # noqa: E402
+from flights import made_flights
+from server_support import put_map
 
 
 class MadeFlights(unittest.TestCase):
@@ -23,7 +21,3 @@ class MadeFlights(unittest.TestCase):
 
     def refuse(self, folder):
         raise RuntimeError(f"{folder.name} must not be made again")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -6,16 +6,14 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent)]
-from accuracy_test import digits  # noqa: E402
-from program import DATA, report_of, run  # noqa: E402
-from server_support import Server  # noqa: E402
+from accuracy_test import digits
+from program import DATA, report_of, run
+from server_support import Server
 
+HERE = pathlib.Path(__file__).resolve().parent
 PAGE_READER = HERE.parents[1] / "web" / "support" / "flight_texts.js"
 STATUSES = {"ready": "Ready to use", "limited": "Usable, with limits", "doubtful": "Place in doubt", "unplaced": "Not georeferenced"}
 COPR = DATA / "copr_41"
@@ -174,7 +172,3 @@ class RealAccuracy(unittest.TestCase):
 
     def test_garfield_in_bands(self):
         self.check("garfield, bands", DATA / "garfield_msp_5")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -4,13 +4,11 @@ import json
 import pathlib
 import shutil
 import sqlite3
-import sys
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights import made_flights  # noqa: E402
-from program import report_of, run, tool  # noqa: E402
-from server_support import ServerTestCase, add_token, bearer, middle_of, tile_of  # noqa: E402
+from flights import made_flights
+from program import report_of, run, tool
+from server_support import ServerTestCase, add_token, bearer, middle_of, tile_of
 
 HAS_GDAL = all(shutil.which(name) for name in ("gdal_translate", "gdalwarp"))
 
@@ -182,7 +180,3 @@ class ServerImport(ServerTestCase):
         self.assertEqual(by(self.token("other", "--scope", "upload"), "--flight", flight).returncode, 1)
         _, listed = server.json("GET", f"/api/v1/flights/{flight}/files", headers=bearer(owner), code=200)
         self.assertEqual([file["name"] for file in listed["files"]], ["north field.tif"])
-
-
-if __name__ == "__main__":
-    unittest.main()

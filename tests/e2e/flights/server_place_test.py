@@ -2,13 +2,9 @@
 being compared again."""
 import json
 import math
-import pathlib
-import sys
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from flights.made_flights import gcp_list, small_flight  # noqa: E402
-from server_support import ServerTestCase  # noqa: E402
+from flights.made_flights import gcp_list, small_flight
+from server_support import ServerTestCase
 
 
 def moved(place, north_m, east_m):
@@ -108,7 +104,3 @@ class PlaceOnTheServer(ServerTestCase):
         # A flight without a map has nothing to place.
         status, made = server.json("POST", "/api/v1/flights", {"name": "empty"})
         server.json("POST", f"/api/v1/flights/{made['id']}/jobs", {"options": {"place": [pair]}}, code=409)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -2,14 +2,11 @@
 import json
 import pathlib
 import subprocess
-import sys
 import tempfile
-import unittest
 import urllib.parse
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import BINARY, run  # noqa: E402
-from server_support import ServerTestCase  # noqa: E402
+from program import BINARY, run
+from server_support import ServerTestCase
 
 
 class Tags(ServerTestCase):
@@ -77,7 +74,3 @@ class Tags(ServerTestCase):
         server = self.serve("--workers", "0")
         [flight] = self.tagged(server, "maize")["flights"]
         self.assertEqual((flight["tags"], flight["keep"]), (["maize", "north"], True))
-
-
-if __name__ == "__main__":
-    unittest.main(verbosity=2)

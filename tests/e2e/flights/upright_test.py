@@ -1,16 +1,11 @@
 """`stitch --surface dense`: roofs of simulated houses lie where their walls stand, ground behind them is that of other photos,
 and the map is the same for any number of threads, resumed, beside dsm.tif and placed anew."""
 import json
-import pathlib
 import shutil
 import sqlite3
-import sys
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
-from program import ScratchCase, report_of, run  # noqa: E402
-from server_support import Server, photos_in  # noqa: E402
+from program import ScratchCase, report_of, run
+from server_support import Server, photos_in
 
 
 class Upright(ScratchCase):
@@ -110,7 +105,3 @@ class Upright(ScratchCase):
         west, south, _, _ = report_of(folder)["bounds"]
         run("place", folder, "--again", "--point", f"{south},{west}={south + 0.001},{west}")
         self.assertIn("surface", [timing["stage"] for timing in report_of(folder)["timings"]])
-
-
-if __name__ == "__main__":
-    unittest.main()

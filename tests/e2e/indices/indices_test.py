@@ -1,15 +1,12 @@
 """Indices of maps as the server gives them, against numpy on the same tiles and the same bands: colours to one level of
 the ramp, values and statistics to rounding; zones as GDAL reads them; hostile expressions refused."""
 import json
-import pathlib
-import sys
 import unittest
 import urllib.parse
 from xml.etree import ElementTree
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import ScratchCase, run  # noqa: E402
-from server_support import Server  # noqa: E402
+from program import ScratchCase, run
+from server_support import Server
 
 try:
     import numpy as np
@@ -259,7 +256,3 @@ class Indices(ScratchCase):
             self.assertGreater(len(answer["detail"]), 20)
         status, answer = self.server.json("GET", f"/tiles/{self.flights[0]}/{ZOOM}/{FIRST[0]}/{FIRST[1]}.png?index=ndvi")
         self.assertIn("red, green, blue", json.dumps(answer))
-
-
-if __name__ == "__main__":
-    unittest.main()

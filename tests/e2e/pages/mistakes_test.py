@@ -34,7 +34,3 @@ class Mistakes(unittest.TestCase):
             self.assertEqual(said.stdout, subprocess.run([BINARY, *option], capture_output=True, text=True).stdout)
         unknown = subprocess.run([BINARY, "help", "stich"], capture_output=True, text=True)
         self.assertEqual((unknown.returncode, unknown.stderr.split(" \"sky")[0]), (64, 'skyquilt has no command "stich". Did you mean skyquilt stitch?'))
-
-
-if __name__ == "__main__":
-    unittest.main()

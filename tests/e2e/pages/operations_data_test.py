@@ -6,7 +6,6 @@ import re
 import shlex
 import shutil
 import time
-import unittest
 
 from operations_page import AS_JSON, FLIGHTS, OperationsCase, replays
 from server_support import in_catalogue, put_map, wait_until
@@ -166,7 +165,3 @@ class OperationsData(OperationsCase):
         self.assertEqual((basemap["tiles"], bool(basemap["public"])), ([], True))
         server.stop()
         self.assertEqual(self.serve_page(f"serve {none}").json("GET", "/basemap.json")[1]["public"], [])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -4,14 +4,11 @@ import functools
 import pathlib
 import re
 import shlex
-import sys
 import tempfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
-from page_commands import code_spans, shell_blocks, table  # noqa: E402
-from program import run  # noqa: E402
-from server_support import ServerTestCase, bearer  # noqa: E402
+from page_commands import code_spans, shell_blocks, table
+from program import run
+from server_support import ServerTestCase, bearer
 
 AS_JSON = {"Content-Type": "application/json"}
 FLIGHTS = "/api/v1/flights"

@@ -215,7 +215,3 @@ class Operations(OperationsCase):
         with unittest.mock.patch.dict(os.environ, {variables.replace("...", name): value for name, value in (("WORKERS", "0"), ("KEEP_DAYS", "7"))}):
             server = self.serve()
         self.assertEqual((keep_days(server), server.workers()), (7, []))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -5,17 +5,14 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
-import unittest
 import zipfile
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
-from flights import made_flights  # noqa: E402
-from program import BINARY, report_of, run  # noqa: E402
-from server_support import ServerTestCase  # noqa: E402
+from flights import made_flights
+from program import BINARY, report_of, run
+from server_support import ServerTestCase
 
+HERE = pathlib.Path(__file__).resolve().parent
 TASKS = HERE.parents[2] / "docs" / "tasks"
 ADDRESS = "127.0.0.1:8080"
 PRINTERS = ("weasyprint", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "wkhtmltopdf")
@@ -123,7 +120,3 @@ class Tasks(TaskPages, ServerTestCase):
                               env={**os.environ, "PATH": f"{self.programs}:{os.environ['PATH']}"})
         self.assertEqual(done.returncode, 0, f"{text}\n{done.stdout}\n{done.stderr}")
         return done.stdout
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -7,12 +7,10 @@ import pathlib
 import re
 import shutil
 import statistics
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import DATA, ScratchCase, report_of, run  # noqa: E402
+from program import DATA, ScratchCase, report_of, run
 
 REPORTS = DATA / "reports"
 NAMES = [f"DJI_{number:04}.JPG" for number in range(18, 36)]

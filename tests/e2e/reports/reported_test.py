@@ -283,7 +283,3 @@ class Tilesets(ReportedFlight):
 
     def test_one_kind_for_programs_that_insist(self):
         self.assert_one_format("--format", "webp", every_tile=True)
-
-
-if __name__ == "__main__":
-    unittest.main()
