@@ -1,9 +1,6 @@
 #include "api/http/accept.h"
 
-#include <gtest/gtest.h>
-
 #include "api/tiles/recode_tile.h"
-#include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {

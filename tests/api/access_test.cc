@@ -1,8 +1,6 @@
 // Who may do what: every route of the API against every scope.
 #include "api/auth/access.h"
 
-#include <gtest/gtest.h>
-
 #include <set>
 #include <thread>
 

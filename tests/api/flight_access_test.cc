@@ -2,10 +2,7 @@
 // that open one flight alone.
 #include "api/auth/flight_access.h"
 
-#include <gtest/gtest.h>
-
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "api/http/digest.h"

@@ -1,6 +1,4 @@
 // The API's routes over a real data folder, without a socket.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <iterator>
 #include <memory>

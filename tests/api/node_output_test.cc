@@ -1,11 +1,6 @@
 // What clients of the NodeODM-compatible node get: the lines of a long job, all and from one on, the files,
 // and a task whatever they call it.
-#include <gtest/gtest.h>
-
-#include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
-#include <string>
 
 #include "tests/api/sample_service.h"
 

@@ -1,11 +1,6 @@
 // OGC API Processes, and what a token may take.
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
 #include <set>
-#include <string>
 
-#include "api/auth/access.h"
 #include "api/auth/limits.h"
 #include "tests/api/sample_service.h"
 

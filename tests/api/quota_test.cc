@@ -1,7 +1,5 @@
 // Quotas at every door, with and without a length; and keys of requests that belong to one token and one
 // body.
-#include <gtest/gtest.h>
-
 #include "api/auth/limits.h"
 #include "api/http/digest.h"
 #include "storage/catalogue/idempotent_answers.h"

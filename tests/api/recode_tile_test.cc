@@ -5,7 +5,6 @@
 #include "api/tiles/map_window.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::api {
 namespace {

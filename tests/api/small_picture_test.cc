@@ -1,14 +1,9 @@
 // The small picture of a map, over a real data folder.
-#include <gtest/gtest.h>
-
 #include <fstream>
-#include <string>
 
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
-#include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::api {
 namespace {

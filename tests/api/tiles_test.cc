@@ -1,12 +1,8 @@
-#include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 
 #include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_path.h"
-#include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::api {
 namespace {

@@ -1,6 +1,4 @@
 // tus over the real routes: creation, chunks, checksums, breaks.
-#include <gtest/gtest.h>
-
 #include "api/uploads/tus_headers.h"
 #include "tests/api/sample_service.h"
 

@@ -1,15 +1,9 @@
 // Archives that become their files, also where a server died meanwhile.
 #include "api/uploads/unpack.h"
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
-#include <filesystem>
 #include <iterator>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "tests/api/sample_service.h"
 

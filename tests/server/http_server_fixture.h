@@ -3,8 +3,6 @@
 
 #include <filesystem>
 #include <iterator>
-#include <memory>
-#include <string>
 #include <thread>
 
 #include "api/build_api.h"

@@ -1,6 +1,4 @@
 // The server with more asked of it than it can do: handlers that hang, over real sockets.
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <future>
 #include <thread>

@@ -4,9 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "api/http/responses.h"
 #include "server/routing/request_log.h"

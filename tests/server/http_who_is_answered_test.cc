@@ -1,9 +1,7 @@
 // Whom the server answers: by which name it was called, which page asks, and from where.
 #include <gtest/gtest.h>
 
-#include <string>
 #include <tuple>
-#include <vector>
 
 #include "api/auth/access.h"
 #include "server/routing/network_addresses.h"

@@ -9,7 +9,6 @@
 
 #include <atomic>
 #include <cstdlib>
-#include <string>
 #include <thread>
 
 namespace skyquilt::server {

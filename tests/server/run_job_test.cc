@@ -12,7 +12,6 @@
 
 #include "core/flight/remarks/because.h"
 #include "server/jobs/job_task.h"
-#include "server/jobs/worker_context.h"
 #include "server/units/cut_job.h"
 #include "server/units/end_of_work.h"
 #include "server/units/run_unit.h"

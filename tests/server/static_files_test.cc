@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <string>
 #include <vector>
 
 #include "tests/support/temporary_folder.h"

@@ -1,14 +1,10 @@
 // Reading the catalogue while somebody writes it.
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <thread>
 #include <vector>
 
-#include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/event_log.h"
 #include "storage/catalogue/tokens.h"
-#include "storage/jobs/job_queue.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace skyquilt::storage {

@@ -1,16 +1,12 @@
 #include "storage/catalogue/catalogue.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <tuple>
 
 #include "storage/catalogue/trash.h"
 #include "storage/catalogue/webhooks.h"
 #include "storage/db/ids.h"
-#include "storage/jobs/job_queue.h"
 #include "tests/storage/catalogue_fixture.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -8,8 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "core/flight/lists/file_kinds.h"

@@ -1,13 +1,10 @@
 #include "storage/jobs/job_queue.h"
 
-#include <gtest/gtest.h>
-
 #include <set>
 #include <thread>
 
 #include "core/flight/remarks/because.h"
 #include "tests/storage/catalogue_fixture.h"
-#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "core/geo/tile_id.h"
 #include "core/pyramid/build_overviews.h"
-#include "core/pyramid/encode_tile.h"
 #include "storage/tilesets/mbtiles_writer.h"
 
 namespace skyquilt::test {

@@ -1,12 +1,8 @@
 #include "storage/catalogue/previews.h"
 
-#include <gtest/gtest.h>
-
 #include "storage/catalogue/event_log.h"
 #include "storage/db/ids.h"
-#include "storage/jobs/job_queue.h"
 #include "tests/storage/catalogue_fixture.h"
-#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -3,12 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cstdint>
-#include <filesystem>
 #include <fstream>
-#include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "tests/support/temporary_folder.h"

@@ -1,15 +1,10 @@
 // Whose job comes next, and how long it should take.
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "storage/catalogue/stage_costs.h"
-#include "storage/jobs/job_queue.h"
 #include "tests/storage/catalogue_fixture.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {

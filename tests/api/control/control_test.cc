@@ -1,10 +1,6 @@
 // The control points of a flight: what is kept, what is refused, and that nobody overwrites what another
 // changed.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-#include <utility>
 
 #include "api/control/control_list.h"
 #include "api/uploads/flight_document.h"

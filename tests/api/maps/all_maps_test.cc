@@ -1,12 +1,7 @@
 // WMTS, WMS and the list of TileJSON of all maps at one address, and what lies under a pixel of them.
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-
 #include "api/tiles/recode_tile.h"
 #include "api/views/feature_info.h"
 #include "api/wms/wms_request.h"
-#include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {

@@ -1,8 +1,5 @@
 // A map's photos as features: points and footprints, by box, time and page.
-#include <gtest/gtest.h>
-
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "api/tiles/recode_tile.h"
 #include "tests/api/sample_service.h"

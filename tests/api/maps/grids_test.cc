@@ -1,8 +1,5 @@
 // Tiles of a map in WorldCRS84Quad and in UTM's grid: the grids as OGC registers them, the limits of a map in
 // them, and that every pixel shows the place at which it lies.
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "api/grids/grid_tiles.h"

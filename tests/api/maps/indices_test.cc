@@ -1,15 +1,11 @@
 // Indices of maps: tiles in colours, values at a place and within a polygon, bands, legends, zones, styles of
 // WMS and WMTS; of a map of colours and of one with bands of its own.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "api/tiles/recode_tile.h"
 #include "core/geo/web_mercator.h"
-#include "core/image/picture_codec.h"
 #include "core/indices/colour_ramp.h"
 #include "tests/api/sample_service.h"
 #include "tests/storage/rasters/band_file.h"

@@ -1,7 +1,6 @@
 // OGC API Maps: a map as one picture, by box, size, scale, coordinate system and background; what a request
 // leaves out; headers; and what is refused. Every pixel is held against the place at which it lies.
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <charconv>
 #include <nlohmann/json.hpp>

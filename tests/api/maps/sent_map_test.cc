@@ -1,8 +1,6 @@
 // Files of a map that are sent out of a store.
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "api/downloads/send_file.h"
 #include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"

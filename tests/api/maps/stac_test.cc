@@ -1,8 +1,5 @@
 // The catalogue of all maps: what a search finds, page by page, and what a token sees of it.
-#include <gtest/gtest.h>
-
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "api/tiles/recode_tile.h"

@@ -1,9 +1,6 @@
 // What the documents of the map standards say of maps with usual and with larger tiles.
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "api/tiles/recode_tile.h"
 #include "tests/api/sample_service.h"

@@ -1,8 +1,4 @@
 // What a map shows within a polygon: areas against known ones, colours against painted tiles.
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-
 #include "api/tiles/recode_tile.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/tile_id.h"

@@ -3,18 +3,13 @@
 // UTM lies. Waves are 40 pixels of the finest zoom long: a tenth of a pixel makes a difference of 1.6 levels.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstdlib>
 #include <functional>
-#include <string>
-#include <vector>
 
 #include "api/tiles/recode_tile.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
-#include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {

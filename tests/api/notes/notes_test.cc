@@ -1,8 +1,5 @@
 // The notes of a flight: what is kept, what is refused, and that nobody's are lost.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
 
 #include "api/notes/note_list.h"
 #include "tests/api/sample_service.h"

@@ -4,7 +4,6 @@
 // that size (the finest that features are looked for in) and enlarged with noise in every pixel, so that
 // reading them costs what it costs with real ones. `write` as a fourth word ends there.
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdlib>

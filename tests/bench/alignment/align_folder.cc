@@ -1,7 +1,4 @@
 // Aligns the photos of a folder and prints what came of it: alignment_folder DIR [threads].
-#include <fmt/core.h>
-
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string>
 

@@ -5,16 +5,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
-#include <string>
 #include <utility>
 
-#include "core/alignment/align_flight.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/ground/model_ground.h"
 #include "tests/bench/alignment/cpu_seconds.h"
 #include "tests/bench/alignment/judge_alignment.h"
-#include "tests/bench/alignment/simulated_cases.h"
-#include "tests/core/alignment/simulated_case.h"
 
 namespace {
 

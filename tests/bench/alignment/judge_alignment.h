@@ -1,11 +1,7 @@
 // JudgeAlignment: an aligned simulated flight held against its truth and against what is demanded of it.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "core/alignment/scene/align_report.h"
-#include "core/poses/posed_flight.h"
 #include "tests/bench/alignment/simulated_cases.h"
 #include "tests/core/alignment/simulated_case.h"
 

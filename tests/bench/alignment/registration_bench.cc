@@ -1,8 +1,5 @@
 // Registers the photos of a folder by what they show alone and prints what came of it:
 // registration_bench DIR [threads [positions|nothing]]. "nothing": recorded positions are not looked at.
-#include <fmt/core.h>
-
-#include <cstdlib>
 #include <map>
 #include <string_view>
 

@@ -8,20 +8,15 @@
 #include <fmt/core.h>
 
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
-#include <numbers>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
-#include <vector>
 
 #include "core/alignment/estimators/epipolar.h"
-#include "core/alignment/estimators/sampler.h"
 #include "core/alignment/features/features.h"
 #include "core/alignment/matching/match_descriptors.h"
 #include "core/alignment/scene/keypoints.h"

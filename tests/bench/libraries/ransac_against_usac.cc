@@ -7,14 +7,11 @@
 #include <fmt/core.h>
 
 #include <Eigen/Dense>
-#include <cmath>
 #include <cstdlib>
 #include <functional>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/alignment/estimators/epipolar.h"
 #include "core/alignment/estimators/two_view.h"

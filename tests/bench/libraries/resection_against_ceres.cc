@@ -9,16 +9,13 @@
 
 #include <Eigen/Dense>
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <opencv2/calib3d.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/alignment/estimators/absolute_pose.h"
 #include "core/base/median.h"

@@ -10,7 +10,6 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
-#include <vector>
 
 #include "core/base/median.h"
 #include "core/image/shrink/shrink_picture.h"

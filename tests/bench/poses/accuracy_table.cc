@@ -1,12 +1,9 @@
 #include <fmt/core.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <random>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "tests/bench/poses/input_mixes.h"

@@ -4,7 +4,6 @@
 // short flight without GNSS. The folder of real DataFlash or ULog logs may also come from SKYQUILT_DATA
 // (logs/dataflash under it).
 #include <cstdlib>
-#include <string>
 
 #include "tests/bench/poses/tables.h"
 

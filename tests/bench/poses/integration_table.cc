@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <random>
-#include <vector>
 
 #include "core/geo/rigid3.h"
 #include "tests/bench/poses/strapdown.h"

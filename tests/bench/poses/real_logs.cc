@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <optional>
-#include <vector>
 
 #include "core/flight/logs/read_log.h"
-#include "core/poses/evidence/recorded_series.h"
 #include "core/poses/evidence/smoother_input.h"
 #include "tests/bench/poses/reckon.h"
 #include "tests/bench/poses/tables.h"

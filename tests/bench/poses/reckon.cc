@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/geo/local_frame.h"
-#include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::poses {
 namespace {

@@ -8,10 +8,7 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "core/base/result.h"
-#include "core/flight/logs/flight_log.h"
 #include "core/poses/evidence/recorded_series.h"
 #include "tests/bench/poses/strapdown.h"
 

@@ -3,9 +3,6 @@
 // core/poses/smoother/smoother.h.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "core/poses/smoother/smoother.h"
 #include "tests/bench/poses/analytic_flight.h"
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <string>
 
-#include "core/geo/lat_lon.h"
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::poses {

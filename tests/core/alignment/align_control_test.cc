@@ -4,11 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "core/alignment/align_flight.h"
 #include "core/alignment/bundle/control_points.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/alignment/simulated_case.h"

@@ -10,8 +10,6 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/simulate/sensors/recorded_pose.h"
 #include "tests/core/alignment/simulated_case.h"
-#include "tests/support/rendered_once.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/alignment/from_records/bundle_setup.h"
-#include "core/alignment/scene/priors.h"
 
 namespace skyquilt::alignment {
 namespace {

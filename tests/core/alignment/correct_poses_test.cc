@@ -4,11 +4,8 @@
 
 #include <algorithm>
 #include <numbers>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/view.h"
 #include "core/flight/remarks/remark_words.h"
 

@@ -7,7 +7,6 @@
 #include "core/alignment/features/features.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "tests/core/alignment/simulated_case.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -4,7 +4,6 @@
 
 #include "core/alignment/align_by_pose.h"
 #include "core/base/median.h"
-#include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/heights/flight_heights.h"
 #include "tests/core/alignment/simulated_case.h"

@@ -1,9 +1,6 @@
 #include "core/alignment/bundle/find_readout.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Geometry>
-#include <cmath>
 #include <memory>
 #include <random>
 

@@ -6,7 +6,6 @@
 
 #include <numbers>
 #include <utility>
-#include <vector>
 
 #include "core/alignment/matching/verified_pair.h"
 

@@ -5,11 +5,9 @@
 
 #include <random>
 #include <tuple>
-#include <vector>
 
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/matching/verified_pair.h"
-#include "core/alignment/scene/matches.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/alignment/simulated_case.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -1,8 +1,6 @@
 // How gyro and speed become the motion of rows, what of it the images may correct, and the cost of that.
 #include "core/alignment/bundle/readout_motion.h"
 
-#include <gtest/gtest.h>
-
 #include <memory>
 
 #include "core/alignment/bundle/reprojection_cost.h"

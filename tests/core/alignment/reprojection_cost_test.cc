@@ -1,9 +1,6 @@
 #include "core/alignment/bundle/reprojection_cost.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Geometry>
-#include <memory>
 
 #include "tests/core/alignment/cost_derivatives.h"
 

@@ -3,9 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <string>
-#include <vector>
-
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::bands {

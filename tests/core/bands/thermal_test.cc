@@ -2,7 +2,6 @@
 // as ExifTool reads them, and files that are damaged.
 #include "core/bands/thermal.h"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

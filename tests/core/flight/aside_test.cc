@@ -6,8 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <optional>
-
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
 #include "core/flight/aside/picture_name.h"

@@ -7,8 +7,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <string>
-#include <utility>
 
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"

@@ -4,7 +4,6 @@
 #include <zlib.h>
 
 #include <numeric>
-#include <string>
 #include <tuple>
 
 #include "core/flight/lists/file_kinds.h"

@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdint>
 #include <optional>
 #include <string_view>
-#include <utility>
 
 #include "core/camera/sensor_database.h"
 #include "core/flight/photos/read_photo.h"

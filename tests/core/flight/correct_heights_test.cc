@@ -8,10 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
-#include <utility>
 #include <variant>
-#include <vector>
 
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/read_flight.h"

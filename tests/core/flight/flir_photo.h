@@ -1,9 +1,6 @@
 // Radiometric JPEGs as FLIR's thermal cameras write them, for tests of what reads them.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "core/flight/metadata/flir_record.h"
 #include "tests/core/flight/synthetic_photo.h"
 

@@ -3,8 +3,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <string>
-#include <utility>
 
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"

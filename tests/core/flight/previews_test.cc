@@ -6,8 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "core/flight/aside/copies.h"
 #include "core/flight/photos/read_photo.h"
 #include "tests/core/flight/synthetic_photo.h"

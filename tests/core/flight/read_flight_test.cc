@@ -9,9 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <vector>
 
 #include "core/flight/lists/file_kinds.h"
 #include "core/flight/remarks/remark_words.h"

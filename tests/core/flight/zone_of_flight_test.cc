@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <cstdint>
-#include <string>
-#include <vector>
 
 #include "core/flight/metadata/capture_time.h"
 #include "core/flight/photos/read_photo.h"

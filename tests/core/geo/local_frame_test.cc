@@ -4,12 +4,10 @@
 #include <proj.h>
 
 #include <cmath>
-#include <memory>
 #include <random>
 #include <string>
 
 #include "core/geo/geoid.h"
-#include "core/geo/rigid3.h"
 
 namespace skyquilt::geo {
 namespace {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <random>
 #include <utility>
-#include <vector>
 
 #include "core/ground/extend_ground.h"
 

@@ -6,11 +6,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstdint>
 #include <cstdlib>
 #include <functional>
 #include <random>
-#include <vector>
 
 #include "core/image/picture_codec.h"
 #include "core/image/yuv_planes.h"

@@ -7,7 +7,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 
 #include "tests/support/bytes_of.h"
 #include "tests/support/long_png.h"

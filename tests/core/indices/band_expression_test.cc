@@ -4,13 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <random>
-#include <string>
-#include <vector>
 
 namespace skyquilt::indices {
 namespace {

@@ -1,7 +1,6 @@
 // Named indices, colour ramps, and what values come to over an area.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
-#include <vector>
 
 #include "core/flight/aside/aside.h"
 #include "core/pipeline/inspect_flight.h"

@@ -5,9 +5,6 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace skyquilt::pipeline {
 

@@ -6,10 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/inspect_flight.h"

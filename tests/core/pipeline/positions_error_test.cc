@@ -4,12 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <random>
 #include <utility>
-#include <vector>
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/poses/time/time_sync.h"

@@ -6,11 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <filesystem>
-#include <set>
-#include <string>
-#include <vector>
 
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"

@@ -3,14 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
 #include <random>
 
 #include "core/flight/logs/log_builder.h"
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"
-#include "core/poses/smoother/block_skyline.h"
 #include "tests/support/value_of.h"
 
 namespace skyquilt::poses {

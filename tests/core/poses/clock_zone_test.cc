@@ -9,9 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/local_frame.h"

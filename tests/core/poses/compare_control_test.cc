@@ -1,9 +1,7 @@
 // Surveyed points, held against the flight that they are of.
 #include <algorithm>
-#include <utility>
 
 #include "core/geo/crs/reference_system.h"
-#include "core/poses/lists/judge_list.h"
 #include "tests/core/poses/listed_flight.h"
 
 namespace skyquilt::poses {

@@ -1,18 +1,12 @@
 #include "core/poses/lists/compare_sources.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <random>
 #include <tuple>
-#include <utility>
 
 #include "core/geo/crs/reference_system.h"
-#include "core/geo/geodesic.h"
 #include "core/poses/lists/judge_list.h"
-#include "core/poses/lists/list_words.h"
 #include "core/poses/photo_rows.h"
 #include "tests/core/poses/listed_flight.h"
 #include "tests/support/value_of.h"

@@ -10,7 +10,6 @@
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
-#include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/photo_rows.h"
 #include "core/poses/time/join_logs.h"
 #include "tests/support/value_of.h"

@@ -3,12 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <optional>
-#include <string>
 #include <utility>
 
 #include "core/flight/remarks/remark_words.h"
-#include "core/geo/geoid.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/heights/ground_below.h"
 #include "tests/support/value_of.h"

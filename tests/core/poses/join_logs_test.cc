@@ -7,7 +7,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <vector>
 
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"

@@ -7,9 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/named_photos.h"

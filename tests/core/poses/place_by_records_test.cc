@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "core/geo/lat_lon.h"
 #include "tests/support/value_of.h"
 
 namespace skyquilt::poses {

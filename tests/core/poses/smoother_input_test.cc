@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/poses/conventions/attitude_convention.h"
-#include "core/poses/evidence/recorded_series.h"
 #include "core/poses/place_by_log.h"
 #include "tests/bench/poses/recorded_sensors.h"
 #include "tests/support/value_of.h"

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/poses/smoother/preintegration.h"
 #include "core/poses/so3.h"
 #include "tests/support/value_of.h"
 

@@ -4,7 +4,6 @@
 
 #include <map>
 #include <utility>
-#include <vector>
 
 namespace skyquilt::pyramid {
 namespace {

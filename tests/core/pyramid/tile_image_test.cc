@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <random>
 
 #include "core/pyramid/encode_tile.h"

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
-#include <numbers>
 
 #include "core/bands/radiometry.h"
 #include "core/flight/remarks/because.h"

@@ -7,14 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
 #include "core/ground/ground_surface.h"
-#include "core/render/blocks/block_geometry.h"
 #include "core/render/blocks/weigh_block.h"
 #include "tests/support/simulated_map.h"
 

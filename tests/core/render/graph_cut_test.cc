@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <random>
 #include <tuple>
-#include <vector>
 
 namespace skyquilt::render {
 namespace {

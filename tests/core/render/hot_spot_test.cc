@@ -10,7 +10,6 @@
 #include <numbers>
 #include <numeric>
 #include <utility>
-#include <vector>
 
 #include "core/simulate/world/render_photo.h"
 #include "tests/support/simulated_map.h"

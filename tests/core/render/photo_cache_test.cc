@@ -3,10 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <atomic>
 #include <new>
-#include <vector>
 
 #include "core/base/progress.h"
 #include "core/render/blocks/weigh_block.h"

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 #include "core/geo/web_mercator.h"
 #include "core/render/blocks/measure_seams.h"

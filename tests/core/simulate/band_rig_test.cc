@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
-#include <vector>
 
 #include "core/bands/band_facts.h"
 #include "core/bands/captures.h"

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/geo/lat_lon.h"
 #include "core/simulate/sensors/trajectory.h"
 
 namespace skyquilt::simulate {

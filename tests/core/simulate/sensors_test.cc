@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/geo/lat_lon.h"
 #include "core/geo/rigid3.h"
 #include "tests/core/simulate/surveys.h"
 

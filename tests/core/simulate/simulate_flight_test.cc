@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <string>
 
 #include "core/camera/footprint.h"
 #include "core/flight/read_flight.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "core/base/median.h"
 #include "tests/core/surface/synthetic_scene.h"

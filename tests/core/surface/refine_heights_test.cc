@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdint>
 
 #include "core/surface/refine/alike_heights.h"
 #include "core/surface/refine/edge_heights.h"

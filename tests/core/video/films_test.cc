@@ -9,7 +9,6 @@
 #include <fstream>
 #include <map>
 #include <set>
-#include <vector>
 
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"

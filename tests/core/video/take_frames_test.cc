@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <charconv>
-#include <vector>
 
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/video/moving_film.h"

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdint>
-#include <string>
 
 #include "tests/core/video/moving_film.h"
 #include "tests/support/bytes_of.h"

@@ -1,11 +1,9 @@
 // libFuzzer: the whole alignment of flights and pictures of any kind. Checked: it ends, and
 // what comes out and is plausible has a pose of numbers.
-#include <cstdint>
 #include <map>
 
 #include "core/alignment/align_flight.h"
 #include "core/base/check.h"
-#include "core/poses/plausible_poses.h"
 #include "tests/fuzz/core/flight_from_bytes.h"
 
 namespace {

@@ -1,8 +1,5 @@
 // libFuzzer: EstimateExposure of flights and pictures of any kind. Checked: gains that pixels can be
 // multiplied with.
-#include <cmath>
-#include <cstdint>
-
 #include "core/base/check.h"
 #include "core/render/exposure/estimate_exposure.h"
 #include "tests/fuzz/core/flight_from_bytes.h"

@@ -1,9 +1,6 @@
 // libFuzzer: ModelGround of flights and tie points of any kind. Checked: a surface whose height is known
 // wherever it is asked, of bounded size.
-#include <cstdint>
-
 #include "core/base/check.h"
-#include "core/ground/extend_ground.h"
 #include "core/ground/model_ground.h"
 #include "tests/fuzz/core/flight_from_bytes.h"
 

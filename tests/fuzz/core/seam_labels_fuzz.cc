@@ -1,7 +1,6 @@
 // libFuzzer: plan and seams of flights and pictures of any kind. Checked: every cell that a photo sees is
 // shown by a photo that sees it, and the plan's size is bounded.
 #include <algorithm>
-#include <cstdint>
 
 #include "core/base/check.h"
 #include "core/render/blocks/weigh_block.h"

@@ -19,7 +19,6 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/geo/tile_id.h"
-#include "core/pyramid/encode_tile.h"
 #include "server/imports/import_map.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/exports/cog_writer.h"

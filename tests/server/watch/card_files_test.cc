@@ -4,9 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
-#include <vector>
 
 #include "tests/support/temporary_folder.h"
 

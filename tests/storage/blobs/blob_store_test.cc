@@ -10,8 +10,6 @@
 #include <atomic>
 #include <fstream>
 #include <map>
-#include <memory>
-#include <optional>
 #include <random>
 #include <thread>
 

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-
 #include "tests/storage/blobs/scripted_server.h"
 
 namespace skyquilt::storage {

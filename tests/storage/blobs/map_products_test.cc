@@ -1,18 +1,8 @@
 #include "storage/jobs/map_products.h"
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"
-#include "storage/catalogue/catalogue.h"
 #include "storage/folder/check_data.h"
-#include "storage/jobs/job_queue.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/storage/catalogue_fixture.h"
 

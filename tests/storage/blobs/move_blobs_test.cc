@@ -2,10 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <tuple>
 
-#include "storage/blobs/folder_blobs.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
 #include "storage/exports/pmtiles_writer.h"

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "storage/blobs/folder_blobs.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
 #include "storage/folder/data_marker.h"

@@ -1,12 +1,10 @@
 // Maps that lie in a store are shown as they were while a newer one comes slowly.
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <future>
 #include <thread>
 
 #include "storage/caches/tileset_cache.h"
-#include "storage/catalogue/catalogue.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/storage/small_tileset.h"
 #include "tests/support/temporary_folder.h"

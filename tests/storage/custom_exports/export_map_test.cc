@@ -1,17 +1,12 @@
 #include "storage/exports/custom/export_map.h"
 
 #include <fmt/core.h>
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
-#include <functional>
-#include <memory>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"

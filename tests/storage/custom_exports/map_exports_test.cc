@@ -1,21 +1,14 @@
 #include "storage/jobs/map_exports.h"
 
-#include <gtest/gtest.h>
-
-#include <chrono>
 #include <fstream>
 #include <set>
-#include <string>
-#include <vector>
 
 #include "storage/blobs/folder_blobs.h"
-#include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/catalogue/trash.h"
 #include "storage/db/ids.h"
 #include "storage/folder/sweep.h"
 #include "tests/storage/catalogue_fixture.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {

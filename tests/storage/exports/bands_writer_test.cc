@@ -1,11 +1,9 @@
 // bands.tif as GDAL reads it back.
 #include "storage/rasters/bands_writer.h"
 
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 
 #include "storage/rasters/gdal_steps.h"

@@ -1,17 +1,11 @@
 #include "storage/exports/cog_writer.h"
 
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <memory>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/geo/web_mercator.h"
-#include "core/pyramid/encode_tile.h"
-#include "storage/exports/stored_tiles.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"

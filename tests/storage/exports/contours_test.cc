@@ -1,13 +1,8 @@
 #include "storage/exports/heights/contours.h"
 
-#include <gdal_priv.h>
-#include <gtest/gtest.h>
-#include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
 
 #include <cmath>
-#include <limits>
-#include <memory>
 
 #include "storage/files/publish_file.h"
 #include "tests/storage/exports/heights_raster.h"

@@ -1,13 +1,7 @@
 #include "storage/exports/heights/hillshade.h"
 
-#include <gdal_priv.h>
-#include <gtest/gtest.h>
-#include <ogr_spatialref.h>
-
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <limits>
 
 #include "tests/storage/exports/heights_raster.h"
 #include "tests/storage/rasters/raster_by_gdal.h"

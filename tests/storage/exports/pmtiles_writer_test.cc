@@ -6,7 +6,6 @@
 #include <cstring>
 #include <optional>
 
-#include "storage/db/sqlite_db.h"
 #include "storage/pmtiles/pmtiles_archive.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"

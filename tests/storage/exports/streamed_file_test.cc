@@ -1,6 +1,5 @@
 #include "storage/exports/streamed/streamed_file.h"
 
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -8,10 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <random>
-#include <string>
-#include <vector>
 
-#include "core/image/fringe_encoder.h"
 #include "core/image/picture_codec.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/pmtiles_writer.h"

@@ -1,6 +1,5 @@
 #include "storage/exports/heights/surface_writer.h"
 
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
 

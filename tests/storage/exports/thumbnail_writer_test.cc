@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/pyramid/encode_tile.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"

@@ -1,4 +1,3 @@
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 
 #include "core/geo/tile_id.h"

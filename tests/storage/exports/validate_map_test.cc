@@ -5,9 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <filesystem>
-#include <string>
 #include <string_view>
 
 #include "core/geo/tile_id.h"

@@ -1,15 +1,12 @@
 #include "storage/exports/warped/warp_tiles.h"
 
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <string>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"

@@ -1,21 +1,15 @@
 #include "storage/jobs/unit_queue.h"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
-#include <set>
-#include <string>
 #include <thread>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "storage/catalogue/trash.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/unit_inputs.h"
 #include "storage/jobs/workers_aside.h"
 #include "tests/storage/catalogue_fixture.h"
-#include "tests/support/value_of.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -1,14 +1,10 @@
 // Many servers and workers on one catalogue in PostgreSQL. Skipped where SKYQUILT_TEST_POSTGRES names no
 // server; tests/storage/CMakeLists.txt runs it with one.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <atomic>
 #include <mutex>
 #include <random>
-#include <thread>
 
-#include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/event_log.h"
 #include "storage/catalogue/previews.h"
 #include "storage/catalogue/trash.h"

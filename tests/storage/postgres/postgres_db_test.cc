@@ -2,14 +2,10 @@
 // where SKYQUILT_TEST_POSTGRES names no server; tests/storage/CMakeLists.txt runs it with one.
 #include "storage/db/postgres/postgres_db.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <atomic>
 #include <set>
-#include <thread>
 
-#include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
 #include "storage/db/postgres/postgres_statement.h"
 #include "storage/db/schema.h"

@@ -5,9 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <filesystem>
-#include <memory>
-#include <string>
 #include <thread>
 
 #include "storage/catalogue/catalogue.h"

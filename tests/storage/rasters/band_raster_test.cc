@@ -2,11 +2,9 @@
 #include "storage/rasters/band_raster.h"
 
 #include <cpl_vsi.h>
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
 
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>

@@ -3,10 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <initializer_list>
-#include <string>
-#include <vector>
 
 #include "storage/catalogue/tokens.h"
 #include "storage/jobs/map_exports.h"

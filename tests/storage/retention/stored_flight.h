@@ -1,8 +1,6 @@
 // StoredFlightTest: a catalogue with one flight of one file in it, and what works on it.
 #pragma once
 
-#include <string>
-
 #include "storage/catalogue/trash.h"
 #include "storage/uploads/upload_spool.h"
 #include "tests/storage/catalogue_fixture.h"

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <filesystem>
-#include <vector>
 
 #include "storage/tilesets/map_files.h"
 #include "tests/support/temporary_folder.h"

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "core/alignment/estimators/sampler.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {

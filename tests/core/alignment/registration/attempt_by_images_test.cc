@@ -4,9 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numbers>
-
-#include "core/alignment/align_flight.h"
 #include "core/alignment/estimators/sampler.h"
 #include "core/base/median.h"
 #include "core/flight/remarks/remark_words.h"

@@ -3,11 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <cmath>
 #include <numeric>
 
-#include "core/alignment/estimators/sampler.h"
-#include "core/geo/rigid3.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {

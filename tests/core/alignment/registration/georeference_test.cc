@@ -3,10 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
-#include "core/alignment/estimators/sampler.h"
-#include "core/alignment/scene/priors.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {

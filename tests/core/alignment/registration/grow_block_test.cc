@@ -3,11 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstddef>
-#include <optional>
-#include <set>
 #include <string_view>
-#include <vector>
 
 namespace skyquilt::alignment {
 namespace {

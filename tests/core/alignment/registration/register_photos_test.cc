@@ -7,7 +7,6 @@
 #include <map>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/from_images/grow_groups.h"

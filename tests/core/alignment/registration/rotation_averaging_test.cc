@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/estimators/sampler.h"
 #include "core/geo/rigid3.h"
 #include "tests/core/alignment/registration/uniform.h"
 

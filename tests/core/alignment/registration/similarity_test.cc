@@ -2,10 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
-#include "core/alignment/estimators/sampler.h"
 #include "tests/core/alignment/registration/uniform.h"
 #include "tests/support/value_of.h"
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/alignment/estimators/sampler.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "core/alignment/matching/match_descriptors.h"
-#include "core/alignment/scene/matches.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
 #include "tests/support/value_of.h"
 

@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
-#include <string>
-#include <vector>
 
 #include "tests/support/peak_memory.h"
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <string_view>
 
 namespace skyquilt::testing {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <map>
 
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/gcp_list.h"

@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <vector>
-
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"

@@ -2,10 +2,6 @@
 #include "core/poses/lists/choose_rows.h"
 
 #include <chrono>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "core/poses/photo_rows.h"
 #include "core/poses/time/join_logs.h"

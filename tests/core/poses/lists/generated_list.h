@@ -4,11 +4,8 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "core/flight/photo.h"
-#include "core/geo/lat_lon.h"
 #include "tests/core/poses/lists/list_parts.h"
 
 namespace skyquilt::testing {

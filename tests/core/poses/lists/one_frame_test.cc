@@ -9,7 +9,6 @@
 #include <string>
 
 #include "core/flight/remarks/remark_words.h"
-#include "core/geo/geodesic.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/estimate_poses.h"
 
