@@ -4,7 +4,6 @@
 
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <ogr_spatialref.h>
 
 #include "core/flight/remarks/remark_words.h"
@@ -16,7 +15,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 // 300 m everywhere in a tenth of a degree about 47.4, 8.5; in an unplaced site grid it cannot be used.
 flight::InputFile WriteModel(const std::filesystem::path& folder, const std::string& name, bool is_placed,

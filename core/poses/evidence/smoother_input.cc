@@ -13,7 +13,6 @@
 namespace skyquilt::poses {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 

@@ -24,7 +24,6 @@
 namespace skyquilt::alignment {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 

@@ -12,8 +12,6 @@
 namespace skyquilt::bench {
 namespace {
 
-using Eigen::Vector3d;
-
 // Horizontal distance between the smoother's track with all fixes and without those of [begin, begin +
 // length], over that hole, and the sigma that the latter states.
 struct Bridge {

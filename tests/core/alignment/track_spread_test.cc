@@ -1,6 +1,5 @@
 // Which tracks an adjustment takes of many, and which observations of one agree.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <vector>
 

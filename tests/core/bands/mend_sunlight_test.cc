@@ -2,7 +2,6 @@
 #include "core/bands/mend_sunlight.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <chrono>
 

@@ -1,6 +1,5 @@
 // Calibration panels: what their codes say, where they stand in a picture, and which factors follow.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <array>
 #include <chrono>

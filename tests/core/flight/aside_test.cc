@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"

@@ -2,7 +2,6 @@
 #include "core/base/text/file_names.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "core/flight/bytes/composed_letters.h"
 

@@ -2,7 +2,6 @@
 #include "core/flight/photos/photo_decoder.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <turbojpeg.h>
 
 #include <algorithm>

@@ -12,8 +12,6 @@
 namespace skyquilt::flight {
 namespace {
 
-using std::chrono::microseconds;
-
 Photo Read(const ExifWriter& exif, const std::string& xmp = "", bool is_big_endian = false) {
   return test::ValueOf(
       ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(is_big_endian), .xmp = xmp})));

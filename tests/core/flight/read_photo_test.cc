@@ -3,7 +3,6 @@
 #include "core/flight/photos/read_photo.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <random>
 

@@ -2,7 +2,6 @@
 #include "core/flight/lists/reflectance_list.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/because.h"

@@ -1,7 +1,6 @@
 #include "core/flight/remarks/remark_words.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <set>
 

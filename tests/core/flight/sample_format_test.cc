@@ -2,7 +2,6 @@
 #include "core/flight/photos/sample_format.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>

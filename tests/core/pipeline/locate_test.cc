@@ -12,8 +12,6 @@
 namespace skyquilt::pipeline {
 namespace {
 
-using geo::DegToRad;
-
 // A camera with a bent lens that looks down, turned and tilted a little.
 alignment::AlignedPhoto PhotoAt(const std::string& name, double east_m, double north_m, double tilt_rad) {
   alignment::AlignedPhoto photo;

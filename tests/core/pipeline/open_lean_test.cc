@@ -11,8 +11,6 @@
 namespace skyquilt::pipeline {
 namespace {
 
-using Eigen::Vector2d;
-
 constexpr int kPhotos = 12;
 
 // Photos from 60 m, every other one `apart_m` beside the first line, aligned where they were recorded.

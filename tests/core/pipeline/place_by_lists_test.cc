@@ -3,7 +3,6 @@
 #include "core/pipeline/placing/place_by_lists.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <utility>

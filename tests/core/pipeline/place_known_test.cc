@@ -3,7 +3,6 @@
 #include "core/pipeline/placing/place_known.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 

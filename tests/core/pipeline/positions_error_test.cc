@@ -2,7 +2,6 @@
 #include "core/pipeline/report/positions_error.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <chrono>
 #include <cmath>

@@ -2,7 +2,6 @@
 #include "core/poses/time/clock_zone.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>

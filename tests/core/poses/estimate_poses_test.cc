@@ -1,7 +1,6 @@
 #include "core/poses/estimate_poses.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <utility>

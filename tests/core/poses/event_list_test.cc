@@ -3,7 +3,6 @@
 #include "core/poses/time/event_list.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <chrono>
 #include <cmath>

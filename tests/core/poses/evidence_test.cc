@@ -1,6 +1,5 @@
 // What recorded positions are taken to have in common.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <chrono>
 #include <cmath>

@@ -3,7 +3,6 @@
 #include "core/poses/time/join_logs.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <chrono>
 #include <cmath>
@@ -21,7 +20,6 @@ using flight::FlightLog;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 
 constexpr geo::LatLon kMeadow{47.4, 8.5};
 

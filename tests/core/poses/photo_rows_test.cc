@@ -2,7 +2,6 @@
 #include "core/poses/photo_rows.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstddef>

@@ -1,7 +1,6 @@
 #include "core/poses/plausible_poses.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>

@@ -3,7 +3,6 @@
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <ogr_spatialref.h>
 #include <signal.h>
 #include <sys/resource.h>

@@ -2,7 +2,6 @@
 #include "core/alignment/attempts/attempt_by_images.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "core/alignment/estimators/sampler.h"
 #include "core/base/median.h"

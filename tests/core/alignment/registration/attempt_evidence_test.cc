@@ -2,7 +2,6 @@
 #include "core/alignment/attempts/attempt_evidence.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "core/flight/remarks/remark_words.h"
 

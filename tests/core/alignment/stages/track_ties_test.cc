@@ -3,7 +3,6 @@
 #include "core/alignment/stages/track_ties.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <numeric>
 

@@ -1,6 +1,5 @@
 // What the parsers of logs take of files that were made to cost: counted, not timed.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "core/flight/logs/autopilots/ulog_types.h"
 #include "core/flight/logs/formats.h"

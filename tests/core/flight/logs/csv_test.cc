@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -188,7 +187,6 @@ TEST(RecogniseLog, GoesByContent) {
 
 using M = CsvMeaning;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 TEST(MapTolerantColumns, ReadsUnitsBehindNamesInAnyCase) {
   struct Case {

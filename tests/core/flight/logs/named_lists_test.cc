@@ -1,6 +1,5 @@
 // Lists of photos below a line of names: whichever program wrote them, columns mean what their names say.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <string>
 #include <utility>

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/formats.h"

@@ -1,7 +1,6 @@
 // What columns without a unit are by their numbers, and what their numbers cannot be.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 

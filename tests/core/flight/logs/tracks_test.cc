@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "core/flight/logs/explain_unknown.h"
 #include "core/flight/logs/formats.h"

@@ -2,7 +2,6 @@
 #include "core/poses/lists/one_frame.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <chrono>
 #include <cmath>
