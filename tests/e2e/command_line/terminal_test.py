@@ -2,17 +2,13 @@
 import contextlib
 import fcntl
 import os
-import pathlib
 import pty
 import re
 import struct
 import subprocess
-import sys
 import termios
-import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import BINARY, ScratchCase  # noqa: E402
+from program import BINARY, ScratchCase
 
 
 class Terminal(ScratchCase):
@@ -61,7 +57,3 @@ class Terminal(ScratchCase):
         rows = re.split(r"\r\x1b\[K|\r\n", told.decode())
         self.assertTrue([row for row in rows if "[...." in row], rows)
         self.assertLess(max(len(row) for row in rows), 40, rows)
-
-
-if __name__ == "__main__":
-    unittest.main()
