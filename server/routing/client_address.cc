@@ -26,11 +26,13 @@ bool IsThisMachine(const AddressBytes& address) {
 // The share is counted under this name.
 std::string ShareOf(AddressBytes address) {
   static const AddressRange kIpv4 = *AddressRange::From("0.0.0.0/0");
+  static const AddressRange kNeighbours = *AddressRange::From("fe80::/10");
   std::array<char, INET6_ADDRSTRLEN> text{};
   if (kIpv4.Contains(address)) {
     inet_ntop(AF_INET, &address[12], text.data(), text.size());
   } else {
-    std::fill(address.begin() + 8, address.end(), std::uint8_t{0});
+    // A household has a network of its own; neighbours on one link have the same.
+    if (!kNeighbours.Contains(address)) std::fill(address.begin() + 8, address.end(), std::uint8_t{0});
     inet_ntop(AF_INET6, address.data(), text.data(), text.size());
   }
   return text.data();

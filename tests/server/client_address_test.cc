@@ -42,7 +42,8 @@ TEST(ClientAddress, CountsAHouseholdOfIpv6AsOne) {
 }
 
 TEST(ClientAddress, IsKnownOfANeighbourToo) {
-  EXPECT_EQ(Of("fe80::1%eth0"), "fe80::");
+  EXPECT_EQ(Of("fe80::1%eth0"), "fe80::1");
+  EXPECT_EQ(Of("fe80::2%eth0"), "fe80::2");
   EXPECT_EQ(Of("fe80::1%2", "198.51.100.1", {"fe80::/10"}), "198.51.100.1");
 }
 
