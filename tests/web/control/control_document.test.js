@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { ControlDocument, controlOf } from '../../../web/src/control/control_document.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
-import { holdToken } from '../../../web/src/shared/token.js';
+import { holdToken, token_kept } from '../../../web/src/shared/token.js';
 
 await loadFlightStrings();
 holdToken('');
@@ -16,7 +16,7 @@ const server = {
   /** @type {ControlPoints} */
   kept: { reference_system: 'EPSG:4326', points: [] },
   edition: 0,
-  /** @type {('away'|'lost')[]} away: it is not asked; lost: it is, and its answer does not come */
+  /** @type {('away'|'lost'|'refused')[]} away: it is not asked; lost: it is, and its answer does not come; refused: for its token */
   line: [],
   /** @param {Pick<ControlPoints, 'points'>} next */
   keep({ points }) {
@@ -31,6 +31,7 @@ globalThis.fetch = async (_, { method = 'GET', headers = {}, body = '' } = {}) =
   const fate = server.line.shift();
   if (fate === 'away') throw new TypeError('network');
   const answer = (/** @type {object} */ json, status = 200) => new Response(JSON.stringify(json), { status, headers: { ETag: `"${server.edition}"` } });
+  if (fate === 'refused') return answer({ title: 'Unauthorized' }, 401);
   if (method === 'PUT') {
     if (/** @type {any} */ (headers)['If-Match'] !== `"${server.edition}"`) return answer({ title: 'Precondition Failed', detail: 'changed elsewhere' }, 412);
     server.keep(JSON.parse(String(body)));
@@ -45,6 +46,19 @@ const marked = (/** @type {ControlPoints} */ { points }) => points.flatMap(({ na
 beforeEach(() => {
   server.line = [];
   server.keep({ points: [pointAt('P1')] });
+});
+
+test('whoever asked for a token: the page is not loaded anew with it while points are not saved, and they are sent', async () => {
+  const isLoadedAnew = () => token_kept.dispatchEvent(new Event('change', { cancelable: true }));
+  const control = new ControlDocument('token');
+  await control.load();
+  control.mark('P1', 'A.JPG', { x: 1, y: 2 });
+  server.line = ['refused'];
+  await assert.rejects(control.flush());
+  assert.equal(isLoadedAnew(), false);
+  while (control.state !== 'saved') await new Promise(setImmediate);
+  assert.equal(marked(server.kept), 'P1 A.JPG');
+  assert.equal(isLoadedAnew(), true);
 });
 
 test('a mark whose answer is lost is no change by others: those after it are saved', async () => {

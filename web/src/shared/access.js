@@ -7,8 +7,8 @@ import { isFromLink, isTokenHeld, keepToken, pageToken, reloadWithToken, token_k
 
 let is_asking = false;
 
-/** Prompts for a token and stores it. Once at a time. @param {() => void} [go_on] with it; else the page is loaded anew, unless something would be lost with it */
-export function askForToken(go_on) {
+/** Prompts for a token and stores it. Once at a time. The page is loaded anew with it, unless something would be lost. */
+export function askForToken() {
   if (is_asking || isTokenHeld()) return;
   is_asking = true;
   const words = strings.access;
@@ -33,7 +33,6 @@ export function askForToken(go_on) {
     if (choice !== 'go') return;
     keepToken(input.value.trim());
     const may_reload = token_kept.dispatchEvent(new Event('change', { cancelable: true }));
-    if (go_on) go_on();
-    else if (may_reload) reloadWithToken();
+    if (may_reload) reloadWithToken();
   });
 }

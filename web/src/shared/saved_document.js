@@ -1,10 +1,18 @@
 // A document that is changed here at once and sent to the server a moment later: what is said of its saving. Event: 'saved'.
 import { answerOf, parsed } from './api.js';
 import { at } from './router.js';
-import { authorization } from './token.js';
+import { authorization, token_kept } from './token.js';
 
 export const kPause_ms = 500;      // until a change is sent
 export const kPatience_ms = 5000;  // until a server that was away, or a flight that was being stitched, is asked again
+
+/** What the server does not have all of, or did not take. @type {Set<SavedDocument>} */
+const unsaved = new Set();
+// To be loaded anew, whoever asked for the token, would lose it.
+token_kept.addEventListener('change', (event) => {
+  if (unsaved.size > 0) event.preventDefault();
+  for (const document of unsaved) void document.flush().catch(() => undefined);  // what came of it is the state
+});
 
 export class SavedDocument extends EventTarget {
   /** @type {'saved'|'saving'|'waiting'|'failed'} */
@@ -28,9 +36,7 @@ export class SavedDocument extends EventTarget {
     const turn = (this.asked += 1);
     const address = at(`/api/v1/flights/${encodeURIComponent(this.id)}/${this.name}`);
     const { response, text } = await answerOf(fetch(address, { priority: this.priority, ...init, headers: { ...authorization(), ...init.headers } })).catch((error) => {
-      // To be loaded anew would lose what is not saved.
-      const goOn = init.method ? () => void this.flush().catch(() => undefined) : undefined;
-      if (error.status === 401) import('./access.js').then(({ askForToken }) => askForToken(goOn)).catch(() => undefined);  // the state says it too
+      if (error.status === 401) import('./access.js').then(({ askForToken }) => askForToken()).catch(() => undefined);  // the state says it too
       throw error;
     });
     const document = parsed(response, text);
@@ -60,6 +66,7 @@ export class SavedDocument extends EventTarget {
   tell(state, failure = '') {
     this.state = state;
     this.failure = failure;
+    unsaved[state === 'saved' ? 'delete' : 'add'](this);
     this.dispatchEvent(new Event('saved'));
   }
 }
