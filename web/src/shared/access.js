@@ -6,10 +6,13 @@ import { strings } from './strings.js';
 import { isFromLink, isTokenHeld, keepToken, pageToken, reloadWithToken, token_kept } from './token.js';
 
 let is_asking = false;
+/** The dialog was closed: what asks the server by itself, again and again, does not open it until somebody does something. */
+let is_declined = false;
+for (const act of ['click', 'keydown', 'drop']) addEventListener(act, () => (is_declined = false), { capture: true });
 
 /** Prompts for a token and stores it. Once at a time. The page is loaded anew with it, unless something would be lost. */
 export function askForToken() {
-  if (is_asking || isTokenHeld()) return;
+  if (is_asking || is_declined || isTokenHeld()) return;
   is_asking = true;
   const words = strings.access;
   const is_link = isFromLink();
@@ -30,7 +33,8 @@ export function askForToken() {
   );
   void ask(dialog).then((choice) => {
     is_asking = false;
-    if (choice !== 'go') return;
+    is_declined = choice !== 'go';
+    if (is_declined) return;
     keepToken(input.value.trim());
     const may_reload = token_kept.dispatchEvent(new Event('change', { cancelable: true }));
     if (may_reload) reloadWithToken();
