@@ -83,6 +83,8 @@ export function openImport(control, photos) {
   };
   text.addEventListener('input', read);
   system.addEventListener('input', read);
+  // The same one that was edited since is a change, too.
+  file.addEventListener('click', () => (file.value = ''));
   file.addEventListener('change', async () => {
     const chosen = file.files?.[0];
     if (!chosen) return;
