@@ -1,10 +1,11 @@
 // An upload without a browser: what is dropped, and what becomes of files and map on a poor line.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { made } from './support/fake_page.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { holdToken, token_kept } from '../../web/src/shared/token.js';
 import { selectFiles } from '../../web/src/upload/drop_files.js';
-import { filesOfDrop } from '../../web/src/upload/drop_zone.js';
+import { filesOfDrop, stoppedUploadOf } from '../../web/src/upload/drop_zone.js';
 
 await loadFlightStrings();
 holdToken('');
@@ -24,7 +25,10 @@ class FakeRequest {
     line.asked.push(`${method} ${address.split('/').pop()}`);
   }
   setRequestHeader() {}
-  abort() {}
+  #is_aborted = false;
+  abort() {
+    this.#is_aborted = true;
+  }
   get status() {
     return this.#answer.status;
   }
@@ -34,13 +38,10 @@ class FakeRequest {
   }
   send() {
     this.#answer = line.answers.shift() ?? { status: 0 };
-    setImmediate(() => /** @type {any} */ (this)[this.status ? 'onload' : 'onerror']({}));
+    setImmediate(() => this.#is_aborted || /** @type {any} */ (this)[this.status ? 'onload' : 'onerror']({}));
   }
 }
 Object.assign(globalThis, {
-  addEventListener: () => {},
-  document: { getElementById: () => ({ textContent: '' }) },
-  location: { pathname: '/', href: 'http://localhost/' },
   XMLHttpRequest: FakeRequest,
   window: { setTimeout, localStorage, XMLHttpRequest: FakeRequest, Blob },
 });
@@ -133,4 +134,18 @@ test('a token that ends during an upload fails no file: with the next one it goe
   is_refused = false;
   await is_done;
   assert.equal(session.job?.id, 'j');
+});
+
+test('of a flight that was deleted elsewhere during an upload it is said once, and its files wait to be taken back', async () => {
+  globalThis.fetch = async (address) => (String(address).endsWith('/files') ? new Response('{"files":[]}') : new Response('', { status: 404 }));
+  line.answers = Array(8).fill({ status: 404 });
+  const session = new UploadSession('f');
+  const is_stopped = isBegun(session);
+  await session.add({ chosen: Array.from({ length: 8 }, (_, i) => chosen(`${i}.jpg`).chosen[0]), ignored: [], folder: '' });
+  await is_stopped;
+  for (let turn = 0; turn < 20; turn += 1) await new Promise(setImmediate);
+  const notes = made.filter(({ attributes }) => attributes.class === 'note note-error');
+  for (const note of notes) note.dispatchEvent(new Event('pointerenter'));  // it does not go away meanwhile
+  assert.equal(notes.length, 1);
+  assert.deepEqual([session.queue.picture.failed, session.queue.picture.state, stoppedUploadOf('f')], [0, 'paused', session]);
 });

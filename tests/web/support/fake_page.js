@@ -35,5 +35,5 @@ Object.assign(globalThis, {
   Node: FakeElement,
   addEventListener: acts.addEventListener.bind(acts),
   location: { pathname: '/', href: 'http://localhost/' },
-  document: { body: new FakeElement(), documentElement: {}, createElement: (/** @type {string} */ tag) => new FakeElement(tag), getElementById: () => new FakeElement(), querySelectorAll: () => [] },
+  document: { body: new FakeElement(), documentElement: {}, createElement: (/** @type {string} */ tag) => new FakeElement(tag), createElementNS: () => new FakeElement(), getElementById: () => new FakeElement(), querySelectorAll: () => [] },
 });

@@ -4,7 +4,7 @@
 /** @import { ChosenFile, IgnoredFile, Selection } from './drop_files.js' */
 /** @import { Verdict } from './verdict.js' */
 import * as api from '../shared/api.js';
-import { announce, showError } from '../shared/announce.js';
+import { announce, showError, showNote } from '../shared/announce.js';
 import { held, sessions } from './drop_zone.js';
 import { confirmCoarse } from '../flight/coarse_map.js';
 import { chooseOptions, chosenOptions, forgetChosen } from '../flight/job_options.js';
@@ -26,6 +26,8 @@ class TokenEnded extends api.ApiError {
     return true;
   }
 }
+
+const isMissing = (/** @type {unknown} */ error) => error instanceof api.ApiError && error.status === 404;
 
 /** @param {unknown} error @returns {never} */
 function askForNextToken(error) {
@@ -60,7 +62,9 @@ export class UploadSession extends EventTarget {
     super();
     this.flight_id = flight_id;
     this.queue = new UploadQueue([], (item, on_progress, signal) =>
-      sendFile(flight_id, item.name, item.file, on_progress, signal).catch(askForNextToken),
+      sendFile(flight_id, item.name, item.file, on_progress, signal)
+        .catch(askForNextToken)
+        .catch((error) => this.#onRefused(error, signal)),
     );
     this.queue.addEventListener('change', () => {
       this.#changed();
@@ -69,6 +73,12 @@ export class UploadSession extends EventTarget {
       if (done >= this.#verdict_from && done < files) void this.#askServer(done);
       if (state === 'finished' && failed === 0 && done > 0) void this.startJob();
     });
+  }
+
+  /** @param {unknown} error @param {AbortSignal} signal of the file @returns {Promise<never>} */
+  async #onRefused(error, signal) {
+    if (isMissing(error) && (await api.getFlight(this.flight_id, signal).then(() => false, isMissing)) && !signal.aborted) this.stopAsGone();
+    throw error;
   }
 
   #changed() {
@@ -193,6 +203,12 @@ export class UploadSession extends EventTarget {
     return job;
   }
 
+  /** The flight was deleted elsewhere, which is said once and not of each file. Restored, it takes the rest. */
+  stopAsGone() {
+    showNote(strings.flights.gone, { is_error: true });
+    this.stop();
+  }
+
   /** Until `resume`. @param {{tells?: boolean}} [how] tells: who shows the flight is told by 'job' */
   stop({ tells = true } = {}) {
     this.#abort.abort();
@@ -250,6 +266,10 @@ export const resumeUpload = (session) => sendAnyway(session, session.resume());
 function sendAnyway(session, beginning) {
   beginning.catch((error) => {
     if (error instanceof DOMException && error.name === 'AbortError') return;  // stopped meanwhile
+    if (isMissing(error)) {
+      session.stopAsGone();
+      return;
+    }
     showError(error);
     session.queue.start();
   });
