@@ -47,6 +47,7 @@ Object.assign(globalThis, {
 });
 const { sendFile } = await import('../../web/src/upload/send_file.js');
 const { UploadSession } = await import('../../web/src/upload/uploads.js');
+const { UploadQueue } = await import('../../web/src/upload/upload_queue.js');
 
 const chosen = (/** @type {string} */ name) => ({ chosen: [{ name, file: new File(['x'], name) }], ignored: [], folder: '' });
 const isBegun = (/** @type {InstanceType<typeof UploadSession>} */ session) => new Promise((resolve) => session.addEventListener('job', resolve, { once: true }));
@@ -148,4 +149,49 @@ test('of a flight that was deleted elsewhere during an upload it is said once, a
   for (const note of notes) note.dispatchEvent(new Event('pointerenter'));  // it does not go away meanwhile
   assert.equal(notes.length, 1);
   assert.deepEqual([session.queue.picture.failed, session.queue.picture.state, stoppedUploadOf('f')], [0, 'paused', session]);
+});
+
+test('a list that was edited is sent under a name of its own, and told; one that is there is not sent again', async () => {
+  const stored = new Map([['geo.txt', 'old']]);
+  globalThis.fetch = async (address, { method = 'GET' } = {}) => {
+    const name = String(address).split('/files/')[1];
+    if (method === 'DELETE') stored.delete(name);
+    if (name) return new Response(stored.get(name));
+    return new Response(JSON.stringify(method === 'GET' ? { files: [...stored].map(([name, { length }]) => ({ name, bytes: length })) } : { id: 'j' }));
+  };
+  const session = new UploadSession('f');
+  const notes = () => made.filter(({ attributes }) => attributes.class === 'note');
+  const before = notes().length;
+  const drop = async (/** @type {string} */ text) => {
+    line.asked = [];
+    line.answers = [{ status: 201, headers: { Location: '/api/v1/uploads/u9', 'Upload-Offset': String(text.length) } }];
+    const is_done = isBegun(session);
+    await session.add({ chosen: [{ name: 'geo.txt', file: new File([text], 'geo.txt') }], ignored: [], folder: '' });
+    await is_done;
+    for (const note of notes()) note.dispatchEvent(new Event('pointerenter'));
+    const { name } = session.queue.items[session.queue.items.length - 1];
+    if (line.asked.length > 0) stored.set(name, text);
+    return [name, line.asked.length, notes().length - before];
+  };
+  assert.deepEqual(await drop('old'), ['geo.txt', 0, 0]);
+  assert.deepEqual(await drop('new'), ['geo(2).txt', 1, 1], 'as long as the old one');
+  assert.deepEqual(await drop('new'), ['geo(2).txt', 0, 2]);
+  assert.deepEqual(await drop('longer'), ['geo(3).txt', 1, 3]);
+  made.filter(({ attributes }) => attributes.class === 'note-action').at(-1)?.dispatchEvent(new Event('click'));
+  while (stored.has('geo.txt')) await new Promise(setImmediate);
+  assert.deepEqual([...stored.keys()], ['geo(2).txt', 'geo(3).txt']);
+});
+
+test('no file is begun before it is known what the flight has', async () => {
+  /** @type {string[]} */
+  const sent = [];
+  const queue = new UploadQueue([], async ({ name }) => void sent.push(name), { may_differ: (name) => name === 'b.csv' });
+  queue.start();
+  assert.equal(queue.picture.state, 'finished');
+  queue.hold();
+  queue.add([{ name: 'a.jpg', file: new Blob(['x']) }, { name: 'b.csv', file: new Blob(['x']) }]);
+  assert.deepEqual([sent, queue.picture.state], [[], 'running']);
+  queue.skipStored(new Map([['a.jpg', 1], ['b.csv', 1]]));
+  queue.start();
+  assert.deepEqual(sent, ['b.csv']);
 });

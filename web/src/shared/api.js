@@ -249,8 +249,24 @@ export const restoreFlight = (id) => request('POST', `${flight_path(id)}/restore
 /** For good. @param {string} id of a deleted flight @returns {Promise<null>} */
 export const removeFlight = (id) => request('DELETE', `/api/v1/trash/${encodeURIComponent(id)}`);
 
+const filePath = (/** @type {string} */ id, /** @type {string} */ name) => `${flight_path(id)}/files/${encodeURIComponent(name)}`;
+
 /** @param {string} id @returns {Promise<StoredFile[]>} */
 export const listFiles = async (id) => (await request('GET', `${flight_path(id)}/files`)).files ?? [];
+
+/** What lies there under a name. @param {string} id @param {string} name @param {AbortSignal} signal @returns {Promise<ArrayBuffer>} */
+export async function getFile(id, name, signal) {
+  let bytes = new ArrayBuffer(0);
+  await answerOf(fetch(at(filePath(id, name)), { signal, headers: authorization() }).then(async (response) => {
+    if (!response.ok) return response;
+    bytes = await response.arrayBuffer();
+    return new Response();
+  }));
+  return bytes;
+}
+
+/** @param {string} id @param {string} name @returns {Promise<null>} */
+export const deleteFile = (id, name) => request('DELETE', filePath(id, name));
 
 /** The layers that the map page offers. */
 export const kLayers = ['photo', 'error', 'height'];
@@ -315,7 +331,7 @@ export async function getGround(id, name, x, y) {
 }
 
 /** @param {string} id @param {string} name @returns {string} where the photo itself can be read */
-export const photoPath = (id, name) => readable(`${flight_path(id)}/files/${encodeURIComponent(name)}`);
+export const photoPath = (id, name) => readable(filePath(id, name));
 
 /** @param {string} path @returns {Promise<TileJson>} */
 export const getTileJson = (path) => request('GET', path);

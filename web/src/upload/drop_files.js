@@ -38,6 +38,9 @@ function extension(name) {
 /** @param {string} name @returns {boolean} whether the server opens it */
 export const isArchive = (name) => kArchiveName.test(name);
 
+/** @param {string} name @returns {boolean} of what was flown: a list, a log, a sidecar */
+export const isLog = (name) => kLogs.has(extension(name));
+
 /** @param {string} name @returns {boolean} whether the server makes photos of its frames */
 export const isFilm = (name) => kFilms.has(extension(name));
 

@@ -22,11 +22,30 @@ function read(flight_id) {
 export function rememberUpload(flight_id, files) {
   const kept = read(flight_id);
   for (const { name, file } of files) kept.set(name, file.size);
+  keep(flight_id, kept);
+}
+
+/** @param {string} flight_id @param {Map<string, number>} kept */
+function keep(flight_id, kept) {
   try {
     localStorage.setItem(key(flight_id), JSON.stringify([...kept]));
   } catch {
     // A browser without room only forgets: the page then says what the server has, and not what it lacks.
   }
+}
+
+/**
+ * @param {string} flight_id
+ * @param {string} before
+ * @param {string} name that the file has in the flight
+ */
+export function rememberName(flight_id, before, name) {
+  const kept = read(flight_id);
+  const bytes = kept.get(before);
+  if (bytes === undefined) return;
+  kept.delete(before);
+  kept.set(name, bytes);
+  keep(flight_id, kept);
 }
 
 /** @param {string} flight_id */

@@ -31,6 +31,8 @@
  * @property {number} [max_attempts] tries per file when the failure may pass and the server is there
  * @property {number} [retry_delay_ms] before the second try; doubles with each, up to 15 s
  * @property {() => number} [now_ms]
+ * @property {(name: string) => boolean} [may_differ] of files whose name and size do not say that they are the same: the
+ *   sender finds out
  */
 
 /**
@@ -63,6 +65,7 @@ export class UploadQueue extends EventTarget {
   #wire_bytes = 0;
   /** @type {{at_ms: number, wire_bytes: number}[]} */
   #history = [];
+  #is_held = false;
 
   /**
    * @param {{name: string, file: File|Blob}[]} files
@@ -75,6 +78,7 @@ export class UploadQueue extends EventTarget {
     this.parallel = options.parallel ?? 4;
     this.max_attempts = options.max_attempts ?? 7;
     this.retry_delay_ms = options.retry_delay_ms ?? 1000;
+    this.may_differ = options.may_differ ?? (() => false);
     this.now_ms = options.now_ms ?? (() => performance.now());
     this.#append(files);
   }
@@ -94,12 +98,12 @@ export class UploadQueue extends EventTarget {
   add(files) {
     const chosen = new Map(files.map(({ name, file }) => [name, file.size]));
     // One that is on its way, or has arrived, is not sent twice.
-    const stays = (/** @type {UploadItem} */ { name, state, bytes }) => state === 'sending' || !chosen.has(name) || (state === 'done' && chosen.get(name) === bytes);
+    const stays = (/** @type {UploadItem} */ { name, state, bytes }) => state === 'sending' || !chosen.has(name) || (state === 'done' && chosen.get(name) === bytes && !this.may_differ(name));
     this.items = this.items.filter(stays);
     const there = new Map(this.items.map(({ name, bytes }) => [name, bytes]));
     const more = files.filter(({ name, file }) => there.get(name) !== file.size);
     this.#append(more);
-    if (this.#state === 'running' || this.#state === 'finished') this.start();
+    if (this.#state === 'running' || this.#state === 'finished') this.#run();
     else this.#changed();
   }
 
@@ -109,7 +113,7 @@ export class UploadQueue extends EventTarget {
    */
   skipStored(stored) {
     for (const item of this.items) {
-      if (item.state === 'waiting' && stored.get(item.name) === item.bytes && !this.#isSending(item.name)) {
+      if (item.state === 'waiting' && !this.may_differ(item.name) && stored.get(item.name) === item.bytes && !this.#isSending(item.name)) {
         item.state = 'done';
         item.was_there = true;
         item.sent_bytes = item.bytes;
@@ -118,7 +122,17 @@ export class UploadQueue extends EventTarget {
     this.#changed();
   }
 
+  /** No further file is begun until `start`. */
+  hold() {
+    this.#is_held = true;
+  }
+
   start() {
+    this.#is_held = false;
+    this.#run();
+  }
+
+  #run() {
     if (this.#state !== 'running') this.#history = [];
     this.#state = 'running';
     this.#pump();
@@ -196,6 +210,7 @@ export class UploadQueue extends EventTarget {
   }
 
   #pump() {
+    if (this.#is_held) return;
     while (this.#state === 'running' && this.#aborts.size < this.parallel) {
       // Of two of one name the server numbers what comes last.
       const item = this.items.find(({ name, state }) => state === 'waiting' && !this.#isSending(name));

@@ -2,6 +2,7 @@
 // a flight has arrived, its job is queued. One that was stopped keeps its files and can go on.
 /** @import { Job, ServerVerdict } from '../shared/types.js' */
 /** @import { ChosenFile, IgnoredFile, Selection } from './drop_files.js' */
+/** @import { UploadItem } from './upload_queue.js' */
 /** @import { Verdict } from './verdict.js' */
 import * as api from '../shared/api.js';
 import { announce, showError, showNote } from '../shared/announce.js';
@@ -12,13 +13,16 @@ import { isOver } from '../flight/job_watch.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/flight_strings.js';
 import { token_kept } from '../shared/token.js';
-import { forgetUpload, rememberUpload } from './upload_memory.js';
+import { isLog } from './drop_files.js';
+import { toldApart } from './edited_files.js';
+import { forgetUpload, rememberName, rememberUpload } from './upload_memory.js';
 import { UploadQueue, wait } from './upload_queue.js';
 import { judge } from './verdict.js';
 
 const kLongestDelay_ms = 15_000;
 // The server is asked for its verdict after so many files, and again when four times as many are there.
 const kFirstVerdict_files = 3;
+const kUntilClosed_ms = 600_000;
 
 /** No file fails by it: the next token is waited for as a server that is away is. */
 class TokenEnded extends api.ApiError {
@@ -56,15 +60,20 @@ export class UploadSession extends EventTarget {
   #verdict_from = kFirstVerdict_files;
   #verdict_files = 0;  // that were there when what is known was asked for
   #abort = new AbortController();
+  /** Name to size of what the flight has, as far as it is known. @type {Map<string, number>} */
+  #there = new Map();
+  /** Lists and the like of which another lies in the flight: its name, and that of what was sent. @type {Map<string, string>} */
+  #beside = new Map();
+  #endTelling = () => {};
 
   /** @param {string} flight_id */
   constructor(flight_id) {
     super();
     this.flight_id = flight_id;
-    this.queue = new UploadQueue([], (item, on_progress, signal) =>
-      sendFile(flight_id, item.name, item.file, on_progress, signal)
-        .catch(askForNextToken)
-        .catch((error) => this.#onRefused(error, signal)),
+    this.queue = new UploadQueue(
+      [],
+      (item, on_progress, signal) => this.#send(item, on_progress, signal).catch(askForNextToken).catch((error) => this.#onRefused(error, signal)),
+      { may_differ: isLog },
     );
     this.queue.addEventListener('change', () => {
       this.#changed();
@@ -73,6 +82,50 @@ export class UploadSession extends EventTarget {
       if (done >= this.#verdict_from && done < files) void this.#askServer(done);
       if (state === 'finished' && failed === 0 && done > 0) void this.startJob();
     });
+  }
+
+  /** @type {import('./upload_queue.js').SendFile} */
+  async #send(item, on_progress, signal) {
+    if (isLog(item.name) && (await this.#isThere(item, signal))) return;
+    await sendFile(this.flight_id, item.name, item.file, on_progress, signal);
+    this.#there.set(item.name, item.bytes);
+  }
+
+  /** @param {UploadItem} item @param {AbortSignal} signal */
+  async #isThere(item, signal) {
+    const before = item.name;
+    const { name, is_there } = await toldApart(this.flight_id, item, this.#there, signal);
+    signal.throwIfAborted();
+    item.was_there = is_there;
+    if (name === before) return is_there;
+    item.name = name;
+    rememberName(this.flight_id, before, name);
+    this.#beside.set(before, name);
+    this.#tellBeside();
+    return is_there;
+  }
+
+  /** Both count, until the old one is deleted. */
+  #tellBeside() {
+    const words = strings.upload;
+    const beside = new Map(this.#beside);
+    const [[old, name]] = beside;
+    const removeOld = async () => {
+      for (const one of beside.keys()) {
+        await api.deleteFile(this.flight_id, one).catch((error) => {
+          if (!isMissing(error)) throw error;
+        });
+        this.#beside.delete(one);
+        this.#there.delete(one);
+      }
+      announce(words.old_deleted(beside.size));
+    };
+    const run = () => void removeOld().catch((error) => {
+      showError(error);
+      this.#tellBeside();
+    });
+    this.#endTelling();
+    this.#endTelling = showNote(words.beside(old, name, beside.size), { action: { label: words.delete_old(beside.size), run }, duration_ms: kUntilClosed_ms });
   }
 
   /** @param {unknown} error @param {AbortSignal} signal of the file @returns {Promise<never>} */
@@ -105,6 +158,7 @@ export class UploadSession extends EventTarget {
     this.ignored = withMore(this.ignored, selection.ignored);
     this.#files = withMore(this.#files, selection.chosen);
     rememberUpload(this.flight_id, selection.chosen);
+    this.queue.hold();
     judge(this.#files).then((verdict) => {
       this.verdict = verdict;
       this.#changed();
@@ -124,7 +178,8 @@ export class UploadSession extends EventTarget {
     // Not before it is known: what the server has it would keep twice.
     const files = await this.#untilReached(() => api.listFiles(this.flight_id), signal, (error) => error.is_passing);
     if (signal.aborted) return;
-    this.queue.skipStored(new Map(files.map((file) => [file.name, file.bytes])));
+    this.#there = new Map(files.map((file) => [file.name, file.bytes]));
+    this.queue.skipStored(this.#there);
     this.queue.start();
   }
 
@@ -236,8 +291,7 @@ function withMore(before, more) {
  * @returns {ChosenFile[]}
  */
 function logsFirst(files) {
-  const isPicture = (/** @type {ChosenFile} */ { name }) => /\.(jpe?g|tiff?|dng|png|mp4|mov|zip|tar|tgz|gz)$/i.test(name);
-  return [...files.filter((file) => !isPicture(file)), ...files.filter(isPicture)];
+  return [...files.filter(({ name }) => isLog(name)), ...files.filter(({ name }) => !isLog(name))];
 }
 
 // The line is back, or there is a token again: nobody waits for the next try.

@@ -64,6 +64,12 @@ export const flight_words = {
     retry_now: 'Jetzt versuchen',
     again_in: (seconds) => (seconds > 0 ? `Nächster Versuch in ${number(seconds)}\u00a0s. Ihre Dateien bleiben vorgemerkt.` : 'Neuer Versuch \u2026'),
     again_soon: 'Es wird weiter versucht, bis der Server antwortet.',
+    beside: (old, name, n) => plural(n, {
+      one: `Im Flug liegt schon eine andere Datei ${old}, und beide zählen: Diese heißt dort ${name}. Wenn sie die andere berichtigt, löschen Sie jene; eine Karte, die mit beiden begonnen wurde, muss neu erstellt werden.`,
+      other: `${number(n)} Dateien unterscheiden sich von denen gleichen Namens im Flug, und alle zählen: Diese ${old} heißt dort ${name}. Wenn sie die anderen berichtigen, löschen Sie jene; eine Karte, die mit allen begonnen wurde, muss neu erstellt werden.`,
+    }),
+    delete_old: (n) => plural(n, { one: 'Die andere löschen', other: 'Die anderen löschen' }),
+    old_deleted: (n) => `${count(n, { one: 'Datei wurde', other: 'Dateien wurden' })} gelöscht.`,
     after_map: 'Zu diesem Flug wird gerade eine Karte erstellt. Ist sie fertig, beginnt die nächste, mit diesen Dateien.',
   },
   job: {

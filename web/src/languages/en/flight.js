@@ -64,6 +64,12 @@ export const flight_words = {
     retry_now: 'Retry now',
     again_in: (/** @type {number} */ seconds) => (seconds > 0 ? `Retrying in ${number(seconds)}\u00a0s. Your files stay in the queue.` : 'Retrying \u2026'),
     again_soon: 'Retrying until the server responds.',
+    beside: (/** @type {string} */ old, /** @type {string} */ name, /** @type {number} */ n) => plural(n, {
+      one: `Another ${old} is in this flight, and both count: this one is called ${name}. If it corrects the other, delete that; a map begun with both must be created again.`,
+      other: `${number(n)} files differ from those of their names in this flight, and all count: this ${old} is called ${name}. If they correct the others, delete those; a map begun with all must be created again.`,
+    }),
+    delete_old: (/** @type {number} */ n) => plural(n, { one: 'Delete the other', other: 'Delete the others' }),
+    old_deleted: (/** @type {number} */ n) => `${count(n, { one: 'file was', other: 'files were' })} deleted.`,
     after_map: 'A map of this flight is being made. When it has ended, the next one is begun, with these files.',
   },
   job: {
