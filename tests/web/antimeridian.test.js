@@ -5,8 +5,10 @@ import { shownFromSurveyed } from '../../web/src/control/control_guess.js';
 import { coverageGrid } from '../../web/src/flight/report_pictures.js';
 import { overlap } from '../../web/src/map/compare_view.js';
 import { lonBeside } from '../../web/src/map/coordinates.js';
+import { boundsOfData, readOwnData } from '../../web/src/map/own_data.js';
 import { overlayParts } from '../../web/src/map/map_layers.js';
 import { flightPath } from '../../web/src/map/map_style.js';
+import { outlineOf } from '../../web/src/map/outlines.js';
 import { isAcross, sourceBounds, tilesIn } from '../../web/src/map/tile_addresses.js';
 import { boundsOfNote, drawnNote, geometryOf, noteOf } from '../../web/src/notes/note_shape.js';
 import { getIndexStatistics } from '../../web/src/shared/api.js';
@@ -47,6 +49,22 @@ test('lines and paths across the antimeridian do not go round the Earth, and lea
   assert.deepEqual(boundsOfNote(line), [179.999, -17, 180.001, -17]);
   const area = noteOf('area', '', geometryOf([[179.999, -17], [180.001, -17], [180.001, -16.999]], 'area'), 'n');
   assert.deepEqual(drawnNote(area).geometry.coordinates, [[[179.999, -17], [180.001, -17], [180.001, -16.999], [179.999, -17]]]);
+});
+
+test('own lines and areas across the antimeridian do not go round the Earth, and what does stays', () => {
+  const read = (/** @type {string} */ type, /** @type {any} */ coordinates) => {
+    const data = readOwnData('x.geojson', JSON.stringify({ type, coordinates }));
+    return [/** @type {any} */ (data.features[0].geometry).coordinates, boundsOfData(data)];
+  };
+  const area = { type: 'Polygon', coordinates: [[[179.5, -17], [180.5, -17], [180.5, -16], [179.5, -17]]] };
+  assert.deepEqual(outlineOf('x', readOwnData('x.geojson', JSON.stringify(area)))?.geometry.coordinates, [[[179.5, -17], [-179.5, -17], [-179.5, -16], [179.5, -17]]], 'as the server takes it');
+  assert.deepEqual(read('LineString', [[179.5, -17], [-179.5, -16]]), [[[179.5, -17], [180.5, -16]], [179.5, -17, 180.5, -16]]);
+  const ring = (/** @type {number} */ west, /** @type {number} */ east) => [[west, -17], [east, -17], [east, -16], [west, -17]];
+  assert.deepEqual(read('Polygon', [ring(179.5, -179.5), ring(-179.75, -179.625)]), [[ring(179.5, 180.5), ring(180.25, 180.375)], [179.5, -17, 180.5, -16]]);
+  // Cut there, as RFC 7946 has it: each part stays where it is, and they are looked at together.
+  assert.deepEqual(read('MultiPolygon', [[ring(179.5, 180)], [ring(-180, -179.5)]]), [[[ring(179.5, 180)], [ring(-180, -179.5)]], [179.5, -17, 180.5, -16]]);
+  const earth = [[-180, -80], [0, -80], [180, -80], [180, 80], [-180, 80], [-180, -80]];
+  assert.deepEqual(read('Polygon', [earth]), [[earth], [-180, -80, 180, 80]]);
 });
 
 test('photos on both sides of the antimeridian lie beside each other in the report and before they are sent', () => {

@@ -31,13 +31,20 @@ export const lonBeside = (lon_deg, other_deg) => lon_deg + 360 * Math.round((oth
 export const onEarth = ([lon_deg, lat_deg]) => [wrapLongitude(lon_deg), lat_deg];
 
 /**
- * Places one after the other across the antimeridian, where their numbers go on: a line through them does not go round the Earth.
+ * Places one after the other across the antimeridian, where their numbers go on: a line through them does not go round the Earth,
+ * but for one that says so, from -180 to 180.
  * @param {number[][]} places
  * @returns {number[][]}
  */
 export function goingOn(places) {
   let before_deg = places[0]?.[0] ?? 0;
-  return places.map(([lon_deg, ...rest]) => [(before_deg = lonBeside(lon_deg, before_deg)), ...rest]);
+  let turn_deg = 0;
+  return places.map(([lon_deg, ...rest]) => {
+    const step_deg = lon_deg - before_deg;
+    if (Math.abs(step_deg) > 180 && Math.abs(step_deg) < 360) turn_deg -= 360 * Math.sign(step_deg);
+    before_deg = lon_deg;
+    return [lon_deg + turn_deg, ...rest];
+  });
 }
 
 /**

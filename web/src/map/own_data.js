@@ -1,5 +1,6 @@
 // Reads a user's own GeoJSON or KML, to be laid over the map. It stays in the browser. What cannot be read is refused
 // with a message that says what to do; sizes are bounded, so that no file stalls the page.
+import { goingOn, lonBeside } from './coordinates.js';
 import { boundsOf } from './geodesy.js';
 import { strings } from '../shared/flight_strings.js';
 
@@ -24,7 +25,7 @@ export function readOwnData(name, text) {
   const counter = { points: 0 };
   const features = trimmed.startsWith('<') ? fromKml(trimmed, counter) : fromGeoJson(trimmed, counter);
   if (features.length === 0) throw new OwnDataError(words().empty(name));
-  return { type: 'FeatureCollection', features };
+  return { type: 'FeatureCollection', features: features.map((feature) => ({ ...feature, geometry: drawn(feature.geometry) })) };
 }
 
 /** @param {File} file @returns {Promise<GeoJSON.FeatureCollection>} */
@@ -54,6 +55,21 @@ function checked(place, counter) {
 
 /** How deep the coordinates of a geometry are nested. @type {Record<string, number>} */
 const kDepths = { Point: 0, MultiPoint: 1, LineString: 1, MultiLineString: 2, Polygon: 2, MultiPolygon: 3 };
+
+/** An outline and its holes, also across the antimeridian. @param {number[][][]} rings */
+function ringsGoingOn(rings) {
+  const places = goingOn(rings.flat());
+  let at = 0;
+  return rings.map(({ length }) => places.slice(at, (at += length)));
+}
+
+/** Nothing that crosses the antimeridian goes round the Earth. @param {any} geometry @returns {any} */
+function drawn({ type, coordinates }) {
+  if (type === 'LineString') return { type, coordinates: goingOn(coordinates) };
+  if (type === 'MultiLineString') return { type, coordinates: coordinates.map(goingOn) };
+  if (type === 'Polygon') return { type, coordinates: ringsGoingOn(coordinates) };
+  return { type, coordinates: type === 'MultiPolygon' ? coordinates.map(ringsGoingOn) : coordinates };
+}
 
 /** @param {unknown} coordinates @param {number} depth @param {Counter} counter @returns {any} */
 function checkedAll(coordinates, depth, counter) {
@@ -120,9 +136,18 @@ function fromKml(text, counter) {
   return found.filter(({ coordinates }) => coordinates?.length > 0).map((geometry) => ({ type: 'Feature', properties: {}, geometry }));
 }
 
-/** @param {GeoJSON.FeatureCollection} data */
+/** Of parts on both sides of the antimeridian they go on beyond it. @param {GeoJSON.FeatureCollection} data */
 export function boundsOfData(data) {
-  /** @type {(coordinates: any) => number[][]} */
-  const placesIn = (coordinates) => (typeof coordinates[0] === 'number' ? [coordinates] : coordinates.flatMap(placesIn));
-  return boundsOf(data.features.flatMap(({ geometry }) => placesIn(/** @type {any} */ (geometry).coordinates)));
+  /** @type {(coordinates: any) => number[][][]} */
+  const linesIn = (coordinates) => (typeof coordinates[0]?.[0] === 'number' ? [coordinates] : coordinates.flatMap(linesIn));
+  const lines = data.features.flatMap(({ geometry }) => {
+    const { type, coordinates } = /** @type {any} */ (geometry);
+    return type === 'Point' ? [[coordinates]] : type === 'MultiPoint' ? coordinates.map((/** @type {number[]} */ place) => [place]) : linesIn(coordinates);
+  });
+  const beside = lines.map((line) => {
+    const turn_deg = lonBeside(line[0][0], lines[0][0][0]) - line[0][0];
+    return line.map((/** @type {number[]} */ [lon, lat]) => [lon + turn_deg, lat]);
+  });
+  const [plain, turned] = [boundsOf(lines.flat()), boundsOf(beside.flat())];
+  return turned[2] - turned[0] < plain[2] - plain[0] ? turned : plain;
 }

@@ -5,6 +5,7 @@ import { h } from '../shared/dom.js';
 import { button, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { boundsOfData, ownDataFault, readOwnFile } from './own_data.js';
+import { isAcross } from './tile_addresses.js';
 
 const kColours = ['#e6007e', '#00a5e5', '#ffb000', '#7a3ff2', '#00b06b'];
 const kMargin_px = 70;
@@ -25,6 +26,7 @@ export function ownDataView(view) {
     const bounds = boundsOfData(data);
     const colour = kColours[count % kColours.length];
     const id = `own-${(count += 1)}`;
+    if (isAcross(bounds)) view.goOnBeyond(true);
     view.addOwnData(id, file.name, data, colour);
     const swatch = h('span', { class: 'dot' });
     swatch.style.background = colour;
@@ -43,7 +45,9 @@ export function ownDataView(view) {
     list.append(row);
     announce(words.added(file.name));
     const seen = view.map.getBounds();
-    const is_in_sight = bounds[0] <= seen.getEast() && bounds[2] >= seen.getWest() && bounds[1] <= seen.getNorth() && bounds[3] >= seen.getSouth();
+    // Across the antimeridian the numbers of one go on, and those of the other begin anew.
+    const is_beside = [-360, 0, 360].some((by) => bounds[0] + by <= seen.getEast() && bounds[2] + by >= seen.getWest());
+    const is_in_sight = is_beside && bounds[1] <= seen.getNorth() && bounds[3] >= seen.getSouth();
     if (!is_in_sight) showNote(words.elsewhere(file.name), { action: { label: words.go, run: show } });
   };
   input.addEventListener('change', async () => {
