@@ -3,6 +3,10 @@ export class FakeElement extends EventTarget {
   returnValue = '';
   value = '';
   is_open = false;
+  hidden = false;
+  style = {};
+  /** @type {any[]} */
+  children = [];
   /** @type {Record<string, string>} */
   attributes = {};
   /** @param {string} [tag] */
@@ -11,9 +15,20 @@ export class FakeElement extends EventTarget {
     this.tag = tag;
     made.push(this);
   }
-  append() {}
-  replaceChildren() {}
+  get firstChild() {
+    return this.children[0] ?? null;
+  }
+  append(/** @type {any[]} */ ...more) {
+    this.children.push(...more);
+  }
+  prepend() {}
+  replaceChildren() {
+    this.children = [];
+  }
   remove() {}
+  querySelectorAll() {
+    return [];
+  }
   setAttribute(/** @type {string} */ name, /** @type {string} */ value) {
     this.attributes[name] = value;
   }

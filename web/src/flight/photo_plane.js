@@ -41,12 +41,15 @@ export function photoPlane(view, { turn_rad = () => 0, on_draw, on_load, on_erro
     image.style.imageRendering = scale >= kPixelated ? 'pixelated' : 'auto';
     on_draw();
   };
+  /** Not while it is on its way, nor where it cannot be shown. */
+  const hasSize = () => image.naturalWidth > 0;
   const wholeScale = () => {
     const [sin, cos] = [Math.abs(Math.sin(turn_rad())), Math.abs(Math.cos(turn_rad()))];
     const { naturalWidth: width, naturalHeight: height } = image;
     return Math.min(view.clientWidth / (width * cos + height * sin), view.clientHeight / (width * sin + height * cos));
   };
   const showWhole = () => {
+    if (!hasSize()) return;
     scale = wholeScale();
     middle = { x: (image.naturalWidth - 1) / 2, y: (image.naturalHeight - 1) / 2 };
     draw();
@@ -59,6 +62,7 @@ export function photoPlane(view, { turn_rad = () => 0, on_draw, on_load, on_erro
   };
   /** @param {number} by @param {number} [x_px] from the middle of the view, stays where it is @param {number} [y_px] */
   const zoom = (by, x_px = 0, y_px = 0) => {
+    if (!hasSize()) return;
     const next = Math.min(kMaxScale, Math.max(wholeScale() / 2, scale * by));
     const from = turned({ x: x_px, y: y_px }, -turn_rad());
     const kept = 1 / scale - 1 / next;
