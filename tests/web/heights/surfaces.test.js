@@ -2,10 +2,12 @@
 import assert from 'node:assert/strict';
 import { setTimeout as delay } from 'node:timers/promises';
 import { test } from 'node:test';
+import { made } from '../support/fake_page.js';
 import { askAtRest } from '../../../web/src/heights/ask_at_rest.js';
 import { contourStep, drawnContours } from '../../../web/src/heights/contour_lines.js';
 import { readoutWords } from '../../../web/src/heights/height_readout.js';
 import { drawnProfile, figuresOf } from '../../../web/src/heights/surface_profile.js';
+import { volumeSection } from '../../../web/src/heights/volume_section.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
 import { formatVolume, parseNumber, typedNumber, typedText } from '../../../web/src/shared/format.js';
 import { speak } from '../../../web/src/shared/language.js';
@@ -129,4 +131,20 @@ test('every fifth contour is strong, whatever their distance, also below zero', 
   assert.deepEqual(strong(-12, -11, -10, -9), ['-10\u00a0m']);
   assert.deepEqual(strong(412), ['412\u00a0m'], 'the only one');
   assert.equal(drawnContours(contours(30.48, 60.96), 'imperial').features[0].properties.label, '100\u00a0ft');
+});
+
+test('a volume above one base does not stand below another while that is asked for', async () => {
+  const found = { area_m2: 100, covered_m2: 100, measured_share: 1, cut_m3: 5, fill_m3: 2, net_m3: 3, net_sigma_m3: 1, base: 'lowest', base_m: 400, shift: null };
+  globalThis.fetch = async (address) => Response.json(String(address).includes('/volume?') ? found : { flights: [] });
+  const view = { shown: new EventTarget(), heights: ['dsm'], flight_id: 'f', bounds: null };
+  const section = volumeSection(/** @type {any} */ (view));
+  const [base, result] = ['volume-base', 'volume-result'].map((id) => made.findLast(({ attributes }) => attributes.id === id));
+  const shown = () => result?.firstChild?.attributes.id;
+  Object.assign(base ?? {}, { value: 'lowest' });
+  section.show([[7, 46], [7.001, 46], [7.001, 46.001]], 'metric');
+  while (shown() !== 'volume-figures') await delay(10);
+  Object.assign(base ?? {}, { value: 'plane' });
+  base?.dispatchEvent(new Event('change'));
+  assert.equal(shown(), 'volume-message');
+  while (shown() !== 'volume-figures') await delay(10);
 });

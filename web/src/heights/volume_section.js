@@ -122,6 +122,7 @@ export function volumeSection(view) {
     // A first guess is the height of the base before.
     if (!given_row.hidden && given_m === null && asker.answer) given_m = Number(asker.answer.base_m.toFixed(2));
     writeGiven();
+    put(result);  // of another base: what is asked for now may take a while
     ask();
   });
   given.addEventListener('input', () => {
