@@ -8,6 +8,7 @@ import { lonBeside } from '../../web/src/map/coordinates.js';
 import { boundsOfData, readOwnData } from '../../web/src/map/own_data.js';
 import { overlayParts } from '../../web/src/map/map_layers.js';
 import { flightPath } from '../../web/src/map/map_style.js';
+import { measurementOf, measurementsGeoJson } from '../../web/src/map/measurement_files.js';
 import { outlineOf } from '../../web/src/map/outlines.js';
 import { isAcross, sourceBounds, tilesIn } from '../../web/src/map/tile_addresses.js';
 import { boundsOfNote, drawnNote, geometryOf, noteOf } from '../../web/src/notes/note_shape.js';
@@ -65,6 +66,19 @@ test('own lines and areas across the antimeridian do not go round the Earth, and
   assert.deepEqual(read('MultiPolygon', [[ring(179.5, 180)], [ring(-180, -179.5)]]), [[[ring(179.5, 180)], [ring(-180, -179.5)]], [179.5, -17, 180.5, -16]]);
   const earth = [[-180, -80], [0, -80], [180, -80], [180, 80], [-180, 80], [-180, -80]];
   assert.deepEqual(read('Polygon', [earth]), [[earth], [-180, -80, 180, 80]]);
+});
+
+test('measurements across the antimeridian are saved as GeoJSON that is cut there', () => {
+  const saved = (/** @type {any} */ places, is_area = false) => JSON.parse(measurementsGeoJson([measurementOf('m', places, is_area)])).features[0].geometry;
+  assert.deepEqual(saved([[179.5, -17], [180.5, -16], [179.75, -16]]), { type: 'MultiLineString', coordinates: [[[179.5, -17], [180, -16.5]], [[-180, -16.5], [-179.5, -16], [-180, -16]], [[180, -16], [179.75, -16]]] });
+  assert.deepEqual(saved([[-179.5, -17], [-180, -16.5], [-180.5, -16]]).coordinates, [[[-179.5, -17], [-180, -16.5]], [[180, -16.5], [179.5, -16]]], 'a place on it');
+  assert.deepEqual(saved([[179.5, -17], [180, -16.5], [179.5, -16]]), { type: 'LineString', coordinates: [[179.5, -17], [180, -16.5], [179.5, -16]] });
+  assert.deepEqual(saved([[180.25, -17], [180.5, -17]]).coordinates, [[-179.75, -17], [-179.5, -17]]);
+  const square = [[179.5, -17], [180.5, -17], [180.5, -16], [179.5, -16]];
+  const { type, coordinates } = saved(square, true);
+  assert.equal(type, 'MultiPolygon');
+  assert.deepEqual(coordinates.map((/** @type {any} */ [ring]) => new Set(ring.map(String))), [new Set(['179.5,-17', '180,-17', '180,-16', '179.5,-16']), new Set(['-180,-17', '-179.5,-17', '-179.5,-16', '-180,-16'])]);
+  assert.equal(saved([[179.5, -17], [180, -17], [180, -16]], true).type, 'Polygon');
 });
 
 test('photos on both sides of the antimeridian lie beside each other in the report and before they are sent', () => {

@@ -36,6 +36,80 @@ function ring(places) {
 /** @param {LonLat[]} places @returns {GeoJSON.Polygon} */
 export const polygonOf = (places) => ({ type: 'Polygon', coordinates: [ring(places).map(rounded)] });
 
+// RFC 7946 wants what crosses the antimeridian cut there (section 3.1.9): other programs draw it round the Earth.
+
+/** @param {LonLat} a @param {LonLat} b @param {number} lon_deg between them @returns {LonLat} on the straight line, as maps draw it */
+const between = ([from, a_lat], [to, b_lat], lon_deg) => [lon_deg, a_lat + ((b_lat - a_lat) * (lon_deg - from)) / (to - from)];
+
+/** @param {LonLat[]} places @returns {number[]} the meridians within at which the numbers begin anew, westernmost first */
+function meridiansIn(places) {
+  const [west, east] = [Math.min(...places.map(([lon]) => lon)), Math.max(...places.map(([lon]) => lon))];
+  const meridians = [];
+  for (let lon = 360 * Math.floor((west + 180) / 360) + 180; lon < east; lon += 360) if (lon > west) meridians.push(lon);
+  return meridians;
+}
+
+/** @param {LonLat[]} part on one side @returns {LonLat[]} its longitudes from -180 to 180 */
+function onItsSide(part) {
+  const [west, east] = [Math.min(...part.map(([lon]) => lon)), Math.max(...part.map(([lon]) => lon))];
+  const turn_deg = 360 * Math.round((west + east) / 720);
+  return part.map(([lon, lat]) => [lon - turn_deg, lat]);
+}
+
+/** @param {LonLat[]} places whose numbers go on across the antimeridian @returns {LonLat[][]} one line or more */
+function cutLine(places) {
+  const meridians = meridiansIn(places);
+  /** @type {LonLat[][]} */
+  const parts = [[places[0]]];
+  places.slice(1).forEach((to, i) => {
+    const from = places[i];
+    const crossed = meridians.filter((lon) => (from[0] - lon) * (to[0] - lon) < 0);
+    for (const lon of from[0] < to[0] ? crossed : crossed.reverse()) {
+      const edge = between(from, to, lon);
+      parts[parts.length - 1].push(edge);
+      parts.push([edge]);
+    }
+    parts[parts.length - 1].push(to);
+    // One that turns or ends on the meridian itself goes on where it comes from, until it leaves that.
+    const next = places[i + 2];
+    if (next && meridians.some((lon) => to[0] === lon && (from[0] - lon) * (next[0] - lon) < 0)) parts.push([to]);
+  });
+  return parts.map(onItsSide);
+}
+
+/** @param {LonLat[]} ring not closed @param {number} lon_deg @param {1|-1} side 1: what lies east of it @returns {LonLat[]} */
+function sideOf(ring, lon_deg, side) {
+  return ring.flatMap((to, i) => {
+    const from = ring[(i + ring.length - 1) % ring.length];
+    const edge = (from[0] - lon_deg) * (to[0] - lon_deg) < 0 ? [between(from, to, lon_deg)] : [];
+    return side * (to[0] - lon_deg) >= 0 ? [...edge, to] : edge;
+  });
+}
+
+/** @param {LonLat[]} ring not closed; its numbers go on across the antimeridian @returns {LonLat[][]} one or more, not closed */
+function cutRing(ring) {
+  /** @type {LonLat[][]} */
+  const parts = [];
+  let rest = ring;
+  for (const lon of meridiansIn(ring)) {
+    parts.push(sideOf(rest, lon, -1));
+    rest = sideOf(rest, lon, 1);
+  }
+  return [...parts, rest].map(onItsSide);
+}
+
+/** @param {LonLat[]} places @returns {GeoJSON.LineString|GeoJSON.MultiLineString} */
+function lineInFile(places) {
+  const lines = cutLine(places).map((line) => line.map(rounded));
+  return lines.length === 1 ? { type: 'LineString', coordinates: lines[0] } : { type: 'MultiLineString', coordinates: lines };
+}
+
+/** @param {LonLat[]} places @returns {GeoJSON.Polygon|GeoJSON.MultiPolygon} */
+function areaInFile(places) {
+  const areas = cutRing(places).map((part) => [ring(part).map(rounded)]);
+  return areas.length === 1 ? { type: 'Polygon', coordinates: areas[0] } : { type: 'MultiPolygon', coordinates: areas };
+}
+
 const millimetres = (/** @type {number} */ value) => Number(value.toFixed(3));
 const isPoint = (/** @type {Measurement} */ { places, area_m2 }) => area_m2 === null && places.length === 1;
 
@@ -45,8 +119,8 @@ function feature(measurement) {
   const words = text ? { name, text } : { name };
   if (isPoint(measurement)) return { type: 'Feature', properties: words, geometry: { type: 'Point', coordinates: rounded(places[0]) } };
   return area_m2 === null
-    ? { type: 'Feature', properties: { ...words, length_m: millimetres(length_m) }, geometry: { type: 'LineString', coordinates: places.map(rounded) } }
-    : { type: 'Feature', properties: { ...words, area_m2: millimetres(area_m2), perimeter_m: millimetres(length_m) }, geometry: polygonOf(places) };
+    ? { type: 'Feature', properties: { ...words, length_m: millimetres(length_m) }, geometry: lineInFile(places) }
+    : { type: 'Feature', properties: { ...words, area_m2: millimetres(area_m2), perimeter_m: millimetres(length_m) }, geometry: areaInFile(places) };
 }
 
 /** @param {Measurement[]} measurements @returns {string} GeoJSON */
