@@ -110,8 +110,10 @@ Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, con
   for (const std::string& units_of : of_use) cut.insert(UnitsFolderName(units_of));
   const std::string lost = fmt::format("lost/{}/", ToUs(now) / 1'000'000);
   for (const auto& [flight_id, blobs_of_flight] : old) {
-    SKYQUILT_TRY_ASSIGN(const std::int64_t next, catalogue.NextRevision(flight_id));
-    if (newest[flight_id] >= next) {
+    const Result<std::int64_t> next = catalogue.NextRevision(flight_id);
+    if (!next && next.error().code == ErrorCode::kNotFound) continue;  // deleted just now
+    if (!next) return next.error();
+    if (newest[flight_id] >= *next) {
       report.moved.push_back(OfNewerCatalogue(blobs, flight_id, newest[flight_id]) +
                              "; all that is there of its flight stays");
       continue;

@@ -10,6 +10,7 @@
 #include "storage/db/ids.h"
 #include "storage/folder/object_store/settle_blobs.h"
 #include "storage/jobs/unit_queue.h"
+#include "tests/storage/blobs/far_folder.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace skyquilt::storage {
@@ -151,6 +152,22 @@ TEST_F(SweptBlobs, TakesWhatAWorkerPutAfterItsFlightWasDeleted) {
   Put(part);
   EXPECT_TRUE(Sweep(std::chrono::seconds(0)).moved.empty());
   EXPECT_TRUE(blobs_.List("")->empty());
+}
+
+TEST_F(SweptBlobs, AreSweptPastAFlightThatIsDeletedMeanwhile) {
+  const std::string other = catalogue_.AddFlight("b", "{}", Now())->id;
+  Put(FilesPrefix(flight_) + photo_);
+  Put(FilesPrefix(other) + NewId());
+  test::FarFolder far(dir_ / "store");
+  far.before_list = [&](const std::string& prefix) {
+    if (prefix == kDeletedPrefix) {
+      EXPECT_TRUE(catalogue_.DeleteFlight(flight_));
+    }
+  };
+  const SweepReport report =
+      test::ValueOf(SweepBlobs(far, catalogue_, queue_, Now(), std::chrono::seconds(0)));
+  EXPECT_EQ(report.moved.size(), 1U);
+  EXPECT_TRUE(Has(FilesPrefix(flight_) + photo_));
 }
 
 TEST_F(SweptBlobs, AreOfOneCatalogue) {
