@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -21,6 +22,13 @@ namespace {
 
 storage::Trash TrashOf(Service& service) {
   return storage::Trash(service.db, storage::FlightRecords(service.store.dir()));
+}
+
+// Whether photos or maps of a flight may lie in their store.
+Result<bool> HasHadAnything(const Service& service, const std::string& id) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files, service.catalogue.ListFiles(id));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t next, service.catalogue.NextRevision(id));
+  return !files.empty() || next > 1;
 }
 
 nlohmann::ordered_json TrashedJson(const Service& service, const storage::TrashedFlight& flight) {
@@ -80,11 +88,15 @@ Result<void> RemoveFlight(Service& service, const std::string& id,
                           std::optional<storage::Time> trashed_until) {
   // What they have made waits for their next attempts; without them nobody could tell whose it was.
   SKYQUILT_TRY_ASSIGN(const std::vector<std::string> jobs, service.queue.JobsOf(id));
-  // A store that hears nothing of it would keep all of the flight for ever.
+  // A store that hears nothing of it would keep all of the flight for ever. One of which it never took
+  // anything (an upload that failed) need not wait for it.
   storage::BlobStore& blobs = service.store.blobs();
   bool is_marked = false;
   if (!blobs.IsFolder()) {
-    SKYQUILT_TRY_ASSIGN(is_marked, storage::MarkDeleted(blobs, id));
+    SKYQUILT_TRY_ASSIGN(const bool has_had_anything, HasHadAnything(service, id));
+    if (has_had_anything) {
+      SKYQUILT_TRY_ASSIGN(is_marked, storage::MarkDeleted(blobs, id));
+    }
   }
   // The catalogue first: what is then left on the disk is garbage that any start-up removes.
   const Result<void> deleted =

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "api/flights/trash.h"
+#include "storage/db/ids.h"
 #include "tests/api/sample_service.h"
 #include "tests/storage/blobs/far_folder.h"
 
@@ -78,7 +79,9 @@ TEST(Flights, StayWhileTheStoreOfPhotosCannotBeToldThatTheyGo) {
   Service service{sample.catalogue, sample.queue,        store,  sample.service().tilesets,
                   metrics,          sample.service().db, "1.2.3"};
   const std::string flight = sample.NewFlight();
+  ASSERT_TRUE(sample.catalogue.AddFile(flight, {"a.jpg", storage::NewId(), 1}, storage::Now()));
   far->puts_left = 0;
+  EXPECT_TRUE(RemoveFlight(service, sample.NewFlight()));  // of which nothing is there
   EXPECT_EQ(RemoveFlight(service, flight).error().code, ErrorCode::kUnavailable);
   EXPECT_TRUE(*sample.catalogue.HasFlight(flight));
   far->puts_left = 1;
