@@ -235,9 +235,8 @@ Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db) {
 }
 
 Result<void> SettleRecords(const DataDir& dir, CatalogueDb& db) {
-  std::error_code none;
-  if (!fs::exists(dir.BlobsMarker(), none)) return {};  // the sweep takes their bytes away
   const FlightRecords records(dir);
+  if (!records.AreAllThatIsHere()) return {};  // the sweep takes their bytes away
   SKYQUILT_TRY_ASSIGN(const auto flights, KnownFlights(db));
   for (const auto& [id, known] : flights) {
     if (!IsId(id)) continue;

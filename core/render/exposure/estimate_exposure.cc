@@ -166,7 +166,7 @@ std::vector<std::size_t> OrderOfAdded(const std::vector<ExposureSample>& samples
   const auto tell = [&](std::size_t begin) {
     if (is_told[begin]) return;
     is_told[begin] = true;
-    for (std::size_t i = begin; i < samples.size() && samples[i].spot == samples[begin].spot; ++i) {
+    for (std::size_t i = begin, end = EndOfSpot(samples, begin); i < end; ++i) {
       if (samples[i].photo >= finished) ++shared[samples[i].photo - finished];
     }
   };
@@ -207,7 +207,7 @@ ExposureModel ExtendExposure(const alignment::AlignedFlight& flight, const groun
       for (const std::size_t begin : spots_of[next]) {
         const ExposureSample* of_added = nullptr;
         std::vector<double> shown;
-        for (std::size_t i = begin; i < samples.size() && samples[i].spot == samples[begin].spot; ++i) {
+        for (std::size_t i = begin, end = EndOfSpot(samples, begin); i < end; ++i) {
           if (samples[i].photo == added) of_added = &samples[i];
           if (is_evened[samples[i].photo])
             shown.push_back(Shown(samples[i], model.tones[samples[i].photo], channel));

@@ -44,11 +44,7 @@ export function ownDataView(view) {
     );
     list.append(row);
     announce(words.added(file.name));
-    const seen = view.map.getBounds();
-    // Across the antimeridian the numbers of one go on, and those of the other begin anew.
-    const is_beside = [-360, 0, 360].some((by) => bounds[0] + by <= seen.getEast() && bounds[2] + by >= seen.getWest());
-    const is_in_sight = is_beside && bounds[1] <= seen.getNorth() && bounds[3] >= seen.getSouth();
-    if (!is_in_sight) showNote(words.elsewhere(file.name), { action: { label: words.go, run: show } });
+    if (!view.sees(bounds)) showNote(words.elsewhere(file.name), { action: { label: words.go, run: show } });
   };
   input.addEventListener('change', async () => {
     const files = [...(input.files ?? [])];
